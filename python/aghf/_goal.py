@@ -8,7 +8,7 @@ import numpy as np
 
 
 class Goal(dict):
-    """A set of poses of a frame of the robot, for the key ``goal`` of a scenario or ``poses`` in its key ``keep``.
+    """A set of poses of a frame, for the key ``goal`` of a scenario or ``poses`` in ``keep`` and ``waypoints``.
 
     At least one of `position_m`, `box`, `orientation_xyzw` and `axis` is needed; the scenario refuses any other set.
 

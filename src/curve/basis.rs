@@ -243,12 +243,17 @@ impl Basis {
         table
     }
 
-    /// Evaluates the curve with these coefficients, `N` by [`count`](Self::count), at a normalised time.
-    pub(crate) fn evaluate(&self, coefficients: &DMatrix<f64>, time: f64) -> Local {
+    /// The segment at a normalised time, with its functions there as by [`local`](Self::local).
+    pub(crate) fn functions_at(&self, time: f64) -> (usize, DMatrix<f64>) {
         let e = ((time * self.segments as f64) as usize).min(self.segments - 1);
         let s = time / self.half() - (2 * e + 1) as f64;
+        (e, self.local(s))
+    }
+
+    /// Evaluates the curve with these coefficients, `N` by [`count`](Self::count), at a normalised time.
+    pub(crate) fn evaluate(&self, coefficients: &DMatrix<f64>, time: f64) -> Local {
+        let (e, table) = self.functions_at(time);
         let own = coefficients.columns(self.first(e), self.degree + 1);
-        let table = self.local(s);
         [0, 1, 2].map(|d| own * table.row(d).transpose())
     }
 

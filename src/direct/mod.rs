@@ -28,11 +28,13 @@ mod minimise;
 mod options;
 mod settings;
 mod strategy;
+mod waypoint;
 
 pub use goal::{GoalEnd, GoalSet};
 pub use options::SearchOptions;
 pub use settings::{DirectSettings, DirectSolution, Iteration, PlannedStarts};
 pub use strategy::{DegreeRefinement, FreeHorizon, LocalMinimum};
+pub use waypoint::Waypoint;
 
 use crate::constraint::{Constraint, Constraints, NONE};
 use crate::cost::{ControlEffort, CostWithControl};
@@ -45,7 +47,7 @@ pub(crate) use minimise::working_set::{WorkingSet, equalities};
 use minimise::{Candidate, Context, minimise};
 pub(crate) use minimise::{Integrand, Stage};
 pub(crate) use settings::Rung;
-use strategy::{Planned, minimise_to_the_end, multistart, refine};
+use strategy::{Planned, minimise_to_the_end, multistart, nearest_times, refine};
 
 /// A problem with a running cost, constraints and settings, to be solved.
 ///
@@ -180,6 +182,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
             let path = path_of(curve, settings.basis(&problem)).between_ends_of(&problem);
             first_guess = curve_of(&problem, &path)?;
             let start = Candidate {
+                times: nearest_times(&path, &problem, &settings.waypoints),
                 multipliers: settings.multipliers.clone().unwrap_or_default(),
                 penalty: Some(settings.search.planned_penalty),
                 alternative: settings.goal.as_ref().map_or(0, |goal| goal.nearest(curve)),
@@ -229,6 +232,11 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
             minima_curves,
             best_start,
             alternative: found.alternative,
+            waypoint_times: found
+                .times
+                .iter()
+                .map(|time| time * found.horizon)
+                .collect(),
             first_guess,
             multipliers: found.multipliers,
             iterations,

@@ -42,6 +42,9 @@ pub struct SearchOptions {
     pub motor_penalty: f64,
     /// The first penalty of other equalities, relative to the cost per second.
     pub equality_penalty: f64,
+    /// The first penalty of an equality of a waypoint or a goal, relative to the mean running cost: a larger one forces
+    /// the search along the curved set of motions that pass exactly, in short steps.
+    pub point_penalty: f64,
     /// The accepted torque of a passive joint between the collocated points, relative to the largest torque.
     pub passive_share: f64,
     /// The largest product of degree and number of segments when these are increased for passive joints.
@@ -105,6 +108,7 @@ impl Default for SearchOptions {
             last_barrier_of_bounds: 1e-12,
             motor_penalty: 2.0,
             equality_penalty: 1e3,
+            point_penalty: 10.0,
             passive_share: 5e-4,
             largest_passive_size: 512,
             wave: 8,
@@ -158,6 +162,7 @@ impl SearchOptions {
             ("last_barrier_of_bounds", self.last_barrier_of_bounds),
             ("motor_penalty", self.motor_penalty),
             ("equality_penalty", self.equality_penalty),
+            ("point_penalty", self.point_penalty),
             ("passive_share", self.passive_share),
             ("share_of_starts", self.share_of_starts),
             ("hopeless", self.hopeless[0]),

@@ -1,7 +1,10 @@
 //! The settings and the results of the direct method.
 
 use super::minimise::Stage;
-use super::{DegreeRefinement, FreeHorizon, GoalSet, LocalMinimum, Multipliers, SearchOptions};
+use super::waypoint;
+use super::{
+    DegreeRefinement, FreeHorizon, GoalSet, LocalMinimum, Multipliers, SearchOptions, Waypoint,
+};
 use crate::curve::{Basis, Continuity, Curve};
 use crate::error::{Error, Result, check_count, check_positive};
 use crate::motion::{Interrupt, Problem, Stopped};
@@ -63,6 +66,8 @@ pub struct DirectSettings {
     pub free_horizon: Option<FreeHorizon>,
     /// A goal that is a set: the final configuration is an unknown within it, and that of the problem has no effect.
     pub goal: Option<GoalSet>,
+    /// The points on the way, in their order.
+    pub waypoints: Vec<Waypoint>,
     /// The constants of the search.
     pub search: SearchOptions,
     /// Those of the interior-point method, with the rule of its barrier parameter. [`tolerance`](Self::tolerance) and
@@ -106,6 +111,7 @@ impl Default for DirectSettings {
             continuous_acceleration: false,
             free_horizon: None,
             goal: None,
+            waypoints: Vec::new(),
             search: SearchOptions::default(),
             nlp: nlp::Options::default(),
         }
@@ -178,6 +184,8 @@ impl DirectSettings {
         if passive {
             rungs.retain(|rung| 2 * rung.basis.segments() >= self.segments);
         }
+        let conditions = waypoint::conditions(&self.waypoints);
+        rungs.retain(|rung| rung.basis.free().len() > conditions);
         let last = new(self.segments, self.degree);
         rungs.retain(|rung| rung.basis != last);
         rungs.push(Rung {
@@ -263,6 +271,7 @@ impl DirectSettings {
         if let Some(goal) = &self.goal {
             goal.check(problem)?;
         }
+        waypoint::check(self, problem)?;
         if let Some(longest) = self.longest_horizon {
             let least = problem.horizon();
             if !(longest.is_finite() && longest >= least) {
@@ -370,6 +379,8 @@ pub struct DirectSolution {
     pub best_start: Option<usize>,
     /// The alternative of the [goal](GoalSet) at which the motion ends; zero without one.
     pub alternative: usize,
+    /// The times of the waypoints, s.
+    pub waypoint_times: Vec<f64>,
     /// The initial curve of that start.
     pub first_guess: Curve,
     /// The multipliers of the rows.

@@ -2,17 +2,19 @@
 
 use super::{Options, Progress};
 use crate::linalg::BlockTridiagonal;
-use nalgebra::DVector;
+use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// The number of inverse iterations, after which the direction mixes few eigenvectors.
 const INVERSE_ITERATIONS: usize = 30;
 
-/// A symmetric matrix of a block-tridiagonal part with a border of one row and column.
+/// A symmetric matrix of a block-tridiagonal part with a border of a few rows and columns.
 #[derive(Clone, Debug)]
 pub struct Bordered {
     pub matrix: BlockTridiagonal<f64>,
-    /// The border and the corner, if there is one.
-    pub border: Option<(DVector<f64>, f64)>,
+    /// The columns of the border.
+    pub border: DMatrix<f64>,
+    /// The corner, as many rows and columns as the border has columns; of its factor the lower triangle.
+    pub corner: DMatrix<f64>,
 }
 
 /// The gradient and the condensed matrix of the equations, with the norm in which steps are measured.
@@ -35,55 +37,78 @@ pub struct Step {
 }
 
 impl Bordered {
+    /// A matrix without a border.
+    pub fn without_border(matrix: BlockTridiagonal<f64>) -> Self {
+        let (border, corner) = (DMatrix::zeros(matrix.order(), 0), DMatrix::zeros(0, 0));
+        Self {
+            matrix,
+            border,
+            corner,
+        }
+    }
+
+    /// The number of rows.
+    pub fn order(&self) -> usize {
+        self.border.nrows() + self.border.ncols()
+    }
+
     /// Sets the matrix to `a + factor b`.
     fn set_sum(&mut self, a: &Self, factor: f64, b: &Self) {
         self.matrix.set_sum(&a.matrix, factor, &b.matrix);
-        self.border = a.border.as_ref().map(|(border, corner)| {
-            let (other, end) = b.border.as_ref().expect("both have a border");
-            (border + other * factor, corner + factor * end)
-        });
+        self.border = &a.border + &b.border * factor;
+        self.corner = &a.corner + &b.corner * factor;
     }
 
-    /// Replaces the matrix by its factor; the border becomes the solution for it, and the corner the pivot. Returns
-    /// false if the matrix is not positive definite.
+    /// Replaces the matrix by its factor; the border becomes the solution for it, and the corner the Cholesky factor of
+    /// the Schur complement. Returns false if the matrix is not positive definite.
     fn factorise(&mut self) -> bool {
         if !self.matrix.factorise() {
             return false;
         }
-        let Some((border, corner)) = &mut self.border else {
+        if self.border.ncols() == 0 {
             return true;
-        };
-        let known = border.clone();
-        self.matrix.solve(border);
-        *corner -= known.dot(border);
-        *corner > 0.0 && corner.is_finite()
+        }
+        let known = self.border.clone();
+        for mut column in self.border.column_iter_mut() {
+            let mut solution = column.clone_owned();
+            self.matrix.solve(&mut solution);
+            column.copy_from(&solution);
+        }
+        let complement = &self.corner - known.tr_mul(&self.border);
+        let factor =
+            Cholesky::new(complement).filter(|of| of.l_dirty().iter().all(|x| x.is_finite()));
+        factor.map(|factor| self.corner = factor.unpack()).is_some()
     }
 
     /// Replaces `b` by the solution; requires [`factorise`](Self::factorise).
     fn solve(&self, b: &mut DVector<f64>) {
-        let Some((border, pivot)) = &self.border else {
+        let (n, own) = (self.border.nrows(), self.border.ncols());
+        if own == 0 {
             self.matrix.solve(b);
             return;
-        };
-        let n = border.len();
+        }
         let mut head = b.rows(0, n).into_owned();
-        let last = (b[n] - border.dot(&head)) / pivot;
+        let mut tail = b.rows(n, own) - self.border.tr_mul(&head);
+        // A pivot of a factor is not zero.
+        self.corner.solve_lower_triangular_mut(&mut tail);
+        self.corner.tr_solve_lower_triangular_mut(&mut tail);
         self.matrix.solve(&mut head);
-        head.axpy(-last, border, 1.0);
+        head.gemv(-1.0, &self.border, &tail, 1.0);
         b.rows_mut(0, n).copy_from(&head);
-        b[n] = last;
+        b.rows_mut(n, own).copy_from(&tail);
     }
 
     /// The product with a vector.
     pub fn product(&self, x: &DVector<f64>) -> DVector<f64> {
-        let Some((border, corner)) = &self.border else {
+        let (n, own) = (self.border.nrows(), self.border.ncols());
+        if own == 0 {
             return self.matrix.product(x);
-        };
-        let n = border.len();
-        let head = x.rows(0, n).into_owned();
-        let mut y = self.matrix.product(&head).insert_row(n, 0.0);
-        y.rows_mut(0, n).axpy(x[n], border, 1.0);
-        y[n] = border.dot(&head) + corner * x[n];
+        }
+        let (head, tail) = (x.rows(0, n).into_owned(), x.rows(n, own));
+        let mut y = self.matrix.product(&head).insert_rows(n, own, 0.0);
+        y.rows_mut(0, n).gemv(1.0, &self.border, &tail, 1.0);
+        y.rows_mut(n, own)
+            .copy_from(&(self.border.tr_mul(&head) + &self.corner * tail));
         y
     }
 }
@@ -95,9 +120,8 @@ impl Kkt {
         if !norm_factor.factorise() {
             return None;
         }
-        let order = norm.matrix.order() + usize::from(norm.border.is_some());
         Some(Self {
-            gradient: DVector::zeros(order),
+            gradient: DVector::zeros(norm.order()),
             hessian: norm.clone(),
             factor: norm.clone(),
             norm,

@@ -29,14 +29,15 @@ pub fn curve_along<K: Constraint + ?Sized>(
     basis: Basis,
     settings: &PlanSettings,
 ) -> Result<Curve> {
-    curve_of(problem, &along(problem, constraint, path, basis, settings)?)
+    let curve = along(problem, constraint, (path, &[]), basis, settings)?;
+    curve_of(problem, &curve)
 }
 
-/// Computes the coefficients of the curve of [`curve_along`].
+/// Computes the coefficients of the curve of [`curve_along`], with zero slopes at these configurations of the path.
 pub(crate) fn along<K: Constraint + ?Sized>(
     problem: &Problem<'_>,
     constraint: &K,
-    path: &[Vec<f64>],
+    (path, stops): (&[Vec<f64>], &[&[f64]]),
     basis: Basis,
     settings: &PlanSettings,
 ) -> Result<Path> {
@@ -58,7 +59,10 @@ pub(crate) fn along<K: Constraint + ?Sized>(
     let ends = [problem.start(), problem.goal()].map(|state| &state[..n]);
     let mut checker = Checker::new(problem.model(), constraint, settings.resolution)?;
     checker.keep(settings.margin, ends)?;
-    let mut halvings = vec![0; segments + 1];
+    let stops = breakpoints.iter().map(|q| stops.contains(&&q[..]));
+    let mut halvings: Vec<_> = stops
+        .map(|stop| if stop { HALVINGS + 1 } else { 0 })
+        .collect();
     let share = |halvings: i32| match halvings {
         0..=HALVINGS => 0.5_f64.powi(halvings),
         _ => 0.0,

@@ -218,7 +218,7 @@ fn ranges(model: &Model, ends: [&[f64]; 2]) -> Vec<[f64; 2]> {
 }
 
 /// The Euclidean distance of two configurations.
-fn distance(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn distance(a: &[f64], b: &[f64]) -> f64 {
     let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
     squares.sum::<f64>().sqrt()
 }

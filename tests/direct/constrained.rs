@@ -63,7 +63,8 @@ fn a_search_begins_with_known_multipliers() {
     let cold = around_a_ball_to(1.02, 0.2, &settings);
     let known = &first.multipliers;
     let (times, rows) = (known.times().to_vec(), known.rows());
-    let same = Multipliers::of_entries(times, rows, &known.entries(0.0), known.of_goal().to_vec());
+    let same =
+        Multipliers::of_entries(times, rows, &known.entries(0.0), known.of_points().to_vec());
     let same = same.expect("they fit");
     assert_eq!(same, *known);
     let warm = DirectSettings {

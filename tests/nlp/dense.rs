@@ -96,8 +96,7 @@ impl Dense {
         let n = self.start.len();
         let mut matrix = BlockTridiagonal::new(&[n], 0);
         matrix.diagonal[0].fill_with_identity();
-        let border = None;
-        Kkt::new(Bordered { matrix, border }).expect("the unit matrix is positive definite")
+        Kkt::new(Bordered::without_border(matrix)).expect("the unit matrix is positive definite")
     }
 
     /// The equalities or the inequalities.

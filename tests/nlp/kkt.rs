@@ -2,12 +2,12 @@
 
 use aghf::linalg::BlockTridiagonal;
 use aghf::nlp::{Bordered, Kkt, Options, Progress};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A random symmetric matrix of three blocks with a border or without, and `shift` on its diagonal.
-fn random(rng: &mut ChaCha8Rng, bordered: bool, shift: f64) -> Bordered {
+/// A random symmetric matrix of three blocks with a border of so many columns, and `shift` on its diagonal.
+fn random(rng: &mut ChaCha8Rng, columns: usize, shift: f64) -> Bordered {
     let mut number = || rng.random_range(-1.0..1.0);
     let mut matrix = BlockTridiagonal::new(&[3, 4, 3], 2);
     for block in &mut matrix.diagonal {
@@ -20,29 +20,34 @@ fn random(rng: &mut ChaCha8Rng, bordered: bool, shift: f64) -> Bordered {
     for block in &mut matrix.coupling {
         block.apply(|entry| *entry = number());
     }
-    let border = bordered.then(|| (DVector::from_fn(10, |_, _| number()), shift));
-    Bordered { matrix, border }
+    let half = DMatrix::from_fn(columns, columns, |_, _| number());
+    let diagonal = DMatrix::from_diagonal_element(columns, columns, shift);
+    Bordered {
+        matrix,
+        border: DMatrix::from_fn(10, columns, |_, _| number()),
+        corner: &half + half.transpose() + diagonal,
+    }
 }
 
 /// The complete matrix.
 fn dense(of: &Bordered) -> DMatrix<f64> {
-    let dense = of.matrix.to_dense();
-    let Some((border, corner)) = &of.border else {
-        return dense;
-    };
-    let n = border.len();
-    let mut dense = dense.insert_row(n, 0.0).insert_column(n, 0.0);
-    dense.view_mut((0, n), (n, 1)).copy_from(border);
-    dense
-        .view_mut((n, 0), (1, n))
-        .copy_from(&border.transpose());
-    dense[(n, n)] = *corner;
+    let (n, columns) = of.border.shape();
+    let mut dense = DMatrix::zeros(n + columns, n + columns);
+    let blocks = [
+        ((0, 0), of.matrix.to_dense()),
+        ((0, n), of.border.clone()),
+        ((n, 0), of.border.transpose()),
+        ((n, n), of.corner.clone()),
+    ];
+    for (at, block) in blocks {
+        dense.view_mut(at, block.shape()).copy_from(&block);
+    }
     dense
 }
 
 /// A positive definite norm, a matrix and a gradient.
-fn system(rng: &mut ChaCha8Rng, bordered: bool, shift: f64) -> (Kkt, DMatrix<f64>, DMatrix<f64>) {
-    let (norm, hessian) = (random(rng, bordered, 9.0), random(rng, bordered, shift));
+fn system(rng: &mut ChaCha8Rng, columns: usize, shift: f64) -> (Kkt, DMatrix<f64>, DMatrix<f64>) {
+    let (norm, hessian) = (random(rng, columns, 9.0), random(rng, columns, shift));
     let of = (dense(&norm), dense(&hessian));
     let mut kkt = Kkt::new(norm).expect("the norm is positive definite");
     kkt.gradient
@@ -55,8 +60,8 @@ fn system(rng: &mut ChaCha8Rng, bordered: bool, shift: f64) -> (Kkt, DMatrix<f64
 #[test]
 fn products() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
-    for bordered in [false, true] {
-        let (kkt, norm, hessian) = system(&mut rng, bordered, 0.0);
+    for columns in [0, 1, 3] {
+        let (kkt, norm, hessian) = system(&mut rng, columns, 0.0);
         let x = kkt.gradient.clone();
         assert_close!(&kkt.hessian.product(&x), &(&hessian * &x), 1e-14);
         let length = x.dot(&(&norm * &x)).sqrt();
@@ -64,10 +69,8 @@ fn products() {
         assert!(Kkt::new(kkt.hessian.clone()).is_none());
     }
     // Positive definite but for the corner.
-    let mut norm = random(&mut rng, true, 9.0);
-    if let Some((_, corner)) = &mut norm.border {
-        *corner = -1.0;
-    }
+    let mut norm = random(&mut rng, 1, 9.0);
+    norm.corner[(0, 0)] = -1.0;
     assert!(Kkt::new(norm).is_none());
 }
 
@@ -77,9 +80,9 @@ fn products() {
 fn steps_solve_the_equations() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let scale = 3.0;
-    for bordered in [false, true] {
+    for columns in [0, 1, 3] {
         for shift in [9.0, 0.0, -9.0] {
-            let (mut kkt, norm, hessian) = system(&mut rng, bordered, shift);
+            let (mut kkt, norm, hessian) = system(&mut rng, columns, shift);
             let mut progress = Progress::default();
             let step = kkt.step(scale, &mut progress, &Options::default());
             let step = step.expect("a multiple of the norm is enough");
@@ -101,10 +104,10 @@ fn steps_solve_the_equations() {
 #[test]
 fn negative_curvature() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
-    for bordered in [false, true] {
-        let (mut kkt, ..) = system(&mut rng, bordered, 9.0);
+    for columns in [0, 1, 3] {
+        let (mut kkt, ..) = system(&mut rng, columns, 9.0);
         assert!(kkt.negative_curvature(1.0).is_none());
-        let (mut kkt, norm, hessian) = system(&mut rng, bordered, -1.0);
+        let (mut kkt, norm, hessian) = system(&mut rng, columns, -1.0);
         let direction = kkt.negative_curvature(1.0).expect("it is indefinite");
         assert_close!(&[kkt.length(&direction)], &[1.0], 1e-12);
         // The eigenvalues of the matrix relative to the norm.
@@ -122,7 +125,7 @@ fn negative_curvature() {
 #[test]
 fn the_multiple_follows_the_fractions() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
-    let (mut kkt, ..) = system(&mut rng, true, 9.0);
+    let (mut kkt, ..) = system(&mut rng, 1, 9.0);
     let options = Options::default();
     let used = |kkt: &mut Kkt, fraction: f64| {
         let mut progress = Progress::default();

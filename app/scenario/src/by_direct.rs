@@ -23,6 +23,7 @@ pub(super) fn search_directly(
     let settings = DirectSettings {
         interrupt,
         goal: scenario.goal_with_ends()?,
+        waypoints: scenario.waypoints_with_guesses()?,
         ..options.settings(scenario)?
     };
     let observe = &mut |iteration: &Iteration| observe(&Record::Direct(*iteration));
@@ -77,6 +78,7 @@ fn solution_of(
         minima: solution.minima,
         iterations: iterations.len(),
         factorisations: iterations.iter().map(|i| i.factorisations).sum(),
+        waypoint_times_s: solution.waypoint_times,
         end: settings.goal.as_ref().map(|_| ReachedEnd {
             goal: solution.alternative,
             q: curve.at(horizon).0.as_slice()[..curve.dof()].to_vec(),

@@ -16,9 +16,10 @@ use super::scene::scene;
 use super::schema::{self, FeedbackKeys, one_of};
 use super::self_collision::in_full;
 use super::stand::{Stand, standing_foot};
+use super::waypoints::{PointOnTheWay, waypoints};
 use super::{EnforcedLimits, IgnoredPair};
 use aghf::curve::Chebyshev;
-use aghf::direct::GoalSet;
+use aghf::direct::{GoalSet, Waypoint};
 use aghf::error::{Error, Result, plain};
 use aghf::geometry::Scene;
 use aghf::input::name_of;
@@ -106,6 +107,9 @@ pub struct ScenarioFile {
     /// For the direct method: conditions that are kept along the way.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub keep: Vec<Kept>,
+    /// For the direct method: points on the way, in their order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub waypoints: Vec<PointOnTheWay>,
     /// For the direct method: the foot on which the robot stands; by default the base holds anything.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stand: Option<Stand>,
@@ -190,6 +194,8 @@ pub struct Scenario {
     pub source: RobotSource,
     /// The goal, if it is a set.
     pub goal: Option<GoalSet>,
+    /// The points on the way.
+    pub waypoints: Vec<Waypoint>,
     /// The constraints and the cost that no key can name.
     pub(super) own: OwnTerms,
 }
@@ -260,6 +266,7 @@ impl Scenario {
             .check_regular(&source.name())
             .map_err(|e| Error::input(path, of_key, e.to_string()))?;
         let goal = goal_set(&mut file, &model, path)?;
+        let waypoints = waypoints(&file, &model, path)?;
         let (kept, kept_between) = kept_rows(&file, &model, path)?;
         let foot = standing_foot(&file, &model, path)?;
         let states = [
@@ -326,6 +333,7 @@ impl Scenario {
             robot_xxh64: format!("{robot_xxh64:016x}"),
             source,
             goal,
+            waypoints,
             own: OwnTerms {
                 constraints: kept,
                 stage: kept_between,
@@ -347,28 +355,6 @@ impl Scenario {
             state(&self.file.q_goal, &self.file.v_goal),
             self.file.horizon_s,
         )
-    }
-
-    /// The boundary positions outside the limits of their joints, in words. They are reported rather than refused,
-    /// because the paper's Digit scenarios have some.
-    #[must_use]
-    pub fn outside_limits(&self) -> Vec<String> {
-        let mut notes = Vec::new();
-        for (key, q) in [
-            ("q_start", &self.file.q_start),
-            ("q_goal", &self.file.q_goal),
-        ] {
-            for (joint, q) in self.model.joints().iter().zip(q) {
-                let (lower, upper) = (joint.limits().lower, joint.limits().upper);
-                if !(lower..=upper).contains(q) {
-                    let (name, [q, lower, upper]) = (joint.name(), [*q, lower, upper].map(plain));
-                    notes.push(format!(
-                        "{key}: joint '{name}' at {q} is outside [{lower}, {upper}]"
-                    ));
-                }
-            }
-        }
-        notes
     }
 }
 

@@ -35,7 +35,10 @@ impl Scenario {
         let problem = self.problem()?;
         let (mut ends, mut refused) = (Vec::new(), None);
         for alternative in 0..goal.alternatives.len() {
-            match self.ends_of(alternative, &goal.alternatives[alternative])? {
+            let key = self.key_of_goal(alternative);
+            let poses = &self.file.goal[alternative];
+            let rows = &goal.alternatives[alternative];
+            match self.ends_of(poses, rows, (&self.file.q_goal, &self.file.q_start), None)? {
                 Ok(found) => {
                     for q in found {
                         let effort = effort_to(&problem, &q)?;
@@ -43,7 +46,7 @@ impl Scenario {
                     }
                 }
                 Err(condition) => {
-                    let error = Error::input(&self.name, self.key_of_goal(alternative), condition);
+                    let error = Error::input(&self.name, key, condition);
                     refused = refused.or(Some(error));
                 }
             }
@@ -56,14 +59,18 @@ impl Scenario {
         Ok(Some(goal))
     }
 
-    /// Different final configurations of an alternative, or the reason why there is none.
-    fn ends_of(
+    /// Different configurations in a set of poses with these rows, looked for from a first guess and by whole turns as
+    /// near as possible to another configuration, or the reason why there is none. They are those of the end, or of the
+    /// waypoint with this key.
+    pub(super) fn ends_of(
         &self,
-        alternative: usize,
+        poses: &Goal,
         rows: &[AnyConstraint],
+        (guess, near): (&[f64], &[f64]),
+        waypoint: Option<&str>,
     ) -> Result<std::result::Result<Vec<Vec<f64>>, String>> {
-        let (file, model) = (&self.file, &self.model);
-        if let Some(condition) = beyond_reach(&file.goal[alternative], model) {
+        let model = &self.model;
+        if let Some(condition) = beyond_reach(poses, model) {
             return Ok(Err(condition));
         }
         let all = [f64::NEG_INFINITY, f64::INFINITY];
@@ -74,7 +81,7 @@ impl Scenario {
         let mut found = Vec::<Vec<f64>>::new();
         let (mut refused, mut reason) = (0, None);
         let mut nearest: Option<(f64, Vec<f64>)> = None;
-        for guess in search.guesses(&file.q_goal, 0).take(GUESSES) {
+        for guess in search.guesses(guess, 0).take(GUESSES) {
             let end = search.solve(&guess)?;
             if end.violation > InverseKinematics::<[AnyConstraint]>::TOLERANCE {
                 if nearest
@@ -85,7 +92,7 @@ impl Scenario {
                 }
                 continue;
             }
-            let q = search.nearer(&end.q, &file.q_start);
+            let q = search.nearer(&end.q, near);
             let same = |other: &Vec<f64>| {
                 let apart = q.iter().zip(other).map(|(a, b)| (a - b).abs());
                 apart.fold(0.0, f64::max) < DIFFERENT
@@ -93,7 +100,11 @@ impl Scenario {
             if found.iter().any(same) {
                 continue;
             }
-            match self.check_end(&q) {
+            let checked = match waypoint {
+                Some(key) => self.check_on_the_way(key, &q),
+                None => self.check_end(&q),
+            };
+            match checked {
                 Ok(()) => found.push(q),
                 Err(Error::Input { condition, .. }) => {
                     refused += 1;

@@ -50,6 +50,7 @@ mod summary;
 mod tradeoff;
 mod units;
 mod warm_start;
+mod waypoints;
 mod yaml;
 
 pub use builtin::builtin_scenarios;
@@ -87,3 +88,4 @@ pub use summary::{
 };
 pub use tradeoff::Tradeoff;
 pub use warm_start::MultipliersFile;
+pub use waypoints::PointOnTheWay;

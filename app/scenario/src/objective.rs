@@ -367,6 +367,7 @@ impl Scenario {
             ("free_final_velocity", file.free_final_velocity),
             ("goal", !file.goal.is_empty()),
             ("keep", !file.keep.is_empty()),
+            ("waypoints", !file.waypoints.is_empty()),
             ("stand", file.stand.is_some()),
             ("free_horizon", file.free_horizon.is_some()),
             (

@@ -49,7 +49,7 @@ fn rests(v: &[f64]) -> bool {
 /// One boundary state of a motion.
 struct End<'a> {
     /// The keys of its position and of its velocity.
-    keys: [&'static str; 2],
+    keys: [&'a str; 2],
     q: &'a [f64],
     /// The velocity; `None` if it is free.
     v: Option<&'a [f64]>,
@@ -57,19 +57,16 @@ struct End<'a> {
 
 impl Scenario {
     /// The joint that takes longest at the enforced limits of velocity, acceleration and jerk, the limit, and its
-    /// duration, s: no motion is shorter. Each joint takes at least the time of its way $d$ at its velocity; from rest
-    /// to rest $2 \sqrt{d / \bar a}$, or $d / \bar v + \bar v / \bar a$ if it reaches its velocity, and
-    /// $(32 d / \bar\jmath)^{1/3}$. `None` if no joint with such a limit moves, or if the goal is a set.
+    /// duration, s: no motion is shorter. Each joint takes at least the time of its way $d$ by the waypoints at its
+    /// velocity; from rest to rest $2 \sqrt{d / \bar a}$, or $d / \bar v + \bar v / \bar a$ if it reaches its velocity,
+    /// and $(32 d / \bar\jmath)^{1/3}$. `None` if no joint with such a limit moves; a goal that is a set has no part.
     #[must_use]
     pub fn least_horizon(&self) -> Option<(usize, Limit, f64)> {
         let file = &self.file;
-        if self.goal.is_some() {
-            return None;
-        }
         let at_rest = rests(&file.v_start) && rests(&file.v_goal) && !file.free_final_velocity;
         let times = (0..self.model.dof()).flat_map(|i| {
             let most = |limit| self.bound(limit, i).map_or(f64::INFINITY, |[_, most]| most);
-            let way = (file.q_goal[i] - file.q_start[i]).abs();
+            let way = self.way_of(i);
             let (v, a, j) = (
                 most(Limit::Velocity),
                 most(Limit::Acceleration),
@@ -122,6 +119,28 @@ impl Scenario {
         Ok(())
     }
 
+    /// The boundary positions outside the limits of their joints, in words. They are reported rather than refused,
+    /// because the paper's Digit scenarios have some.
+    #[must_use]
+    pub fn outside_limits(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        for (key, q) in [
+            ("q_start", &self.file.q_start),
+            ("q_goal", &self.file.q_goal),
+        ] {
+            for (joint, q) in self.model.joints().iter().zip(q) {
+                let (lower, upper) = (joint.limits().lower, joint.limits().upper);
+                if !(lower..=upper).contains(q) {
+                    let (name, [q, lower, upper]) = (joint.name(), [*q, lower, upper].map(plain));
+                    notes.push(format!(
+                        "{key}: joint '{name}' at {q} is outside [{lower}, {upper}]"
+                    ));
+                }
+            }
+        }
+        notes
+    }
+
     /// A configuration as the end of the motion.
     fn end_at<'a>(&'a self, q: &'a [f64]) -> End<'a> {
         let file = &self.file;
@@ -137,6 +156,16 @@ impl Scenario {
         let end = self.end_at(q);
         self.check_state(&end)?;
         self.check_configuration(&end)
+    }
+
+    /// Checks a configuration on the way, named by a key: limits of positions, and collisions.
+    pub(super) fn check_on_the_way(&self, key: &str, q: &[f64]) -> Result<()> {
+        self.check_bounds(Limit::Position, key, q)?;
+        self.check_clear(&End {
+            keys: [key, key],
+            q,
+            v: None,
+        })
     }
 
     /// Refuses a boundary state beyond a limit of a joint.

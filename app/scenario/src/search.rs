@@ -30,6 +30,10 @@ const SLOWED: f64 = 1.2;
 /// The factor by which the horizon of a faster motion may be longer than before, because of rounding.
 const NOT_LONGER: f64 = 1.0 + 1e-6;
 
+/// The factor up to which a horizon with a larger weight of time shows that there is no faster motion nearby: margins
+/// of rows between the points of the quadrature differ from search to search by parts in ten thousand of it.
+const SAME: f64 = 1.001;
+
 /// The part of a time limit for the starts of a search that goes on from the best one.
 const PART_OF_STARTS: f64 = 0.5;
 
@@ -105,10 +109,12 @@ impl<'s, 'o> Search<'s, 'o> {
             let share = if step == 0 { FIRST_SHARE } else { SHARE };
             let weight = share * before.cost / horizon;
             let next = self.from(before, horizon, self.weighted(weight))?;
-            self.complete = is_valid(&next) && next.curve.horizon() <= NOT_LONGER * horizon;
+            let later = next.curve.horizon() / horizon;
+            let is_faster = is_valid(&next) && later <= NOT_LONGER;
+            self.complete = is_faster || (next.converged && later <= SAME);
             let last = weight * next.curve.horizon() >= LAST_SHARE * next.cost;
-            let over = step > 0 && (last || !self.complete);
-            if self.complete {
+            let over = step > 0 && (last || !is_faster);
+            if is_faster {
                 others.push(next);
             }
             if over {
@@ -203,7 +209,14 @@ impl<'s, 'o> Search<'s, 'o> {
                 alternative: 0,
             }],
         });
+        let times = &from.waypoint_times;
+        let mut waypoints = self.settings.waypoints.clone();
+        for (waypoint, time) in waypoints.iter_mut().zip(times) {
+            let (x, _) = curve.at(*time);
+            waypoint.guesses = vec![x.as_slice()[..dof].to_vec()];
+        }
         let settings = DirectSettings {
+            waypoints,
             // The basis of a planned start is its own.
             degree: curve.chebyshev().degree(),
             segments: curve.segments(),

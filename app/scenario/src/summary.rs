@@ -223,6 +223,9 @@ pub struct DirectDetails {
     pub iterations: usize,
     /// Cholesky factorisations.
     pub factorisations: usize,
+    /// The times of the waypoints.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub waypoint_times_s: Vec<f64>,
     /// The end in a goal that is a set; `None` without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end: Option<ReachedEnd>,

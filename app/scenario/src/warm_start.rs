@@ -22,21 +22,20 @@ pub struct MultipliersFile {
     /// Time, row and value of those that are not negligible.
     entries: Vec<(usize, usize, f64)>,
     /// Those of the rows of a goal.
-    of_goal: Vec<f64>,
+    of_points: Vec<f64>,
 }
 
 impl MultipliersFile {
     pub(super) fn new(multipliers: &Multipliers) -> Option<Self> {
         let entries = multipliers.entries(LEAST);
         let finite = |z: &f64| z.is_finite();
-        (entries.iter().all(|(.., z)| finite(z)) && multipliers.of_goal().iter().all(finite)).then(
-            || Self {
+        (entries.iter().all(|(.., z)| finite(z)) && multipliers.of_points().iter().all(finite))
+            .then(|| Self {
                 times: multipliers.times().to_vec(),
                 rows: multipliers.rows(),
                 entries,
-                of_goal: multipliers.of_goal().to_vec(),
-            },
-        )
+                of_points: multipliers.of_points().to_vec(),
+            })
     }
 }
 
@@ -67,7 +66,7 @@ pub(super) fn start_from(start: &Solved, search: &mut Search<'_, '_>) -> Result<
     let kept = match known {
         Some(of) if of.rows == rows => {
             let times = of.times.clone();
-            let known = Multipliers::of_entries(times, rows, &of.entries, of.of_goal.clone());
+            let known = Multipliers::of_entries(times, rows, &of.entries, of.of_points.clone());
             search.settings.multipliers =
                 Some(known.map_err(|e| Error::input("start", "multipliers", e.to_string()))?);
             "with its multipliers"

@@ -15,6 +15,8 @@ pub(crate) struct Candidate {
     pub horizon: f64,
     /// The alternative of a [goal](crate::direct::GoalSet) that is a set.
     pub alternative: usize,
+    /// The normalised times of the waypoints.
+    pub times: Vec<f64>,
     pub multipliers: Multipliers,
     /// The first penalty of a violation, if it is not that of the options.
     pub penalty: Option<f64>,
@@ -49,8 +51,8 @@ pub struct Multipliers {
     pub(crate) times: Vec<f64>,
     /// The multipliers, row by row for each time.
     pub(crate) values: Vec<f64>,
-    /// The multipliers of the rows of a goal.
-    pub(crate) of_goal: Vec<f64>,
+    /// The multipliers of the rows of waypoints and of a goal.
+    pub(crate) of_points: Vec<f64>,
 }
 
 impl Candidate {
@@ -65,6 +67,7 @@ impl Candidate {
             path,
             horizon,
             alternative: 0,
+            times: Vec::new(),
             multipliers: Multipliers::default(),
             penalty: None,
             equality_penalty: 1.0,
@@ -86,7 +89,7 @@ impl Candidate {
 
 impl Multipliers {
     /// Multipliers at ascending normalised times: those of `rows` rows that are not zero, by time, row and value, and
-    /// those of a goal.
+    /// those of waypoints and of a goal.
     ///
     /// # Errors
     /// An entry is at no time or row, or it or a time is not finite, or the times do not ascend.
@@ -94,7 +97,7 @@ impl Multipliers {
         times: Vec<f64>,
         rows: usize,
         entries: &[(usize, usize, f64)],
-        of_goal: Vec<f64>,
+        of_points: Vec<f64>,
     ) -> Result<Self> {
         let refuse = |element, condition| Err(Error::input("multipliers", element, condition));
         if !(times.iter().all(|t| t.is_finite()) && times.is_sorted()) {
@@ -110,7 +113,7 @@ impl Multipliers {
         Ok(Self {
             times,
             values,
-            of_goal,
+            of_points,
         })
     }
 
@@ -136,19 +139,19 @@ impl Multipliers {
         own.map(|(at, z)| (at / rows, at % rows, *z)).collect()
     }
 
-    /// The multipliers of the rows of a goal.
+    /// The multipliers of the rows of waypoints and of a goal.
     #[must_use]
-    pub fn of_goal(&self) -> &[f64] {
-        &self.of_goal
+    pub fn of_points(&self) -> &[f64] {
+        &self.of_points
     }
 
-    /// The multipliers of rows, row by row for each point of a grid, and those of a goal. The multiplier of a row that
-    /// is not enforced at a point is interpolated between the neighbouring points at which it is.
+    /// The multipliers of rows, row by row for each point of a grid, and those of waypoints and a goal. The multiplier
+    /// of a row that is not enforced at a point is interpolated between the neighbouring points at which it is.
     pub(crate) fn new<K: Constraint, P: CostWithControl>(
         grid: &Grid<f64>,
         rows: &Rows<'_, K, P>,
         values: &[f64],
-        of_goal: Vec<f64>,
+        of_points: Vec<f64>,
     ) -> Self {
         let count = rows.count();
         let times = grid.times.clone();
@@ -160,7 +163,7 @@ impl Multipliers {
                 let held = Self {
                     times: with.iter().map(|g| times[*g]).collect(),
                     values: with.iter().map(|g| values[g * count + row]).collect(),
-                    of_goal: Vec::new(),
+                    of_points: Vec::new(),
                 };
                 for g in without {
                     let between = held.at(&times[g..=g], 1);
@@ -171,11 +174,12 @@ impl Multipliers {
         Self {
             times,
             values,
-            of_goal,
+            of_points,
         }
     }
 
-    /// The multipliers at other times, interpolated linearly, then those of a goal; `None` without multipliers.
+    /// The multipliers at other times, interpolated linearly, then those of waypoints and of a goal; `None` without
+    /// multipliers.
     pub(crate) fn at(&self, times: &[f64], rows: usize) -> Option<Vec<f64>> {
         let last = self.times.len().checked_sub(1)?;
         let mut found = vec![0.0; times.len() * rows];
@@ -193,7 +197,7 @@ impl Multipliers {
                 *to = x + share * (y - x);
             }
         }
-        found.extend(&self.of_goal);
+        found.extend(&self.of_points);
         Some(found)
     }
 }

@@ -1,5 +1,6 @@
 //! The rows between the points of the quadrature, and the margins that they need at the points.
 
+use super::point_rows::PointRows;
 use super::program::Program;
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
@@ -11,8 +12,11 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// The local maxima of the rows between the points, and the largest violation, in its unit.
     pub(super) fn peaks(&mut self, end: bool) -> Result<(Vec<Peak>, f64)> {
         let (scan, horizon) = (self.scans[usize::from(end)].clone(), self.horizon);
-        self.evaluate_goal()?;
-        let bounds = self.bounds();
+        self.evaluate_points()?;
+        let of_border = self.linear_rows().into_iter();
+        let of_border = of_border.map(|row| row.unit * row.value);
+        let of_points = self.points.iter().map(PointRows::violation);
+        let beside = of_border.chain(of_points).fold(0.0, f64::max);
         let rows = &mut self.objective.cost_mut().rows;
         let floor = -self.search.scan_depth;
         let peaks = scan.peaks(rows, &self.coefficients, horizon, floor)?;
@@ -22,11 +26,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let (units, equalities) = (units.clone(), rows.attributes().equalities.clone());
         let integrand = self.objective.cost_mut();
         let count = integrand.rows.count();
-        let longest = self.free_horizon.map_or(0.0, |free| free.longest);
-        let mut largest = bounds
-            .into_iter()
-            .fold(highest, |most, bound| most.max(longest * bound))
-            .max(self.goal.violation());
+        let mut largest = beside.max(highest);
         for (g, h) in integrand.h.chunks_exact(count.max(1)).enumerate() {
             if self.grid.collocated[g % self.grid.points()] {
                 for (row, h) in h.iter().enumerate().filter(|(row, _)| equalities[*row]) {
@@ -59,12 +59,12 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let margins = equalities
             .iter()
             .map(|equality| if *equality { 0.0 } else { reserve });
-        let first = self.goal.first;
-        for (margin, of_row) in self.margins[..first].iter_mut().zip(margins.cycle()) {
+        let (of_grid, beside) = self.margins.split_at_mut(self.first_of_points);
+        for (margin, of_row) in of_grid.iter_mut().zip(margins.cycle()) {
             *margin = of_row;
         }
-        let of_goal = self.margins[first..].iter_mut().zip(&self.goal.equalities);
-        for (margin, _) in of_goal.filter(|(_, held)| !**held) {
+        let of_points = self.points.iter().flat_map(|point| &point.equalities);
+        for (margin, _) in beside.iter_mut().zip(of_points).filter(|(_, held)| !**held) {
             *margin = reserve;
         }
     }

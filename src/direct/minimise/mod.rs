@@ -2,15 +2,17 @@
 //!
 //! `program` is the nonlinear program: coefficients and horizon are the unknowns, and the rows of the constraints at
 //! the points of the quadrature its rows. `integrand` adds the weighted rows to the running cost, and `margins`
-//! evaluates the rows between the points; `goal_rows` has those of a goal that is a set. `working_set` lists rows:
+//! evaluates the rows between the points; `point_rows` has those of waypoints and of a goal that is a set, and `border`
+//! the unknowns beside the coefficients. `working_set` lists rows:
 //! clearances while they are near their bound, all others always.
 
+mod border;
 mod candidate;
 mod curvature;
 mod foot_terms;
-mod goal_rows;
 mod integrand;
 mod margins;
+mod point_rows;
 mod program;
 mod stage_terms;
 pub(crate) mod working_set;
@@ -161,8 +163,8 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     }
     let end = solve(&mut program, x, known.as_deref(), kkt, &options, &mut log)?;
     let all = end.iterate.multipliers(program.margins.len());
-    let of_goal = all[program.goal.range()].to_vec();
-    candidate.multipliers = Multipliers::new(&grid, rows, &all, of_goal);
+    let of_points = all[program.range_of_points()].to_vec();
+    candidate.multipliers = Multipliers::new(&grid, rows, &all, of_points);
     if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
         candidate.equality_penalty = penalty / first;
     }
@@ -181,7 +183,11 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     }
     candidate.violation = violation;
     candidate.kept = rows.count() > 0 && !candidate.converged && violation <= stage.feasible;
-    (candidate.path.coefficients, candidate.horizon) = program.curve(&x);
+    (
+        candidate.path.coefficients,
+        candidate.horizon,
+        candidate.times,
+    ) = program.curve(&x);
     [candidate.cost, candidate.quadrature_error] = program.finer_cost;
     let time = context
         .free_horizon

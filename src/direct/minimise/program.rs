@@ -1,7 +1,7 @@
 //! The nonlinear program of a curve in a basis.
 
-use super::goal_rows::GoalRows;
 use super::integrand::Integrand;
+use super::point_rows::PointRows;
 use super::working_set::{WorkingSet, equalities};
 use super::{Candidate, Context, Stage};
 use crate::constraint::Constraint;
@@ -14,12 +14,15 @@ use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, RowState, Term, Tig
 use crate::transcription::{Derivatives, Objective};
 use crate::transcription::{Grid, Scan};
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 use std::sync::Arc;
 
-/// The nonlinear program of a curve in a basis: the unknowns are its free coefficients, then the horizon if it is free.
+/// The nonlinear program of a curve in a basis: the unknowns are its free coefficients, then the horizon if it is free,
+/// then the times of waypoints that have none.
 ///
 /// The rows are those of the constraints at the points of the quadrature, with margins $m_j \ge 0$ by which they are
-/// larger near a point than at it; then those of a goal that is a set; then the two bounds of a free horizon.
+/// larger near a point than at it; then those of waypoints and of a goal that is a set; then those that are linear in
+/// times and horizon.
 pub(super) struct Program<'g, 'a, K, P> {
     pub(super) grid: &'g Grid<f64>,
     /// The times between the points at which rows are evaluated, during the search and at its end.
@@ -32,10 +35,15 @@ pub(super) struct Program<'g, 'a, K, P> {
     /// The coefficients, those of the boundary conditions included.
     pub(super) coefficients: DMatrix<f64>,
     pub(super) basis: Basis,
-    rates: DMatrix<f64>,
+    pub(super) rates: DMatrix<f64>,
     pub(super) horizon: f64,
     pub(super) free_horizon: Option<FreeHorizon>,
-    pub(super) goal: GoalRows<'g>,
+    /// The rows of the waypoints, then those of a goal, and the index of the first one among all rows.
+    pub(super) points: Vec<PointRows<'g>>,
+    pub(super) first_of_points: usize,
+    /// The normalised times of the waypoints, and the indices of those whose times are unknown.
+    pub(super) times: Vec<f64>,
+    pub(super) moving: Vec<usize>,
     pub(super) margins: Vec<f64>,
     working: WorkingSet,
     pub(super) stage: Stage,
@@ -58,6 +66,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             path,
             horizon,
             alternative,
+            times,
             ..
         }: &Candidate,
         [grid, finer]: [&'g Grid<f64>; 2],
@@ -87,10 +96,19 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         if free_horizon.is_some() {
             objective.free_horizon(rates.clone());
         }
-        let bounds = if free_horizon.is_some() { 2 } else { 0 };
-        let goal = goal.map_or(&[][..], |goal| &goal.alternatives[*alternative]);
-        let goal = GoalRows::new(problem.model(), goal, points * rows.count());
-        let count = goal.range().end + bounds;
+        let (model, first_of_points) = (problem.model(), points * rows.count());
+        let (mut points, mut first) = (Vec::new(), first_of_points);
+        let waypoints = &settings.waypoints;
+        for waypoint in waypoints {
+            points.push(PointRows::of_waypoint(model, waypoint, first));
+            first = points[points.len() - 1].range().end;
+        }
+        if let Some(goal) = goal {
+            let goal = &goal.alternatives[*alternative];
+            points.push(PointRows::of_goal(model, goal, first));
+        }
+        let unknown = waypoints.iter().map(|waypoint| waypoint.time.is_none());
+        let unknown = unknown.enumerate().filter(|(_, unknown)| *unknown);
         let mut program = Self {
             scans: [looks, last].map(|times| grids.scan(basis, times)),
             finer: Objective::new(finer, rows.cost.clone(), n),
@@ -101,8 +119,11 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             basis: basis.clone(),
             horizon: *horizon,
             free_horizon,
-            goal,
-            margins: vec![0.0; count],
+            points,
+            first_of_points,
+            times: times.clone(),
+            moving: unknown.map(|(k, _)| k).collect(),
+            margins: Vec::new(),
             working: WorkingSet::new(problem, rows, search),
             refinable,
             lagrangian: false,
@@ -114,27 +135,48 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             equality_penalty: 1.0,
             watch,
         };
+        program.margins = vec![0.0; program.first_of_border() + program.linear_rows().len()];
         program.reserve();
         program
     }
 
-    /// The unknowns of the curve.
+    /// The indices of the rows of points among all rows.
+    pub fn range_of_points(&self) -> Range<usize> {
+        let last = self
+            .points
+            .last()
+            .map_or(self.first_of_points, |of| of.range().end);
+        self.first_of_points..last
+    }
+
+    /// The indices of the equalities, or of the other rows, of points.
+    fn rows_of_points(&self, equalities: bool) -> impl Iterator<Item = usize> {
+        let held = self.points.iter().flat_map(|point| &point.equalities);
+        let rows = self.range_of_points().zip(held);
+        rows.filter_map(move |(at, held)| (*held == equalities).then_some(at))
+    }
+
+    /// The index of the first row that is linear in times and horizon.
+    fn first_of_border(&self) -> usize {
+        self.range_of_points().end
+    }
+
+    /// The unknowns.
     pub fn unknowns(&self) -> DVector<f64> {
-        let horizon = self.free_horizon.map(|_| self.horizon);
         let own = self.derivatives.gradient.len();
         let free = self.grid.free.iter();
         let all =
             free.flat_map(|function| self.coefficients.column(*function).into_iter().copied());
-        DVector::from_iterator(own + usize::from(horizon.is_some()), all.chain(horizon))
+        DVector::from_iterator(own + self.border(), all.chain(self.border_values()))
     }
 
-    /// The coefficients and the horizon of unknowns.
-    pub fn curve(&mut self, x: &DVector<f64>) -> (DMatrix<f64>, f64) {
+    /// The coefficients, the horizon and the times of waypoints of unknowns.
+    pub fn curve(&mut self, x: &DVector<f64>) -> (DMatrix<f64>, f64, Vec<f64>) {
         self.place(x);
-        (self.coefficients.clone(), self.horizon)
+        (self.coefficients.clone(), self.horizon, self.times.clone())
     }
 
-    /// Sets coefficients and horizon.
+    /// Sets coefficients, horizon and times.
     fn place(&mut self, x: &DVector<f64>) {
         let own = self.derivatives.gradient.len();
         let columns = x.as_slice()[..own].chunks_exact(self.objective.dof());
@@ -150,16 +192,24 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
                 self.coefficients.set_column(column, &slope);
             }
         }
+        self.set_times(x);
         self.objective.set_horizon(self.horizon);
     }
 
-    /// The norm of steps: the mean square of the velocities in normalised time, and the relative change of the horizon.
+    /// The norm of steps: the mean square of the velocities in normalised time, the relative change of the horizon, and
+    /// the mean way of the curve in the change of the time of a waypoint.
     pub fn kkt(&self) -> Option<Kkt> {
         let matrix = self.objective.gram();
-        let zeros = DVector::zeros(matrix.order());
-        let corner = self.horizon.powi(-2);
-        let border = self.free_horizon.map(|_| (zeros, corner));
-        Kkt::new(Bordered { matrix, border })
+        let way = self.mean_square_slope();
+        let mut corner = DMatrix::from_diagonal_element(self.border(), self.border(), way);
+        if self.free_horizon.is_some() {
+            corner[(0, 0)] = self.horizon.powi(-2);
+        }
+        Kkt::new(Bordered {
+            border: DMatrix::zeros(matrix.order(), self.border()),
+            matrix,
+            corner,
+        })
     }
 
     /// The norm of the gradient of the Lagrangian relative to the cost, dual to the norm of steps: the residual of the
@@ -197,8 +247,8 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         self.set_terms(iterate);
         self.objective
             .derivatives(&self.coefficients, &mut self.derivatives)?;
-        if let Some(of) = self.of_goal(iterate)? {
-            of.add_hessian(self.horizon, self.grid, &mut self.derivatives.hessian);
+        for (place, of) in self.of_points(iterate)? {
+            place.add_hessian(self.grid, &of, self.horizon, &mut self.derivatives.hessian);
         }
         Ok(&self.derivatives)
     }
@@ -210,7 +260,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             terms.clear();
         }
         let count = integrand.rows.count();
-        let first = self.goal.first;
+        let first = self.first_of_points;
         for state in iterate.working.iter().filter(|of| of.row.at < first) {
             let at = state.row.at;
             let h = self.objective.cost().h[at] + self.margins[at];
@@ -228,37 +278,26 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             integrand.terms[at / count].push((at % count, term));
         }
     }
-
-    /// The values of the two bounds of a free horizon, relative to the initial one.
-    pub(super) fn bounds(&self) -> [f64; 2] {
-        let Some(free) = self.free_horizon else {
-            return [0.0; 2];
-        };
-        [
-            (free.shortest - self.horizon) / free.longest,
-            (self.horizon - free.longest) / free.longest,
-        ]
-    }
 }
 
 impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
     fn value(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
         self.place(x);
         let cost = self.objective.value(&self.coefficients)?;
-        self.evaluate_goal()?;
-        let bounds = self.bounds();
-        let rows = self.objective.cost().h.iter().chain(&self.goal.h);
+        self.evaluate_points()?;
+        let rows = self.objective.cost().h.iter();
+        let rows = rows.chain(self.points.iter().flat_map(|point| &point.h));
         h.clear();
         h.extend(rows.zip(&self.margins).map(|(h, margin)| h + margin));
+        h.extend(self.linear_rows().iter().map(|row| row.value));
         let mut objective = cost;
         if let Some(free) = self.free_horizon {
-            h.extend(bounds);
             if self.horizon <= 0.0 {
                 return Ok(f64::INFINITY);
             }
             objective += free.weight * self.horizon;
         }
-        Ok(match self.working.is_left(&h[..self.goal.first]) {
+        Ok(match self.working.is_left(&h[..self.first_of_points]) {
             true => f64::INFINITY,
             false => objective,
         })
@@ -272,45 +311,35 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let (own, of) = (self.derivatives.gradient.len(), &self.derivatives);
         out.gradient.rows_mut(0, own).copy_from(&of.gradient);
         std::mem::swap(&mut out.hessian.matrix, &mut self.derivatives.hessian);
-        let (bounds, horizon) = (self.bounds(), self.horizon);
-        if let (Some(free), Some((border, corner))) = (self.free_horizon, &mut out.hessian.border) {
+        out.hessian.border.fill(0.0);
+        out.hessian.corner.fill(0.0);
+        out.gradient.rows_mut(own, self.border()).fill(0.0);
+        if let Some(free) = self.free_horizon {
             let of = &self.derivatives.horizon;
-            border.copy_from(&of.mixed);
+            out.hessian.border.set_column(0, &of.mixed);
             out.gradient[own] = of.first + free.weight;
-            *corner = of.second;
-            let first = self.margins.len() - 2;
-            for state in iterate.working.iter().filter(|of| of.row.at >= first) {
-                let (row, side) = (state.row, state.row.at - first);
-                let slope = [-1.0, 1.0][side] / free.longest;
-                let term = self.term(iterate, state, bounds[side]);
-                out.gradient[own] +=
-                    horizon * row.weight * term.slope * slope + row.weight * term.cost;
-                *corner += horizon * row.weight * term.curvature * slope * slope;
-            }
+            out.hessian.corner[(0, 0)] = of.second;
         }
-        self.add_goal(iterate, out)
+        self.add_linear_rows(iterate, self.first_of_border(), out);
+        self.add_points(iterate, out)
     }
 
     fn measure(&self, x: &DVector<f64>) -> f64 {
         match self.free_horizon {
-            Some(_) => x[x.len() - 1],
+            Some(_) => x[self.derivatives.gradient.len()],
             None => self.horizon,
         }
     }
 
     fn longest(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64 {
-        match self.free_horizon {
-            Some(_) => (0.5 * x[x.len() - 1] / step[x.len() - 1].abs()).min(1.0),
-            None => 1.0,
-        }
+        self.longest_on_border(x, step)
     }
 
     fn equalities(&self, density: f64) -> Vec<Equality> {
         let (rows, factor) = (&self.objective.cost().rows, self.equality_penalty);
         let mut all = equalities(self.grid, rows, self.search, [density, factor]);
-        let of_goal = self.goal.range().zip(&self.goal.equalities);
-        all.extend(of_goal.filter(|(_, held)| **held).map(|(at, _)| {
-            let first = self.search.equality_penalty * density;
+        all.extend(self.rows_of_points(true).map(|at| {
+            let first = self.search.point_penalty * density;
             Equality::new(Row { at, weight: 1.0 }, first, factor)
         }));
         all
@@ -321,10 +350,9 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let free = ends.free_final_velocity || ends.free_final_position;
         let rows = &self.objective.cost().rows;
         let mut rows = self.working.list(self.grid, rows, [true, !free], h);
-        let of_goal = self.goal.range().zip(&self.goal.equalities);
-        let of_goal = of_goal.filter_map(|(at, held)| (!held).then_some(at));
-        let bounds = self.goal.range().end..h.len();
-        rows.extend(of_goal.chain(bounds).map(|at| Row { at, weight: 1.0 }));
+        let of_points = self.rows_of_points(false);
+        let of_border = self.first_of_border()..h.len();
+        rows.extend(of_points.chain(of_border).map(|at| Row { at, weight: 1.0 }));
         rows
     }
 

@@ -5,6 +5,7 @@ mod horizon;
 mod multistart;
 mod passive;
 mod planned;
+mod through;
 
 pub use degree::DegreeRefinement;
 pub(super) use degree::refine;
@@ -13,3 +14,4 @@ pub use multistart::LocalMinimum;
 pub(super) use multistart::multistart;
 pub(super) use passive::minimise_to_the_end;
 pub(super) use planned::Planned;
+pub(super) use through::nearest_times;

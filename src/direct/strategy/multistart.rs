@@ -7,6 +7,7 @@ use crate::curve::Basis;
 use crate::direct::minimise::{Candidate, Context, minimise};
 use crate::direct::settings::{PlannedStarts, Rung};
 use crate::direct::strategy::planned::Planned;
+use crate::direct::strategy::through::times_by_length;
 use crate::direct::{DirectSettings, DirectSolution, Iteration};
 use crate::error::Result;
 use crate::motion::Path;
@@ -97,7 +98,11 @@ pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
                     let line = Path::line(&problem, one.clone());
                     let path = line.start(settings.start_amplitude, settings.seed, bends);
                     let path = path.in_basis(rungs[0].basis.clone());
-                    (0, Candidate::new(path, context.problem.horizon()))
+                    let times = times_by_length(&problem, &settings.waypoints, number);
+                    let path = path.through(&settings.waypoints, number, &times);
+                    let horizon = context.problem.horizon();
+                    let candidate = Candidate::new(path, horizon);
+                    (0, Candidate { times, ..candidate })
                 }
             };
             candidate.alternative = context.goal.map_or(0, |goal| goal.end(number).alternative);

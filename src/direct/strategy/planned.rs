@@ -6,6 +6,7 @@ use crate::curve::Basis;
 use crate::direct::DirectSettings;
 use crate::direct::minimise::{Candidate, Context};
 use crate::direct::settings::PlannedStarts;
+use crate::direct::strategy::through::nearest_times;
 use crate::error::Result;
 use crate::motion::{Path, Problem};
 use crate::plan::{Plan, PlanSettings, along, plan};
@@ -42,7 +43,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             first: None,
         };
         if wanted && settings.planned_starts == PlannedStarts::First {
-            planned.first = planned.path(0, &planned.problem(0)?)?;
+            planned.first = planned.path(0, (0, &planned.problem(0)?))?;
         }
         Ok(planned)
     }
@@ -73,7 +74,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
     pub fn start(&self, start: usize, problem: &Problem<'_>) -> Result<Option<Candidate>> {
         let path = match (&self.first, self.number(start)) {
             (Some(first), _) if start == 0 => Some(first.clone()),
-            (_, Some(number)) => self.path(number, problem)?,
+            (_, Some(number)) => self.path(number, (start, problem))?,
             _ => None,
         };
         let Some(path) = path else {
@@ -84,35 +85,32 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             None => problem.horizon(),
         };
         let path = path.between_ends_of(&problem.with_horizon(horizon)?);
+        let problem = &problem.with_horizon(horizon)?;
         Ok(Some(Candidate {
+            times: nearest_times(&path, problem, &self.settings.waypoints),
             penalty: Some(self.settings.search.planned_penalty),
             ..Candidate::new(path, horizon)
         }))
     }
 
-    /// The curve along the path of this number; `None` without a path.
-    fn path(&self, number: u64, problem: &Problem<'_>) -> Result<Option<Path>> {
-        let Context { rows, watch, .. } = self.context;
+    /// The curve along the paths of this number from waypoint to waypoint, for a start of the search; `None` without a
+    /// path.
+    fn path(&self, number: u64, (start, problem): (usize, &Problem<'_>)) -> Result<Option<Path>> {
+        let constraint = &self.context.rows.constraints.state;
         let search = &self.settings.search;
-        let constraint = &rows.constraints.state;
-        let mut plans = PlanSettings {
-            seed: self.settings.seed,
-            number,
-            // Slopes make the curve round.
-            roundings: 0,
-            ..PlanSettings::default()
-        };
-        let budget = std::mem::replace(&mut plans.most_checks, search.margin_checks);
-        let stopped = || watch.stopped().is_some();
-        let mut found = plan(problem, constraint, &plans, &stopped)?;
-        if matches!(found, Plan::OutOfBudget { .. }) {
-            // Links next to each other may be closer than the margin wherever they are.
-            (plans.margin, plans.most_checks) = (0.0, budget);
-            found = plan(problem, constraint, &plans, &stopped)?;
+        let n = problem.model().dof();
+        let waypoints = self.settings.waypoints.iter();
+        let waypoints = waypoints.map(|waypoint| waypoint.guess(start));
+        let mut path = vec![problem.start()[..n].to_vec()];
+        for to in waypoints.chain([&problem.goal()[..n]]) {
+            let ends = [&path[path.len() - 1], to].map(|q| [q, &vec![0.0; n]].concat());
+            let [from, to] = ends;
+            let leg = Problem::new(problem.model(), from, to, problem.horizon())?;
+            let Some(found) = self.leg(number, &leg)? else {
+                return Ok(None);
+            };
+            path.extend(found.into_iter().skip(1));
         }
-        let Plan::Found(path) = found else {
-            return Ok(None);
-        };
         let segments = search.planned_segments.max(path.len() - 1);
         let basis = if self.settings.segments >= segments {
             self.settings.basis(problem)
@@ -120,7 +118,45 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             let continuity = self.settings.continuity(problem);
             Basis::new(segments, search.planned_degree, continuity)
         };
-        along(problem, constraint, &path, basis, &plans).map(Some)
+        let plans = self.plans(number);
+        let stops = self
+            .settings
+            .waypoints
+            .iter()
+            .filter(|waypoint| waypoint.stop);
+        let stops: Vec<_> = stops.map(|waypoint| waypoint.guess(start)).collect();
+        along(problem, constraint, (&path, &stops), basis, &plans).map(Some)
+    }
+
+    /// The settings of the planner for paths of this number.
+    fn plans(&self, number: u64) -> PlanSettings {
+        PlanSettings {
+            seed: self.settings.seed,
+            number,
+            // Slopes make the curve round.
+            roundings: 0,
+            ..PlanSettings::default()
+        }
+    }
+
+    /// The path of this number between two configurations; `None` if none is found.
+    fn leg(&self, number: u64, problem: &Problem<'_>) -> Result<Option<Vec<Vec<f64>>>> {
+        let Context { rows, watch, .. } = self.context;
+        let constraint = &rows.constraints.state;
+        let mut plans = self.plans(number);
+        let most = self.settings.search.margin_checks;
+        let budget = std::mem::replace(&mut plans.most_checks, most);
+        let stopped = || watch.stopped().is_some();
+        let mut found = plan(problem, constraint, &plans, &stopped)?;
+        if matches!(found, Plan::OutOfBudget { .. }) {
+            // Links next to each other may be closer than the margin wherever they are.
+            (plans.margin, plans.most_checks) = (0.0, budget);
+            found = plan(problem, constraint, &plans, &stopped)?;
+        }
+        match found {
+            Plan::Found(path) => Ok(Some(path)),
+            _ => Ok(None),
+        }
     }
 
     /// The initial horizon of the problem: that of a planned first start.

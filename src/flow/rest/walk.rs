@@ -238,7 +238,7 @@ impl Walk {
             Multipliers {
                 times,
                 values: of_slips,
-                of_goal: Vec::new(),
+                of_points: Vec::new(),
             },
         ];
         if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
@@ -278,8 +278,7 @@ pub(super) fn kkt<M: Metric>(
     let mut derivatives = Derivatives::new(grid, size);
     objective.derivatives(coefficients, &mut derivatives)?;
     let matrix = derivatives.metric;
-    let border = None;
-    Kkt::new(Bordered { matrix, border })
+    Kkt::new(Bordered::without_border(matrix))
         .ok_or_else(|| Error::input("flow", "metric", "it is not positive definite"))
 }
 

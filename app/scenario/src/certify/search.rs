@@ -338,6 +338,9 @@ fn not_certified(scenario: &Scenario) -> Vec<NotCertified> {
     if !scenario.file.keep.is_empty() {
         add("keep", "conditions along the way are not bounded yet");
     }
+    if !scenario.file.waypoints.is_empty() {
+        add("waypoints", "points on the way are not bounded yet");
+    }
     all
 }
 

@@ -306,6 +306,7 @@ impl Family {
             q_goal,
             goal: Vec::new(),
             keep: Vec::new(),
+            waypoints: Vec::new(),
             stand: None,
             v_goal,
             free_final_velocity: false,

@@ -19,6 +19,7 @@
 //! | passive joints, torque limits | the torques of the table and of inverse dynamics at the samples, and inverse dynamics of the cubic halfway between them |
 //! | position and velocity limits | the extrema of the cubics, in closed form |
 //! | goal, if it is a set | the pose of the frame in the last sample with the set that it misses least |
+//! | waypoints | the configurations or poses of the way in their order, each where the motion passes it first after the one before: the samples that are nearer than their neighbours, and the nearest time about them |
 //! | kept along the way | the poses of frames at all times, and speeds of points at the samples and halfway between them |
 //! | standing foot | the force of the ground by the laws of Newton and Euler, body by body, at the samples and halfway between them |
 //! | obstacles, self-collision | the distances of the balls of the robot, at all times |
@@ -45,6 +46,7 @@ mod reach;
 mod rows;
 mod trajectory;
 mod verdict;
+mod waypoints;
 
 pub use cubic::Cubic;
 pub use reach::{Reach, carriers};
@@ -89,6 +91,11 @@ pub fn judge(
     rows.extend(poses::kept(
         scenario,
         trajectory,
+        &intervals,
+        tolerances.tolerance,
+    )?);
+    rows.extend(waypoints::passed(
+        scenario,
         &intervals,
         tolerances.tolerance,
     )?);

@@ -13,8 +13,8 @@ use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 const MOST_PLACED: usize = 2_000_000;
 
 /// A quantity of a pose with its bounds.
-struct Measure {
-    name: &'static str,
+pub(super) struct Measure {
+    pub name: &'static str,
     value: f64,
     bounds: [f64; 2],
     unit: &'static str,
@@ -24,18 +24,18 @@ struct Measure {
 }
 
 impl Measure {
-    fn worst(&self, at_s: f64) -> Worst {
+    pub fn worst(&self, at_s: f64) -> Worst {
         Worst::between(self.value, self.bounds, self.unit, at_s)
     }
 
     /// The excess over a bound.
-    fn excess(&self) -> f64 {
+    pub fn excess(&self) -> f64 {
         (self.bounds[0] - self.value).max(self.value - self.bounds[1])
     }
 }
 
 /// A set of poses with its frames on a robot.
-struct Poses<'a> {
+pub(super) struct Poses<'a> {
     of: &'a Goal,
     model: &'a Model,
     frame: &'a Frame<f64>,
@@ -44,7 +44,7 @@ struct Poses<'a> {
 }
 
 impl<'a> Poses<'a> {
-    fn new(of: &'a Goal, model: &'a Model) -> Result<Self> {
+    pub fn new(of: &'a Goal, model: &'a Model) -> Result<Self> {
         let reference = of.relative_to.as_ref().map(|name| frame_of(model, name));
         Ok(Self {
             of,
@@ -65,7 +65,7 @@ impl<'a> Poses<'a> {
     }
 
     /// The origin of the frame in the base frame, and the quantities of its pose.
-    fn at(&self, placements: &[Placement<f64>]) -> Result<(Vector3<f64>, Vec<Measure>)> {
+    pub fn at(&self, placements: &[Placement<f64>]) -> Result<(Vector3<f64>, Vec<Measure>)> {
         let frame = frame_placement(self.frame, placements)?;
         let reference = match self.reference {
             Some(reference) => frame_placement(reference, placements)?,
@@ -186,7 +186,7 @@ pub(super) fn goal_row(
     Ok(best.map(|(_, row)| row))
 }
 
-fn place_of(goal: &Goal, measure: &Measure) -> String {
+pub(super) fn place_of(goal: &Goal, measure: &Measure) -> String {
     format!("{} of frame '{}'", measure.name, goal.frame)
 }
 

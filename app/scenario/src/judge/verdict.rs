@@ -184,6 +184,8 @@ pub enum Check {
     JerkLimits,
     /// Conditions along the way.
     Kept,
+    /// Points on the way.
+    Waypoints,
     /// The force of the ground on a standing foot.
     Foot,
     /// Clearances from obstacles.
@@ -212,6 +214,7 @@ impl Check {
             Self::VelocityLimits => "velocity limits",
             Self::TorqueLimits => "torque limits",
             Self::Kept => "kept along the way",
+            Self::Waypoints => "waypoints",
             Self::Foot => "standing foot",
             Self::Obstacles => "obstacles",
             Self::SelfCollision => "self-collision",

@@ -172,6 +172,7 @@ impl MoveIt {
                 Target::Poses(sets) => sets,
             },
             keep: kept(&request, &model, &request_name)?,
+            waypoints: Vec::new(),
             stand: None,
             free_final_velocity: false,
             continuity: None,

@@ -15,3 +15,4 @@ mod robot;
 mod rows;
 mod trajectory;
 mod verdict;
+mod waypoints;

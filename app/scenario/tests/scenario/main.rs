@@ -35,6 +35,7 @@ mod surroundings;
 mod tradeoff;
 mod units;
 mod warm_start;
+mod waypoints;
 mod written;
 
 #[path = "../generate"]

@@ -1,0 +1,93 @@
+//! Points on the way.
+
+use super::{Goal, Scenario, ScenarioFile};
+use aghf::direct::Waypoint;
+use aghf::error::{Error, Result, check_length};
+use aghf::model::Model;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A point on the way: a configuration, or a set of poses of a frame.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PointOnTheWay {
+    /// The configuration, `N` entries.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub q: Option<Vec<f64>>,
+    /// A set of poses of a frame instead of `q`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub poses: Option<Goal>,
+    /// True if all joints are at rest there.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub stop: bool,
+    /// The time, s, on a horizon that is fixed; an unknown by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_s: Option<f64>,
+}
+
+/// The waypoints of a scenario file, those that are poses with the first guess of the end as their only guess; `path`
+/// names the scenario in errors.
+pub(super) fn waypoints(file: &ScenarioFile, model: &Model, path: &str) -> Result<Vec<Waypoint>> {
+    let mut all = Vec::new();
+    for (k, point) in file.waypoints.iter().enumerate() {
+        let key = format!("waypoints[{k}]");
+        let of_key = |e: Error| Error::input(path, &key, e.to_string());
+        let (q, constraints) = match (&point.q, &point.poses) {
+            (Some(q), None) => (q.clone(), Vec::new()),
+            (None, Some(poses)) => {
+                let rows = poses.rows(model, &format!("{key}.poses"), path)?;
+                (file.q_start.clone(), rows)
+            }
+            _ => {
+                let condition = "one of the keys q and poses is needed, not both";
+                return Err(Error::input(path, key, condition));
+            }
+        };
+        check_length("q", model.dof(), q.len()).map_err(of_key)?;
+        all.push(Waypoint {
+            constraints,
+            stop: point.stop,
+            time: point.time_s,
+            ..Waypoint::new(q)
+        });
+    }
+    Ok(all)
+}
+
+impl Scenario {
+    /// The waypoints with the configurations from which searches start, those nearest to the previous point first.
+    ///
+    /// # Errors
+    /// A configuration is beyond a limit or in collision, or none is found for a set of poses.
+    pub fn waypoints_with_guesses(&self) -> Result<Vec<Waypoint>> {
+        let mut all = self.waypoints.clone();
+        let mut before = self.file.q_start.clone();
+        for (k, (point, waypoint)) in self.file.waypoints.iter().zip(&mut all).enumerate() {
+            let key = format!("waypoints[{k}]");
+            if let Some(poses) = &point.poses {
+                let near = (&before[..], &before[..]);
+                let found = self.ends_of(poses, &waypoint.constraints, near, Some(&key))?;
+                let found = found.map_err(|condition| Error::input(&self.name, key, condition));
+                waypoint.guesses = found?;
+            } else {
+                self.check_on_the_way(&key, &waypoint.guesses[0])?;
+            }
+            before.clone_from(&waypoint.guesses[0]);
+        }
+        Ok(all)
+    }
+
+    /// The sum of the ways of a joint from the start through all waypoints that are configurations to the goal, unless
+    /// that is a set, rad or m.
+    pub(super) fn way_of(&self, joint: usize) -> f64 {
+        let file = &self.file;
+        let points = file.waypoints.iter().filter_map(|point| point.q.as_ref());
+        let goal = self.goal.is_none().then_some(&file.q_goal);
+        let (mut before, mut way) = (file.q_start[joint], 0.0);
+        for q in points.chain(goal) {
+            way += (q[joint] - before).abs();
+            before = q[joint];
+        }
+        way
+    }
+}

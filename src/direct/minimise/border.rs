@@ -1,0 +1,292 @@
+//! The unknowns beside the coefficients: the horizon and the times of waypoints, with the rows that depend on them.
+
+use super::point_rows::{Place, PointDerivatives};
+use super::program::Program;
+use crate::constraint::Constraint;
+use crate::cost::CostWithControl;
+use crate::error::Result;
+use crate::linalg::BlockTridiagonal;
+use crate::nlp::{Iterate, Kkt};
+use crate::transcription::{Grid, block_mut, place};
+use nalgebra::{DMatrix, DVector, DVectorView};
+
+/// A row that is linear in the unknowns of the border.
+pub(super) struct LinearRow {
+    pub value: f64,
+    /// The slopes by the index of the unknown in the border.
+    pub slopes: Vec<(usize, f64)>,
+    /// The unit of the row: s, or the horizon.
+    pub unit: f64,
+}
+
+impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
+    /// The number of unknowns of the border: the horizon if it is free, then the unknown times of waypoints.
+    pub(super) fn border(&self) -> usize {
+        usize::from(self.free_horizon.is_some()) + self.moving.len()
+    }
+
+    /// The values of the unknowns of the border.
+    pub(super) fn border_values(&self) -> impl Iterator<Item = f64> {
+        let horizon = self.free_horizon.map(|_| self.horizon);
+        let times = self.moving.iter().map(|k| self.times[*k]);
+        horizon.into_iter().chain(times)
+    }
+
+    /// The mean square of the slope of the curve in normalised time.
+    pub(super) fn mean_square_slope(&self) -> f64 {
+        let (grid, mut sum) = (self.grid, 0.0);
+        let mut states = DMatrix::zeros(self.coefficients.nrows(), grid.table.ncols());
+        for e in 0..grid.segments {
+            place(&self.coefficients, grid.first(e), &grid.table, &mut states);
+            for (g, weight) in grid.weights.iter().enumerate() {
+                sum += weight * states.column(3 * g + 1).norm_squared();
+            }
+        }
+        sum
+    }
+
+    /// Sets the times of waypoints from unknowns.
+    pub(super) fn set_times(&mut self, x: &DVector<f64>) {
+        let first = x.len() - self.moving.len();
+        for (i, k) in self.moving.iter().enumerate() {
+            self.times[*k] = x[first + i];
+        }
+    }
+
+    /// The index of an unknown time in the border, if it is one.
+    fn unknown_time(&self, waypoint: usize) -> Option<usize> {
+        let at = self.moving.iter().position(|k| *k == waypoint)?;
+        Some(usize::from(self.free_horizon.is_some()) + at)
+    }
+
+    /// The rows that keep the times of waypoints between those of their neighbours.
+    fn time_rows(&self) -> Vec<LinearRow> {
+        let mut rows = Vec::new();
+        for after in 0..=self.times.len() {
+            let before = after.checked_sub(1);
+            let unknowns = [before, Some(after)].map(|k| self.unknown_time(k?));
+            let slopes = unknowns.into_iter().zip([1.0, -1.0]);
+            let slopes: Vec<_> = slopes.filter_map(|(k, slope)| Some((k?, slope))).collect();
+            if slopes.is_empty() {
+                continue;
+            }
+            let earlier = before.map_or(0.0, |k| self.times[k]);
+            let later = self.times.get(after).copied().unwrap_or(1.0);
+            rows.push(LinearRow {
+                value: earlier - later,
+                slopes,
+                unit: self.horizon,
+            });
+        }
+        rows
+    }
+
+    /// The rows that are linear in the unknowns of the border: those of times, then the two bounds of a free horizon.
+    pub(super) fn linear_rows(&self) -> Vec<LinearRow> {
+        let mut rows = self.time_rows();
+        if let Some(free) = self.free_horizon {
+            let unit = free.longest;
+            let bounds = [
+                ((free.shortest - self.horizon) / unit, -1.0 / unit),
+                ((self.horizon - unit) / unit, 1.0 / unit),
+            ];
+            rows.extend(bounds.map(|(value, slope)| LinearRow {
+                value,
+                slopes: vec![(0, slope)],
+                unit,
+            }));
+        }
+        rows
+    }
+
+    /// The largest fraction of a step that halves neither the horizon nor the time between two waypoints.
+    pub(super) fn longest_on_border(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64 {
+        let own = x.len() - self.border();
+        let mut most: f64 = 1.0;
+        if self.free_horizon.is_some() {
+            most = most.min(0.5 * x[own] / step[own].abs());
+        }
+        for row in self.time_rows() {
+            let changes = row.slopes.iter().map(|(k, slope)| slope * step[own + k]);
+            let change: f64 = changes.sum();
+            if change > 0.0 {
+                most = most.min(-0.5 * row.value / change);
+            }
+        }
+        most
+    }
+
+    /// Adds the derivatives of the rows that are linear in the unknowns of the border, from row `first` on.
+    pub(super) fn add_linear_rows(&self, iterate: &Iterate, first: usize, out: &mut Kkt) {
+        let (rows, horizon) = (self.linear_rows(), self.horizon);
+        let own = out.gradient.len() - self.border();
+        for state in iterate.working.iter().filter(|of| of.row.at >= first) {
+            let row = &rows[state.row.at - first];
+            let term = self.term(iterate, state, row.value).times(state.row.weight);
+            if self.free_horizon.is_some() {
+                out.gradient[own] += term.cost;
+            }
+            for (i, slope) in &row.slopes {
+                out.gradient[own + i] += horizon * term.slope * slope;
+                for (j, other) in &row.slopes {
+                    out.hessian.corner[(*i, *j)] += horizon * term.curvature * slope * other;
+                }
+            }
+        }
+    }
+
+    /// The normalised time of a point: that of a waypoint, or the end for a goal.
+    fn time_of_point(&self, point: usize) -> f64 {
+        self.times.get(point).copied().unwrap_or(1.0)
+    }
+
+    fn place_of_point(&self, point: usize) -> Place {
+        Place::new(&self.basis, &self.coefficients, self.time_of_point(point))
+    }
+
+    /// Evaluates the rows of all points at the current unknowns.
+    pub(super) fn evaluate_points(&mut self) -> Result<()> {
+        for point in 0..self.points.len() {
+            let place = self.place_of_point(point);
+            self.points[point].evaluate(&place)?;
+        }
+        Ok(())
+    }
+
+    /// The places of all points, with the derivatives of their weighted rows.
+    pub(super) fn of_points(
+        &mut self,
+        iterate: &Iterate,
+    ) -> Result<Vec<(Place, PointDerivatives)>> {
+        self.evaluate_points()?;
+        let mut all = Vec::new();
+        for point in 0..self.points.len() {
+            let rows = &self.points[point];
+            let own = rows.range();
+            let value = |at: usize| rows.h[at - own.start] + self.margins[at];
+            let held = iterate
+                .equalities
+                .iter()
+                .filter(|of| own.contains(&of.row.at));
+            let held = held.map(|of| (of.row, iterate.equality_term(of, value(of.row.at))));
+            let near = iterate.working.iter().filter(|of| own.contains(&of.row.at));
+            let near = near.map(|of| (of.row, self.term(iterate, of, value(of.row.at))));
+            let terms = held.chain(near);
+            let terms: Vec<_> = terms
+                .map(|(row, term)| (row.at, term.times(row.weight)))
+                .collect();
+            let place = self.place_of_point(point);
+            let of = self.points[point].derivatives(terms.into_iter())?;
+            all.push((place, of));
+        }
+        Ok(all)
+    }
+
+    /// Adds the derivatives of the rows of points to gradient and condensed matrix.
+    pub(super) fn add_points(&mut self, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
+        let (grid, measure) = (self.grid, self.horizon);
+        for (point, (place, of)) in self.of_points(iterate)?.into_iter().enumerate() {
+            place.add_hessian(grid, &of, measure, &mut out.hessian.matrix);
+            place.scatter(grid, &of.gradient, 0, measure, out.gradient.as_mut_slice());
+            self.add_border_of(point, (&place, &of), out);
+        }
+        Ok(())
+    }
+
+    /// Adds the derivatives of the rows of a point in the unknowns of the border.
+    ///
+    /// The configuration $q = \sum_m \phi_m(\tau) c_m$ and its slope are bilinear in functions and coefficients: their
+    /// second derivatives in a coefficient and the time are $\phi_m'$ and $\phi_m''$. The horizon moves the coefficients
+    /// of the boundary velocities, and is the measure of the rows.
+    fn add_border_of(&self, point: usize, (place, of): (&Place, &PointDerivatives), out: &mut Kkt) {
+        let (grid, measure) = (self.grid, self.horizon);
+        let own = out.gradient.len() - self.border();
+        let horizon = self.free_horizon.map(|_| 0);
+        let rates = Place::new(&self.basis, &self.rates, self.time_of_point(point)).q;
+        // The unknown, with the derivatives of configuration and slope in it.
+        let in_horizon = horizon.map(|k| (k, [0, 1].map(|d| rates.column(d))));
+        let in_time = self.unknown_time(point);
+        let in_time = in_time.map(|k| (k, [1, 2].map(|d| place.q.column(d))));
+        let dot = |a: &[DVector<f64>; 2], b: &[DVectorView<'_, f64>; 2]| {
+            a[0].dot(&b[0]) + a[1].dot(&b[1])
+        };
+        let Kkt {
+            gradient, hessian, ..
+        } = out;
+        for (k, by) in in_horizon.iter().chain(&in_time) {
+            gradient[own + k] += measure * dot(&of.gradient, by);
+            let bent = [&of.hessian * by[0], of.of_slope.component_mul(&by[1])];
+            let mut column = hessian.border.column_mut(*k);
+            place.scatter(grid, &bent, 0, measure, column.as_mut_slice());
+            for (j, by) in in_horizon.iter().chain(&in_time) {
+                hessian.corner[(*k, *j)] += measure * dot(&bent, by);
+            }
+        }
+        if let Some((k, _)) = in_time {
+            let mut column = hessian.border.column_mut(k);
+            place.scatter(grid, &of.of_multipliers, 1, measure, column.as_mut_slice());
+            let second = [2, 3].map(|d| place.q.column(d));
+            hessian.corner[(k, k)] += measure * dot(&of.of_multipliers, &second);
+        }
+        if let Some((k, by)) = in_horizon {
+            gradient[own + k] += of.cost;
+            let mut column = hessian.border.column_mut(k);
+            place.scatter(grid, &of.gradient, 0, 1.0, column.as_mut_slice());
+            hessian.corner[(k, k)] += 2.0 * dot(&of.gradient, &by);
+            if let Some((j, by)) = in_time {
+                let late = [1, 2].map(|d| rates.column(d));
+                let both = measure * dot(&of.of_multipliers, &late) + dot(&of.gradient, &by);
+                hessian.corner[(k, j)] += both;
+                hessian.corner[(j, k)] += both;
+            }
+        }
+    }
+}
+
+impl Place {
+    /// Adds `factor` times the derivatives in the unknown coefficients of a function of $q$ and $q'$, or, with `d` one,
+    /// those of its derivative in time where the functions themselves change.
+    fn scatter(
+        &self,
+        grid: &Grid<f64>,
+        of: &[DVector<f64>; 2],
+        d: usize,
+        factor: f64,
+        out: &mut [f64],
+    ) {
+        let n = of[0].len();
+        for (m, unknown) in self.unknowns(grid) {
+            let [value, slope] = [d, d + 1].map(|d| factor * self.functions[(d, m)]);
+            for (i, out) in out[unknown * n..(unknown + 1) * n].iter_mut().enumerate() {
+                *out += value * of[0][i] + slope * of[1][i];
+            }
+        }
+    }
+
+    /// Adds `factor` times the Hessian in the unknown coefficients.
+    pub(super) fn add_hessian(
+        &self,
+        grid: &Grid<f64>,
+        of: &PointDerivatives,
+        factor: f64,
+        out: &mut BlockTridiagonal<f64>,
+    ) {
+        for (a, b) in grid.pairs.iter().copied() {
+            let product = |d: usize| factor * self.functions[(d, a)] * self.functions[(d, b)];
+            if let Some(mut target) = block_mut(grid, self.segment, (a, b), of.of_slope.len(), out)
+            {
+                target += product(0) * &of.hessian;
+                for (i, of_slope) in of.of_slope.iter().enumerate() {
+                    target[(i, i)] += product(1) * of_slope;
+                }
+            }
+        }
+    }
+
+    /// The functions of the segment with unknown coefficients, each with its unknown.
+    fn unknowns(&self, grid: &Grid<f64>) -> impl Iterator<Item = (usize, usize)> {
+        let first = grid.first(self.segment);
+        let functions = 0..self.functions.ncols();
+        functions.filter_map(move |m| Some((m, grid.unknown[first + m]?)))
+    }
+}

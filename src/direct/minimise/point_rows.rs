@@ -1,0 +1,191 @@
+//! The rows of a waypoint, and of a goal on the final configuration.
+
+use crate::constraint::{AnyConstraint, Constraint, Evaluator, Weights};
+use crate::curve::Basis;
+use crate::direct::Waypoint;
+use crate::error::Result;
+use crate::model::Model;
+use crate::nlp::Term;
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+
+/// The rows of constraints on the configuration at one time, and equalities on single entries of it or of the slope,
+/// divided by their scales. They follow those of the points of the quadrature.
+pub(super) struct PointRows<'g> {
+    constraints: &'g [AnyConstraint],
+    evaluator: Evaluator<'g>,
+    scales: Vec<f64>,
+    /// The entries of $(q, q')$ that have given values, after the rows of the constraints.
+    given: Vec<(usize, f64)>,
+    /// True for each equality.
+    pub equalities: Vec<bool>,
+    /// The values at the last evaluation.
+    pub h: Vec<f64>,
+    /// The state of the last evaluation, at rest.
+    state: Vec<f64>,
+    /// The index of the first row among all.
+    pub first: usize,
+}
+
+/// A curve at one normalised time.
+pub(super) struct Place {
+    /// The segment, and value and first three derivatives of its functions, one column each.
+    pub segment: usize,
+    pub functions: DMatrix<f64>,
+    /// The configuration and its first three derivatives, one column each.
+    pub q: DMatrix<f64>,
+}
+
+/// The derivatives of weighted rows in the configuration $q$ and the slope $q'$, without the measure.
+pub(super) struct PointDerivatives {
+    pub cost: f64,
+    /// Gradients with the slopes of the rows.
+    pub gradient: [DVector<f64>; 2],
+    /// The same with the multipliers, for the second derivatives of the curve.
+    pub of_multipliers: [DVector<f64>; 2],
+    /// The Hessian in the configuration, and the diagonal one in the slope.
+    pub hessian: DMatrix<f64>,
+    pub of_slope: DVector<f64>,
+}
+
+impl Place {
+    /// The curve of these coefficients at a normalised time in `[0, 1]`.
+    pub fn new(basis: &Basis, coefficients: &DMatrix<f64>, time: f64) -> Self {
+        let (segment, functions) = basis.functions_at(time);
+        let own = coefficients.columns(basis.first(segment), functions.ncols());
+        let q = own * functions.transpose();
+        Self {
+            segment,
+            functions,
+            q,
+        }
+    }
+}
+
+impl<'g> PointRows<'g> {
+    /// The rows of constraints and of given entries; `first` rows come before.
+    fn new(
+        model: &'g Model,
+        constraints: &'g [AnyConstraint],
+        given: Vec<(usize, f64)>,
+        first: usize,
+    ) -> Self {
+        let rows = constraints.dim();
+        let mut scales = vec![1.0; rows];
+        constraints.row_scales(&mut scales);
+        let equalities = (0..rows).map(|row| constraints.is_equality(row));
+        Self {
+            equalities: equalities.chain(given.iter().map(|_| true)).collect(),
+            scales: scales.into_iter().map(f64::recip).collect(),
+            evaluator: Evaluator::new(model),
+            h: vec![0.0; rows + given.len()],
+            state: vec![0.0; 2 * model.dof()],
+            constraints,
+            given,
+            first,
+        }
+    }
+
+    /// The rows of a goal.
+    pub fn of_goal(model: &'g Model, goal: &'g [AnyConstraint], first: usize) -> Self {
+        Self::new(model, goal, Vec::new(), first)
+    }
+
+    /// The rows of a waypoint.
+    pub fn of_waypoint(model: &'g Model, waypoint: &'g Waypoint, first: usize) -> Self {
+        let n = model.dof();
+        let mut given = Vec::new();
+        if waypoint.constraints.is_empty() {
+            given.extend(waypoint.guess(0).iter().copied().enumerate());
+        }
+        if waypoint.stop {
+            given.extend((n..2 * n).map(|entry| (entry, 0.0)));
+        }
+        Self::new(model, &waypoint.constraints, given, first)
+    }
+
+    /// The indices of the rows among all.
+    pub fn range(&self) -> Range<usize> {
+        self.first..self.first + self.h.len()
+    }
+
+    /// Computes the rows at a place of a curve.
+    pub fn evaluate(&mut self, place: &Place) -> Result<()> {
+        let n = self.state.len() / 2;
+        self.state[..n].copy_from_slice(place.q.column(0).as_slice());
+        let (rows, given) = self.h.split_at_mut(self.scales.len());
+        if !rows.is_empty() {
+            let placed = self.evaluator.at(&self.state)?;
+            placed.value(self.constraints, rows)?;
+        }
+        for (h, scale) in rows.iter_mut().zip(&self.scales) {
+            *h *= scale;
+        }
+        for (h, (entry, value)) in given.iter_mut().zip(&self.given) {
+            *h = place.q.as_slice()[*entry] - value;
+        }
+        Ok(())
+    }
+
+    /// The largest violation, in m or rad.
+    pub fn violation(&self) -> f64 {
+        let rows = self.h.iter().zip(&self.equalities);
+        let violations = rows.map(|(h, equality)| if *equality { h.abs() } else { *h });
+        violations.fold(0.0, f64::max)
+    }
+
+    /// The derivatives of the weighted rows at the last evaluation.
+    pub fn derivatives(
+        &mut self,
+        terms: impl Iterator<Item = (usize, Term)>,
+    ) -> Result<PointDerivatives> {
+        let (rows, n) = (self.scales.len(), self.state.len() / 2);
+        let [mut slopes, mut multipliers, mut curvatures] = [(); 3].map(|()| vec![0.0; rows]);
+        let [mut gradient, mut of_multipliers, mut second] =
+            [(); 3].map(|()| DVector::zeros(2 * n));
+        let mut cost = 0.0;
+        for (at, term) in terms {
+            let row = at - self.first;
+            cost += term.cost;
+            if let Some(row) = row.checked_sub(rows) {
+                let entry = self.given[row].0;
+                gradient[entry] += term.slope;
+                of_multipliers[entry] += term.multiplier;
+                second[entry] += term.curvature;
+                continue;
+            }
+            let scale = self.scales[row];
+            slopes[row] = scale * term.slope;
+            multipliers[row] = scale * term.multiplier;
+            curvatures[row] = scale * scale * term.curvature;
+        }
+        let mut hessian = DMatrix::from_diagonal(&second.rows(0, n).into_owned());
+        if rows > 0 {
+            let mut placed = self.evaluator.at(&self.state)?;
+            let weights = Weights {
+                first_order: &slopes,
+                gauss_newton: None,
+            };
+            let first = placed.weighted_derivatives(self.constraints, weights)?;
+            let mut own = gradient.rows_mut(0, n);
+            own += first.gradient().rows(0, n);
+            let weights = Weights {
+                first_order: &multipliers,
+                gauss_newton: Some(&curvatures),
+            };
+            let both = placed.weighted_derivatives(self.constraints, weights)?;
+            let mut own = of_multipliers.rows_mut(0, n);
+            own += both.gradient().rows(0, n);
+            hessian += both.hessian().view((0, 0), (n, n));
+        }
+        let parts = |of: DVector<f64>| [0, n].map(|first| of.rows(first, n).into_owned());
+        let [_, of_slope] = parts(second);
+        Ok(PointDerivatives {
+            cost,
+            gradient: parts(gradient),
+            of_multipliers: parts(of_multipliers),
+            hessian,
+            of_slope,
+        })
+    }
+}
