@@ -55,7 +55,8 @@ pub(super) fn waypoints(file: &ScenarioFile, model: &Model, path: &str) -> Resul
 }
 
 impl Scenario {
-    /// The waypoints with the configurations from which searches start, those nearest to the previous point first.
+    /// The waypoints with the configurations from which searches start, those on the shortest way from the first
+    /// configuration of the previous point to the next known configuration first.
     ///
     /// # Errors
     /// A configuration is beyond a limit or in collision, or none is found for a set of poses.
@@ -69,12 +70,28 @@ impl Scenario {
                 let found = self.ends_of(poses, &waypoint.constraints, near, Some(&key))?;
                 let found = found.map_err(|condition| Error::input(&self.name, key, condition));
                 waypoint.guesses = found?;
+                let after = self.after(k);
+                let way = |q: &Vec<f64>| {
+                    let squares = |to: &[f64]| q.iter().zip(to).map(|(a, b)| (a - b).powi(2)).sum();
+                    [squares(&before), squares(after)]
+                        .map(f64::sqrt)
+                        .iter()
+                        .sum::<f64>()
+                };
+                waypoint.guesses.sort_by(|a, b| way(a).total_cmp(&way(b)));
             } else {
                 self.check_on_the_way(&key, &waypoint.guesses[0])?;
             }
             before.clone_from(&waypoint.guesses[0]);
         }
         Ok(all)
+    }
+
+    /// The first configuration that is known after a waypoint, that of the goal at the latest.
+    fn after(&self, waypoint: usize) -> &[f64] {
+        let later = self.file.waypoints[waypoint + 1..].iter();
+        let mut known = later.filter_map(|point| point.q.as_deref());
+        known.next().unwrap_or(&self.file.q_goal)
     }
 
     /// The sum of the ways of a joint from the start through all waypoints that are configurations to the goal, unless
