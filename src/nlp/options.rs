@@ -72,7 +72,7 @@ pub struct Options {
     pub largest_regularisation: f64,
     /// The first length of a step along a direction of negative curvature, in the norm of steps.
     pub saddle_step: f64,
-    /// The largest number of times that rows are tightened after the end.
+    /// The largest number of times that rows are tightened at the last barrier parameter.
     pub rounds: usize,
 }
 

@@ -52,13 +52,34 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         Ok(self.refinable && error > self.stage.quadrature_tolerance.max(on_the_way))
     }
 
+    /// The margin of each row against rounding: not more than the distance of a fixed start or end from its bound,
+    /// which no motion can keep just beside it. A larger margin would be a violation that no penalty removes.
+    fn reserves(&self) -> Vec<f64> {
+        let integrand = self.objective.cost();
+        let (rows, fixed) = (&integrand.rows, self.fixed_ends());
+        let (states, attributes) = (rows.states(), rows.attributes());
+        let with_ends = self.grid.times[0] == 0.0;
+        let last = integrand.h.len() - rows.count();
+        let reserve = |row: usize| {
+            if attributes.equalities[row] {
+                return 0.0;
+            }
+            let ends = [row, last + row].into_iter().zip(fixed);
+            let ends = ends.filter(|(_, fixed)| *fixed && with_ends && row < states);
+            let distances = ends.map(|(at, _)| -integrand.h[at]);
+            // An end that is outside by more than is accepted does not widen its bound.
+            let least = -self.stage.feasible / attributes.units[row];
+            let distances = distances.filter(|distance| *distance >= least);
+            distances.fold(self.search.reserve, f64::min)
+        };
+        (0..rows.count()).map(reserve).collect()
+    }
+
     /// Sets the margins against rounding.
     pub(super) fn reserve(&mut self) {
+        let margins = self.reserves();
+        let margins = margins.iter().copied();
         let reserve = self.search.reserve;
-        let equalities = &self.objective.cost().rows.attributes().equalities;
-        let margins = equalities
-            .iter()
-            .map(|equality| if *equality { 0.0 } else { reserve });
         let first = self.goal.first;
         for (margin, of_row) in self.margins[..first].iter_mut().zip(margins.cycle()) {
             *margin = of_row;
@@ -77,10 +98,18 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         if !grow {
             self.reserve();
         }
-        let reserve = self.search.reserve;
+        let (reserves, fixed) = (self.reserves(), self.fixed_ends());
         let (grid, integrand) = (self.grid, self.objective.cost_mut());
-        let count = integrand.rows.count();
+        let (count, states) = (integrand.rows.count(), integrand.rows.states());
+        // Times are sums of intervals.
+        let is_at = |time: f64, end: f64| (time - end).abs() <= 8.0 * f64::EPSILON;
+        let is_fixed = |time: f64| (fixed[0] && is_at(time, 0.0)) || (fixed[1] && is_at(time, 1.0));
         for peak in peaks {
+            // Margins do not change the state at a fixed end.
+            if peak.row < states && is_fixed(peak.time) {
+                continue;
+            }
+            let reserve = reserves[peak.row];
             let after = grid.times.partition_point(|t| *t < peak.time);
             let own = peak.segment * grid.points()..(peak.segment + 1) * grid.points();
             let asked = |g: &usize| !grid.collocated[g % grid.points()];

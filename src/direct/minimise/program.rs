@@ -91,7 +91,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         let goal = goal.map_or(&[][..], |goal| &goal.alternatives[*alternative]);
         let goal = GoalRows::new(problem.model(), goal, points * rows.count());
         let count = goal.range().end + bounds;
-        let mut program = Self {
+        Self {
             scans: [looks, last].map(|times| grids.scan(basis, times)),
             finer: Objective::new(finer, rows.cost.clone(), n),
             finer_cost: [f64::NAN; 2],
@@ -113,9 +113,15 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             search,
             equality_penalty: 1.0,
             watch,
-        };
-        program.reserve();
-        program
+        }
+    }
+
+    /// Sets the margins against rounding at the unknowns of a start.
+    pub fn set_first_margins(&mut self, x: &DVector<f64>) -> Result<()> {
+        self.place(x);
+        self.objective.value(&self.coefficients)?;
+        self.reserve();
+        Ok(())
     }
 
     /// The unknowns of the curve.
@@ -229,6 +235,15 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         }
     }
 
+    /// True for the start and the end if its state is fixed.
+    pub(super) fn fixed_ends(&self) -> [bool; 2] {
+        let ends = self.basis.continuity();
+        [
+            true,
+            !(ends.free_final_velocity || ends.free_final_position),
+        ]
+    }
+
     /// The values of the two bounds of a free horizon, relative to the initial one.
     pub(super) fn bounds(&self) -> [f64; 2] {
         let Some(free) = self.free_horizon else {
@@ -317,10 +332,9 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
     }
 
     fn working_set(&mut self, h: &[f64]) -> Vec<Row> {
-        let ends = self.basis.continuity();
-        let free = ends.free_final_velocity || ends.free_final_position;
+        let fixed = self.fixed_ends();
         let rows = &self.objective.cost().rows;
-        let mut rows = self.working.list(self.grid, rows, [true, !free], h);
+        let mut rows = self.working.list(self.grid, rows, fixed, h);
         let of_goal = self.goal.range().zip(&self.goal.equalities);
         let of_goal = of_goal.filter_map(|(at, held)| (!held).then_some(at));
         let bounds = self.goal.range().end..h.len();
