@@ -25,8 +25,8 @@ pub struct SearchOptions {
     pub last_scan: usize,
     /// The distance from its bound, relative to its scale, beyond which a scan ignores a row.
     pub scan_depth: f64,
-    /// The number of times that margins are set anew at the end of the search before they only grow, so that it
-    /// terminates.
+    /// The number of times that margins are set anew at the last barrier parameter before they only grow, so that the
+    /// search ends: where a maximum moves from one side of a point to the other, new margins swing.
     pub exact_margins: usize,
     /// The distance that rows keep from their bounds, relative to their scale, against rounding at the end.
     pub reserve: f64,

@@ -69,7 +69,7 @@ pub trait Nlp {
     fn longest(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64;
 
     /// Evaluates rows between the points at `x`, the last evaluated one, and adapts their margins; after some rounds at
-    /// the end of the search, counted by `round`, margins only grow.
+    /// the last barrier parameter, counted by `round`, margins only grow.
     ///
     /// # Errors
     /// Those of [`value`](Self::value).

@@ -41,7 +41,8 @@ pub struct Options {
     pub largest_penalty: f64,
     /// The cost of all violations with the penalty, relative to the objective, and the fraction of them that is left
     /// since the penalty was last raised, above which the search is at a local minimum of the violation: other starts
-    /// promise more than a motion that costs several times as much.
+    /// promise more than a motion that costs that much more (tuned: of 1, 0.3 and 0.1 the last took the fewest
+    /// iterations in all on problems of two arms in clutter, by 3 and 23 % against 1).
     pub infeasible_cost: f64,
     pub infeasible_progress: f64,
     /// The fraction of the predicted decrease that a step achieves: 1e-4 as in NW (3.4).
@@ -72,7 +73,7 @@ pub struct Options {
     pub largest_regularisation: f64,
     /// The first length of a step along a direction of negative curvature, in the norm of steps.
     pub saddle_step: f64,
-    /// The largest number of times that rows are tightened after the end.
+    /// The largest number of times that rows are tightened at the last barrier parameter.
     pub rounds: usize,
 }
 
@@ -92,7 +93,7 @@ impl Default for Options {
             penalty_factor: 4.0,
             equality_factor: 10.0,
             largest_penalty: 1e9,
-            infeasible_cost: 1.0,
+            infeasible_cost: 0.1,
             infeasible_progress: 0.5,
             sufficient_decrease: 1e-4,
             memory: 4,

@@ -14,7 +14,7 @@ pub(crate) struct State {
     pub kkt: Kkt,
     pub progress: Progress,
     pub measure: f64,
-    /// The numbers of iterations, and of times that rows were tightened at the end.
+    /// The numbers of iterations, and of times that rows were tightened at the last barrier parameter.
     pub(super) iterations: usize,
     rounds: usize,
     /// The weighted sum of all violations when the penalty was last raised.
@@ -142,6 +142,9 @@ impl State {
         most: f64,
         options: &Options,
     ) -> Result<Tightened> {
+        if self.is_last_barrier(options) {
+            self.rounds += 1;
+        }
         let found = problem.tighten(&self.x, self.rounds)?;
         if let Tightened::Violation(violation) = found
             && violation > options.feasible

@@ -24,6 +24,10 @@ pub struct Dense {
     /// The margin of all inequalities from the end of the search on.
     pub margin: f64,
     pub tightened: bool,
+    /// The other margin after every second look between the points in the first rounds, if there is one.
+    pub swing: Option<f64>,
+    /// The rounds of these looks.
+    pub rounds: Vec<usize>,
     /// The number of evaluations of the functions.
     pub evaluations: usize,
 }
@@ -50,6 +54,8 @@ impl Dense {
             coarse: false,
             margin: 0.0,
             tightened: false,
+            swing: None,
+            rounds: Vec::new(),
             evaluations: 0,
         }
     }
@@ -185,7 +191,12 @@ impl Nlp for Dense {
     }
 
     fn tighten(&mut self, x: &DVector<f64>, round: usize) -> Result<Tightened> {
-        self.tightened |= round > 0;
+        // The first round is that at which the last barrier parameter is reached.
+        self.tightened |= round > 1;
+        self.rounds.push(round);
+        if let Some(other) = self.swing.as_mut().filter(|_| round <= 4) {
+            std::mem::swap(other, &mut self.margin);
+        }
         if self.coarse {
             return Ok(Tightened::Coarse);
         }

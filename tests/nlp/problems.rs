@@ -325,6 +325,22 @@ fn margins_that_change_at_the_end() {
     assert!(follows, "{all:?}");
 }
 
+/// Margins that swing end when they only grow: looks at the rows at the last barrier parameter count.
+#[test]
+fn margins_that_swing() {
+    let mut program = Dense {
+        margin: 0.5,
+        swing: Some(0.4),
+        ..Dense::new(corner, &[0.0, 0.0], 0, 3)
+    };
+    let end = program.solve(&accurate());
+    assert_eq!(end.status, Status::Converged);
+    let rounds = &program.rounds;
+    let counted = rounds.iter().filter(|round| **round == 1).count();
+    assert!(rounds.is_sorted() && counted == 1, "{rounds:?}");
+    assert!(rounds.last().is_some_and(|last| *last <= 8), "{rounds:?}");
+}
+
 /// $(x^2 - 1)^2 + y^2 + 1$, which has a saddle at 0.
 fn two_wells(x: &[HyperDual64]) -> Functions {
     let well = x[0] * x[0] - 1.0;

@@ -15,6 +15,9 @@ use std::time::Instant;
 const FIRST_SHARE: f64 = 30.0;
 const SHARE: f64 = 1000.0;
 
+/// The weight below which a search that leads to no faster motion gives up.
+const LEAST_SHARE: f64 = 2.0;
+
 /// The same at the end, of the last motion: a hundredth at most is left to the effort, without which a joint that is
 /// not in a hurry has no best motion.
 const LAST_SHARE: f64 = 100.0;
@@ -98,28 +101,32 @@ impl<'s, 'o> Search<'s, 'o> {
             .time_limit
             .map(|limit| limit.mul_f64(PART_OF_STARTS));
         let first = self.solve(&scenario.problem()?, settings)?;
-        let mut others = Vec::new();
-        for step in 0..STEPS {
+        let (mut others, mut share) = (Vec::new(), FIRST_SHARE);
+        for _ in 0..STEPS {
             let before = others.last().unwrap_or(&first);
             self.complete = self.goes_on(before);
             if !self.complete {
                 break;
             }
             let horizon = before.curve.horizon();
-            let share = if step == 0 { FIRST_SHARE } else { SHARE };
             let weight = share * before.cost / horizon;
             let next = self.from(before, horizon, self.weighted(weight))?;
             let later = next.curve.horizon() / horizon;
             let is_faster = is_valid(&next) && later <= NOT_LONGER;
-            self.complete = is_faster || (next.converged && later <= SAME);
+            let is_same = is_valid(&next) && next.converged && later <= SAME;
             let last = weight * next.curve.horizon() >= LAST_SHARE * next.cost;
-            let over = step > 0 && (last || !is_faster);
+            self.complete = is_faster || is_same;
             if is_faster {
                 others.push(next);
             }
-            if over {
-                break;
-            }
+            share = match (self.complete, others.is_empty()) {
+                (true, _) if last => break,
+                (true, _) => SHARE,
+                // Half the way there on a logarithmic scale.
+                (false, true) if share > LEAST_SHARE => share.sqrt(),
+                (false, false) if share > LAST_SHARE => LAST_SHARE,
+                _ => break,
+            };
         }
         Ok((first, others))
     }
@@ -128,6 +135,7 @@ impl<'s, 'o> Search<'s, 'o> {
     fn balanced(&mut self) -> Result<DirectSolution> {
         let (first, mut others) = self.faster()?;
         let fast = others.last().unwrap_or(&first);
+        let is_least = self.complete;
         self.complete = self.goes_on(fast);
         if self.complete {
             let least = fast.curve.horizon();
@@ -142,6 +150,7 @@ impl<'s, 'o> Search<'s, 'o> {
                 others.push(found);
             }
         }
+        self.complete &= is_least;
         Ok(self.whole(first, others))
     }
 

@@ -7,6 +7,7 @@ use crate::cost::CostWithControl;
 use crate::cost::SMALLEST_COST;
 use crate::error::Result;
 use crate::transcription::Peak;
+use nalgebra::DVector;
 
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// The local maxima of the rows between the points, and the largest violation, in its unit.
@@ -52,13 +53,49 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         Ok(self.refinable && error > self.stage.quadrature_tolerance.max(on_the_way))
     }
 
+    /// Sets the margins against rounding at the unknowns of a start.
+    pub(super) fn set_first_margins(&mut self, x: &DVector<f64>) -> Result<()> {
+        self.place(x);
+        self.objective.value(&self.coefficients)?;
+        self.reserve();
+        Ok(())
+    }
+
+    /// True for the start and the end if its state is fixed.
+    pub(super) fn fixed_ends(&self) -> [bool; 2] {
+        let ends = self.basis.continuity();
+        let free = ends.free_final_velocity || ends.free_final_position;
+        [true, !free]
+    }
+
+    /// The margin of each row against rounding: not more than the distance of a fixed start or end from its bound,
+    /// which no motion can keep just beside it. A larger margin would be a violation that no penalty removes.
+    fn reserves(&self) -> Vec<f64> {
+        let integrand = self.objective.cost();
+        let (rows, fixed) = (&integrand.rows, self.fixed_ends());
+        let (states, attributes) = (rows.states(), rows.attributes());
+        let with_ends = self.grid.times[0] == 0.0;
+        let last = integrand.h.len() - rows.count();
+        let reserve = |row: usize| {
+            if attributes.equalities[row] {
+                return 0.0;
+            }
+            let ends = [row, last + row].into_iter().zip(fixed);
+            let ends = ends.filter(|(_, fixed)| *fixed && with_ends && row < states);
+            let distances = ends.map(|(at, _)| -integrand.h[at]);
+            // An end that is outside by more than is accepted does not widen its bound.
+            let least = -self.stage.feasible / attributes.units[row];
+            let distances = distances.filter(|distance| *distance >= least);
+            distances.fold(self.search.reserve, f64::min)
+        };
+        (0..rows.count()).map(reserve).collect()
+    }
+
     /// Sets the margins against rounding.
     pub(super) fn reserve(&mut self) {
+        let margins = self.reserves();
+        let margins = margins.iter().copied();
         let reserve = self.search.reserve;
-        let equalities = &self.objective.cost().rows.attributes().equalities;
-        let margins = equalities
-            .iter()
-            .map(|equality| if *equality { 0.0 } else { reserve });
         let (of_grid, beside) = self.margins.split_at_mut(self.first_of_points);
         for (margin, of_row) in of_grid.iter_mut().zip(margins.cycle()) {
             *margin = of_row;
@@ -77,10 +114,18 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         if !grow {
             self.reserve();
         }
-        let reserve = self.search.reserve;
+        let (reserves, fixed) = (self.reserves(), self.fixed_ends());
         let (grid, integrand) = (self.grid, self.objective.cost_mut());
-        let count = integrand.rows.count();
+        let (count, states) = (integrand.rows.count(), integrand.rows.states());
+        // Times are sums of intervals.
+        let is_at = |time: f64, end: f64| (time - end).abs() <= 8.0 * f64::EPSILON;
+        let is_fixed = |time: f64| (fixed[0] && is_at(time, 0.0)) || (fixed[1] && is_at(time, 1.0));
         for peak in peaks {
+            // Margins do not change the state at a fixed end.
+            if peak.row < states && is_fixed(peak.time) {
+                continue;
+            }
+            let reserve = reserves[peak.row];
             let after = grid.times.partition_point(|t| *t < peak.time);
             let own = peak.segment * grid.points()..(peak.segment + 1) * grid.points();
             let asked = |g: &usize| !grid.collocated[g % grid.points()];

@@ -158,6 +158,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     };
     program.equality_penalty = candidate.equality_penalty;
     let x = program.unknowns();
+    program.set_first_margins(&x)?;
     if stage.last {
         program.kept.push(x.clone());
     }

@@ -136,7 +136,6 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             watch,
         };
         program.margins = vec![0.0; program.first_of_border() + program.linear_rows().len()];
-        program.reserve();
         program
     }
 
@@ -177,7 +176,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     }
 
     /// Sets coefficients, horizon and times.
-    fn place(&mut self, x: &DVector<f64>) {
+    pub(super) fn place(&mut self, x: &DVector<f64>) {
         let own = self.derivatives.gradient.len();
         let columns = x.as_slice()[..own].chunks_exact(self.objective.dof());
         for (function, column) in self.grid.free.iter().zip(columns) {
@@ -346,10 +345,9 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
     }
 
     fn working_set(&mut self, h: &[f64]) -> Vec<Row> {
-        let ends = self.basis.continuity();
-        let free = ends.free_final_velocity || ends.free_final_position;
+        let fixed = self.fixed_ends();
         let rows = &self.objective.cost().rows;
-        let mut rows = self.working.list(self.grid, rows, [true, !free], h);
+        let mut rows = self.working.list(self.grid, rows, fixed, h);
         let of_points = self.rows_of_points(false);
         let of_border = self.first_of_border()..h.len();
         rows.extend(of_points.chain(of_border).map(|at| Row { at, weight: 1.0 }));
