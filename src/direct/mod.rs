@@ -28,11 +28,13 @@ mod minimise;
 mod options;
 mod settings;
 mod strategy;
+mod tracker;
 
 pub use goal::{GoalEnd, GoalSet};
 pub use options::SearchOptions;
 pub use settings::{DirectSettings, DirectSolution, Iteration, PlannedStarts};
 pub use strategy::{DegreeRefinement, FreeHorizon, LocalMinimum};
+pub use tracker::{Command, Outcome, Safety, Step, Tracker, TrackerOptions};
 
 use crate::constraint::{Constraint, Constraints, NONE};
 use crate::cost::{ControlEffort, CostWithControl};

@@ -118,13 +118,13 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         program
     }
 
-    /// The unknowns of the curve.
-    pub fn unknowns(&self) -> DVector<f64> {
-        let horizon = self.free_horizon.map(|_| self.horizon);
+    /// The unknowns of a curve in the basis.
+    pub fn unknowns(&self, Candidate { path, horizon, .. }: &Candidate) -> DVector<f64> {
+        let horizon = self.free_horizon.map(|_| *horizon);
         let own = self.derivatives.gradient.len();
         let free = self.grid.free.iter();
         let all =
-            free.flat_map(|function| self.coefficients.column(*function).into_iter().copied());
+            free.flat_map(|function| path.coefficients.column(*function).into_iter().copied());
         DVector::from_iterator(own + usize::from(horizon.is_some()), all.chain(horizon))
     }
 
