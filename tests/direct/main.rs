@@ -15,6 +15,7 @@ mod options;
 mod running_cost;
 mod segments;
 mod stage;
+mod tracker;
 
 #[path = "../cost"]
 mod cost {

@@ -14,8 +14,8 @@ pub(in crate::direct) struct Iterations {
     pub count: usize,
     /// True if further iterations would change the objective by less than the tolerance.
     pub converged: bool,
-    /// True if the barrier function is less than that of the reference.
-    pub is_better: bool,
+    /// The decrease of the barrier function from that of the reference, relative to the objective.
+    pub gain: f64,
 }
 
 /// Takes iterations with a fixed barrier parameter, summed over all rows and relative to the objective, from a candidate
@@ -79,7 +79,7 @@ pub(in crate::direct) fn improve<K: Constraint, P: CostWithControl>(
     Ok(Iterations {
         count,
         converged,
-        is_better: after < before,
+        gain: (before - after) / state.scale(),
     })
 }
 

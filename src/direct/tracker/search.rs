@@ -59,7 +59,7 @@ impl<K: Constraint + Sync, P: CostWithControl> Tracker<'_, K, P> {
         };
         let most = self.options.iterations_per_step;
         let found = self.improve(begin, &mut plan, &reference, most)?;
-        let mut replaced = found.is_better || !is_current;
+        let mut replaced = !is_current || found.gain >= self.options.least_gain;
         if replaced {
             let began = Instant::now();
             replaced = self.look(&plan)?.is_none();
@@ -153,17 +153,19 @@ impl<K: Constraint + Sync, P: CostWithControl> Tracker<'_, K, P> {
         Ok(most.filter(|row| row.by > DirectSettings::FEASIBLE))
     }
 
-    /// Measures the parts of a step.
-    pub(super) fn measure(&mut self) -> Result<()> {
-        for _ in 0..2 {
+    /// Improves the first plan to the barrier parameter of the later ones, and measures the parts of a step.
+    pub(super) fn centre(&mut self) -> Result<()> {
+        let mut plan = self.plan.clone();
+        for most in [self.options.settings.iterations, 1] {
             // The first time makes the tables.
             self.pace = Pace::unknown();
-            let mut plan = self.plan.clone();
-            let [q, v, _] = plan.at(plan.began);
             let reference = plan.clone();
-            self.improve([q, v].concat(), &mut plan, &reference, 1)?;
+            let [q, v, _] = plan.at(plan.began);
+            self.improve([q, v].concat(), &mut plan, &reference, most)?;
             let began = Instant::now();
-            self.look(&plan)?;
+            if self.look(&plan)?.is_none() {
+                self.plan = plan.clone();
+            }
             learn(&mut self.pace.look, began.elapsed().as_secs_f64());
         }
         Ok(())
