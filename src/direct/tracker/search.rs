@@ -13,7 +13,7 @@ use crate::motion::{Interrupt, Problem, Violation, Watch, curve_of, violations};
 use crate::transcription::Rows;
 use std::time::Instant;
 
-/// What the search of a step did.
+/// The work of the search of a step.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Searched {
     pub iterations: usize,

@@ -5,11 +5,11 @@ use super::Command;
 /// The result of a step.
 #[derive(Debug)]
 pub struct Step<'t> {
-    /// Whether the motion has ended at the goal.
+    /// The outcome of the motion so far.
     pub outcome: Outcome,
     /// The command for now.
     pub command: &'t Command,
-    /// Whether the plan that the command follows keeps all rows.
+    /// The safety of the plan that the command follows.
     pub safety: Safety,
     /// The largest distance of a joint from the plan, rad or m.
     pub deviation: f64,
@@ -23,23 +23,23 @@ pub struct Step<'t> {
     pub converged: bool,
 }
 
-/// Whether a motion has ended.
+/// The outcome of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// The motion goes on, or a goal is not planned for yet.
+    /// The motion goes on, or has no plan to the goal yet.
     Working,
     /// The plan has ended at the goal; the command holds it there.
     Finished,
 }
 
-/// Whether the rest of a plan keeps all rows.
+/// The safety of the rest of a plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Safety {
-    /// It keeps all current rows, at all times.
+    /// It keeps all current rows, to its end.
     Kept,
     /// It violates a row.
     Violated {
-        /// The row that is violated most, as in [`Violation::row`].
+        /// The row that is violated most, as in [`Violation::row`](crate::motion::Violation).
         row: usize,
         /// The violation, in the unit of the row.
         by: f64,
