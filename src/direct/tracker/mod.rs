@@ -30,8 +30,9 @@ use std::time::Duration;
 /// one or a few iterations of the [interior-point method](crate::nlp) per step, from the rest of the last one with its
 /// multipliers (the real-time iteration of Diehl, Bock and Schlöder, *A real-time iteration scheme for nonlinear
 /// optimization in optimal feedback control*, 2005), with a [fixed barrier parameter](TrackerOptions::barrier). The
-/// rest of a polynomial is a polynomial of the same degree, so that it is exact. Plans begin on the plan before, at the state that it has at the time, and feedback keeps the robot
-/// near them; only a robot that is [far](TrackerOptions::largest_deviation) from its plan gets one from where it is.
+/// rest of a polynomial is a polynomial of the same degree, so that it is exact. Plans begin on the plan before, at the
+/// state that it has at the time, and feedback keeps the robot near them; only a robot that is
+/// [far](TrackerOptions::largest_deviation) from its plan gets one from where it is, within the time that is left.
 ///
 /// A plan replaces the one that is followed if it is *safe*: it begins there, ends at rest at the goal, and violates no
 /// row by more than [`FEASIBLE`](super::DirectSettings::FEASIBLE) at the times of a [look](TrackerOptions::look), with
@@ -91,7 +92,8 @@ pub struct Tracker<'a, K, P> {
 
 impl<'a, K: Constraint + Sync, P: CostWithControl> Tracker<'a, K, P> {
     /// Searches the first plan, with the settings of `options`: that of `problem`, whose start may move, and whose goal
-    /// is at rest. A known motion comes in as [`DirectSettings::start`].
+    /// is at rest. A known motion comes in as
+    /// [`DirectSettings::start`](super::DirectSettings::start).
     ///
     /// # Errors
     /// Those of [`TrackerOptions::check`] and [`Direct::solve`]; a joint is passive; or the search finds no motion

@@ -46,6 +46,7 @@ pub enum Safety {
         /// The time until then, s.
         after: f64,
     },
-    /// The robot is farther from the plan than the [largest deviation](TrackerOptions::largest_deviation).
+    /// The robot is farther from the plan than the
+    /// [largest deviation](super::TrackerOptions::largest_deviation).
     Left,
 }
