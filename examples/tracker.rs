@@ -1,5 +1,5 @@
-//! A motion that is followed and replanned at 500 Hz, while its goal moves away at 0.1 m/s or so: the robot of the model
-//! is simulated, and each step takes one iteration. Prints when the goal stops and when the motion ends.
+//! A motion that is followed and replanned at 500 Hz, while its goal moves away at about 0.1 m/s: the robot of the
+//! model is simulated, and each step takes one iteration. Prints when the goal stops and when the motion ends.
 
 use aghf::constraint::{Bounds, Constraints, TorqueLimits};
 use aghf::cost::ControlEffort;

@@ -104,7 +104,7 @@ fn largest(model: &Model, kept: &Kept, tracker: &Own<'_>) -> f64 {
     rows.iter().fold(0.0, |most, row| row.by.max(most))
 }
 
-/// Follows a tracker with a robot at 500 Hz until it has finished, and returns the last state and the largest deviation.
+/// Follows a tracker with a robot at 500 Hz until it has finished; returns the last state and the largest deviation.
 fn closed_loop(
     real: &Model,
     tracker: &mut Own<'_>,
@@ -163,7 +163,7 @@ fn heavier(name: &str, factor: f64) -> Model {
     model
 }
 
-/// The feedback brings a robot to the goal whose masses are wrong by a fifth, to the error of a spring under the weight.
+/// The feedback brings a robot to the goal whose masses are wrong by a fifth, up to the sag under its weight.
 #[test]
 fn a_robot_with_wrong_masses_arrives() {
     let model = robot("kinova_gen3");
@@ -204,6 +204,8 @@ fn a_moved_goal_takes_a_tenth_of_the_iterations() {
     let model = robot("kinova_gen3");
     let mut rng = ChaCha8Rng::seed_from_u64(39);
     let mut ratios = Vec::new();
+    let mut options = options(12);
+    options.settings.search.most_starts = 2;
     while ratios.len() < 20 {
         let middle = reach(&model);
         let mut near = |q: &[f64], size: f64| -> Vec<f64> {
@@ -219,8 +221,8 @@ fn a_moved_goal_takes_a_tenth_of_the_iterations() {
         let problem = Problem::new(&model, at_rest(&start), at_rest(&goal), 2.0).expect("valid");
         let kept = kept(&model, [0.3, 0.4, 0.5]);
         let cost = ControlEffort::new(&model);
-        let found = Tracker::new(&problem, kept.clone(), cost, options(12));
-        // There may be none between random ends.
+        let found = Tracker::new(&problem, kept.clone(), cost, options.clone());
+        // There may be none between random ends, which a few starts show.
         let Ok(mut tracker) = found else { continue };
         let (mut x, mut now) = (problem.start().to_vec(), 0.0);
         for k in 0..150 {
@@ -241,7 +243,7 @@ fn a_moved_goal_takes_a_tenth_of_the_iterations() {
         let from = Problem::new(&model, x, at_rest(&target), left).expect("valid");
         let direct = Direct::new(&from).constraints(&kept);
         let cold = direct
-            .settings(options(12).settings)
+            .settings(options.settings.clone())
             .solve()
             .expect("valid");
         ratios.push(iterations as f64 / cold.iterations.len() as f64);

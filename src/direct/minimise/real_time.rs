@@ -18,9 +18,10 @@ pub(in crate::direct) struct Iterations {
     pub gain: f64,
 }
 
-/// Takes iterations with a fixed barrier parameter, summed over all rows and relative to the objective, from a candidate
-/// in its basis and on its number of points, as long as `goes_on` returns true for their number so far (Wang and Boyd,
-/// *Fast model predictive control using online optimization*, 2010). The reference is a motion between the same ends.
+/// Takes iterations with a fixed barrier parameter, summed over all rows and relative to the objective, from a
+/// candidate in its basis and on its number of points, as long as `goes_on` returns true for their number so far
+/// (Wang and Boyd, *Fast model predictive control using online optimization*, 2010). The reference is a motion between
+/// the same ends.
 pub(in crate::direct) fn improve<K: Constraint, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     candidate: &mut Candidate,

@@ -231,8 +231,8 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Tracker<'a, K, P> {
     ///
     /// With a [deadline](TrackerOptions::deadline) an iteration begins only if it and the look at its result are
     /// expected to end before it, by the times of the last ones: of 10 500 random deadlines up to 3 ms all but 6 are
-    /// kept within 0.2 ms of computing time. The look at a plan after a change of the constraints and the command itself
-    /// are never left out.
+    /// kept within 0.2 ms of computing time. The look at a plan after a change of the constraints and the command are
+    /// never left out.
     ///
     /// # Errors
     /// `state` does not have `2 N` finite entries, or `now` is not finite or before that of the last step.
