@@ -28,12 +28,14 @@ mod minimise;
 mod options;
 mod settings;
 mod strategy;
+mod tracker;
 mod waypoint;
 
 pub use goal::{GoalEnd, GoalSet};
 pub use options::SearchOptions;
 pub use settings::{DirectSettings, DirectSolution, Iteration, PlannedStarts};
 pub use strategy::{DegreeRefinement, FreeHorizon, LocalMinimum};
+pub use tracker::{Command, Outcome, Safety, Step, Tracker, TrackerOptions};
 pub use waypoint::Waypoint;
 
 use crate::constraint::{Constraint, Constraints, NONE};

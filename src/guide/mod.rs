@@ -1,8 +1,9 @@
 //! A book in pages: how to begin, and how to extend the mathematics.
 //!
 //! To begin with: [the two methods](methods), [the notation](notation) of the paper, the code and Pinocchio,
-//! [performance], [the limits of the library](limitations). First motions, all that a scenario can ask for and the
-//! variants of the flow are pages of the package `aghf-scenario`; the command line and sweeps are pages of `aghf-cli`.
+//! [motions that are replanned](tracker), [performance], [the limits of the library](limitations). First motions, all
+//! that a scenario can ask for and the variants of the flow are pages of the package `aghf-scenario`; the command line
+//! and sweeps are pages of `aghf-cli`.
 //!
 //! To extend: one page for each thing that a user can replace, with an example that is compiled and run as a test. Each
 //! of these has the same shape: what the trait asks for, an object of one's own, what [`verify`](crate::verify) says of
@@ -59,6 +60,9 @@ pub mod joint {}
 #[doc = include_str!("performance.md")]
 #[doc = include_str!("pictures/degree.svg")]
 pub mod performance {}
+
+#[doc = include_str!("tracker.md")]
+pub mod tracker {}
 
 #[doc = include_str!("limitations.md")]
 pub mod limitations {}

@@ -46,6 +46,21 @@ impl Path {
         }
     }
 
+    /// The rest of a path on one segment after this share of it, from 0 to less than 1, as a path of its own: the same
+    /// polynomial in other coefficients.
+    pub fn after(&self, share: f64) -> Self {
+        let (left, dof) = (1.0 - share, self.coefficients.nrows());
+        let coefficients = self.basis.fit(dof, |time| {
+            let time = share + left * time;
+            let [q, slope, second] = self.basis.evaluate(&self.coefficients, time);
+            [q, slope * left, second * (left * left)]
+        });
+        Self {
+            basis: self.basis.clone(),
+            coefficients,
+        }
+    }
+
     /// The states along a curve, `2 N` coefficients per function, or their best approximation in a basis whose slopes
     /// may jump.
     pub fn of_states(curve: &Curve, basis: Basis) -> Self {

@@ -155,42 +155,52 @@ pub fn solve<P: Nlp>(
     options.check()?;
     let mut state = State::new(problem, x, multipliers, kkt, options)?;
     loop {
-        state.derive(problem)?;
-        if let Some(status) = state.stop(problem, options) {
-            observe(&state.progress);
+        if let Some(status) = iterate(problem, &mut state, options, observe)? {
             return state.end(problem, status);
         }
-        let step = state.kkt.step(state.scale(), &mut state.progress, options);
-        if state.is_stationary(options) {
-            observe(&state.progress);
-            match state.tighten_end(problem, options)? {
-                Some(status) => return state.end(problem, status),
-                None => continue,
-            }
-        }
-        let taken = match step {
-            Some(step) => line_search(problem, &mut state, &step, options)?,
-            None => None,
-        };
-        observe(&state.progress);
-        let (alpha, used) = (state.progress.alpha, state.progress.regularisation);
-        state.kkt.adapt(alpha, used, options);
-        let at = BarrierState::after(&state, taken.unwrap_or_default());
-        let solved = taken.is_none() || options.barrier.is_solved(&at);
-        if solved && !state.is_last_barrier(options) {
-            let before = state.iterate.barrier.mu;
-            let barrier = Barrier::of_total(options.barrier.next(&at), &state, options);
-            if taken.is_none() {
-                // Rounding hides the rest of the decrease with this barrier parameter.
-                state.iterate.recentre(&state.h, barrier);
-            }
-            state.iterate.set_barrier(barrier, options.multiplier_range);
-            // At most so large that it goes on decreasing.
-            if state.tighten(problem, 0.5 * before, options)? == Tightened::Coarse {
-                return state.end(problem, Status::Coarse);
-            }
-        } else if taken.is_none() && !state.accepts_rounding(options) {
-            return state.end(problem, Status::NoDescent);
-        }
     }
+}
+
+/// Takes one iteration; returns the status if the search is over.
+pub(crate) fn iterate<P: Nlp>(
+    problem: &mut P,
+    state: &mut State,
+    options: &Options,
+    observe: &mut dyn FnMut(&Progress),
+) -> Result<Option<Status>> {
+    state.derive(problem)?;
+    if let Some(status) = state.stop(problem, options) {
+        observe(&state.progress);
+        return Ok(Some(status));
+    }
+    let step = state.kkt.step(state.scale(), &mut state.progress, options);
+    if state.is_stationary(options) {
+        observe(&state.progress);
+        return state.tighten_end(problem, options);
+    }
+    let taken = match step {
+        Some(step) => line_search(problem, state, &step, options)?,
+        None => None,
+    };
+    observe(&state.progress);
+    let (alpha, used) = (state.progress.alpha, state.progress.regularisation);
+    state.kkt.adapt(alpha, used, options);
+    let at = BarrierState::after(state, taken.unwrap_or_default());
+    let solved = taken.is_none() || options.barrier.is_solved(&at);
+    if solved && !state.is_last_barrier(options) {
+        let before = state.iterate.barrier.mu;
+        let barrier = Barrier::of_total(options.barrier.next(&at), state, options);
+        if taken.is_none() {
+            // Rounding hides the rest of the decrease with this barrier parameter.
+            state.iterate.recentre(&state.h, barrier);
+        }
+        state.iterate.set_barrier(barrier, options.multiplier_range);
+        // At most so large that it goes on decreasing.
+        if state.tighten(problem, 0.5 * before, options)? == Tightened::Coarse {
+            return Ok(Some(Status::Coarse));
+        }
+    } else if taken.is_none() && !state.accepts_rounding(options) {
+        return Ok(Some(Status::NoDescent));
+    }
+    Ok(None)
 }

@@ -29,7 +29,7 @@ pub(crate) struct State {
 }
 
 impl State {
-    pub(super) fn new<P: Nlp>(
+    pub(crate) fn new<P: Nlp>(
         problem: &mut P,
         x: DVector<f64>,
         multipliers: Option<&[f64]>,

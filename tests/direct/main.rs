@@ -15,6 +15,7 @@ mod options;
 mod running_cost;
 mod segments;
 mod stage;
+mod tracker;
 mod waypoint;
 
 #[path = "../cost"]

@@ -25,13 +25,6 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         usize::from(self.free_horizon.is_some()) + self.moving.len()
     }
 
-    /// The values of the unknowns of the border.
-    pub(super) fn border_values(&self) -> impl Iterator<Item = f64> {
-        let horizon = self.free_horizon.map(|_| self.horizon);
-        let times = self.moving.iter().map(|k| self.times[*k]);
-        horizon.into_iter().chain(times)
-    }
-
     /// The mean square of the slope of the curve in normalised time.
     pub(super) fn mean_square_slope(&self) -> f64 {
         let (grid, mut sum) = (self.grid, 0.0);

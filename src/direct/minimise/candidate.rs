@@ -178,6 +178,15 @@ impl Multipliers {
         }
     }
 
+    /// The multipliers of the rest of a motion after this share of it, from 0 to less than 1.
+    pub(crate) fn after(&self, share: f64) -> Self {
+        let left = self.times.iter().map(|t| (t - share) / (1.0 - share));
+        Self {
+            times: left.collect(),
+            ..self.clone()
+        }
+    }
+
     /// The multipliers at other times, interpolated linearly, then those of waypoints and of a goal; `None` without
     /// multipliers.
     pub(crate) fn at(&self, times: &[f64], rows: usize) -> Option<Vec<f64>> {

@@ -14,22 +14,26 @@ mod integrand;
 mod margins;
 mod point_rows;
 mod program;
+mod real_time;
 mod stage_terms;
 pub(crate) mod working_set;
 
 pub(super) use candidate::Candidate;
 pub use candidate::Multipliers;
 pub(crate) use integrand::Integrand;
+pub(super) use real_time::{Iterations, improve};
 
 use super::{DirectSettings, FreeHorizon, GoalSet, Iteration};
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::cost::check_integral;
+use crate::curve::Basis;
 use crate::error::{Error, Result};
 use crate::motion::{Problem, Watch, curve_of, passive_share};
 use crate::nlp::{Equality, Nlp, Options, Progress, Status, solve};
-use crate::transcription::{Grids, Rows};
+use crate::transcription::{Grid, Grids, Rows};
 use program::Program;
+use std::sync::Arc;
 
 /// The termination criteria of one minimisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,11 +113,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         ..
     } = context;
     let (basis, points) = (candidate.path.basis.clone(), candidate.points);
-    let grid = if rows.attributes().equalities.contains(&true) {
-        grids.collocated(&basis, points)
-    } else {
-        grids.with_ends(&basis, points)
-    };
+    let grid = grid(context, &basis, points);
     // Not a multiple, so that it sees between the points.
     let finer = grids.get(&basis, points * 3 / 2 + 7);
     let refinable = points < settings.search.most_points * basis.degree();
@@ -157,7 +157,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         });
     };
     program.equality_penalty = candidate.equality_penalty;
-    let x = program.unknowns();
+    let x = program.unknowns(candidate);
     program.set_first_margins(&x)?;
     if stage.last {
         program.kept.push(x.clone());
@@ -202,6 +202,18 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         candidate.smallest_curvature = curvature::smallest(derivatives).0;
     }
     Ok(end.status)
+}
+
+/// The quadrature points: with those at which equalities are collocated if there are any.
+fn grid<K: Constraint, P: CostWithControl>(
+    context: Context<'_, '_, K, P>,
+    basis: &Basis,
+    points: usize,
+) -> Arc<Grid<f64>> {
+    match context.rows.attributes().equalities.contains(&true) {
+        true => context.grids.collocated(basis, points),
+        false => context.grids.with_ends(basis, points),
+    }
 }
 
 /// Evaluates the residual torques of passive joints.

@@ -160,13 +160,15 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         self.range_of_points().end
     }
 
-    /// The unknowns.
-    pub fn unknowns(&self) -> DVector<f64> {
+    /// The unknowns of a curve in the basis.
+    pub fn unknowns(&self, of: &Candidate) -> DVector<f64> {
         let own = self.derivatives.gradient.len();
         let free = self.grid.free.iter();
-        let all =
-            free.flat_map(|function| self.coefficients.column(*function).into_iter().copied());
-        DVector::from_iterator(own + self.border(), all.chain(self.border_values()))
+        let coefficients = &of.path.coefficients;
+        let all = free.flat_map(|function| coefficients.column(*function).into_iter().copied());
+        let horizon = self.free_horizon.map(|_| of.horizon);
+        let times = self.moving.iter().map(|k| of.times[*k]);
+        DVector::from_iterator(own + self.border(), all.chain(horizon).chain(times))
     }
 
     /// The coefficients, the horizon and the times of waypoints of unknowns.

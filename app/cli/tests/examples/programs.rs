@@ -98,6 +98,7 @@ fn all_are_short() {
         "own_jacobian",
         "own_lagrangian",
         "own_scalar",
+        "tracker",
     ];
     // Whoever adds one adds its test below.
     assert_eq!(names, BTreeSet::from(tried));
@@ -158,6 +159,20 @@ fn own_scalar() {
     let further: Vec<f64> = alone[..6].windows(2).map(|a| a[1] - a[0]).collect();
     assert!(further.iter().all(|f| *f == further[0]), "{shown}");
     assert_eq!(joints[..6], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+}
+
+/// The motion keeps its rows at every step, and ends at the goal where that has stopped.
+#[test]
+fn tracker() {
+    let shown = run("tracker", &empty_folder("tracker"), &[]);
+    assert!(shown.contains("Finished Kept"), "{shown}");
+    assert!(
+        !shown.contains("Violated") && !shown.contains("Left"),
+        "{shown}"
+    );
+    let last = shown.lines().last().and_then(|line| line.split(' ').next());
+    let error: f64 = last.and_then(|x| x.parse().ok()).expect("a number");
+    assert!(error < 0.01, "{shown}");
 }
 
 /// A second run takes another folder and leaves the first as it was.

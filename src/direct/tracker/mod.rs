@@ -1,0 +1,307 @@
+//! A motion that is followed and replanned at the same time.
+
+mod options;
+mod pace;
+mod plan;
+mod search;
+mod step;
+
+pub use options::TrackerOptions;
+pub use plan::Command;
+pub use step::{Outcome, Safety, Step};
+
+use super::Direct;
+use super::minimise::Candidate;
+use crate::constraint::{Constraint, Constraints};
+use crate::cost::CostWithControl;
+use crate::curve::{Basis, Continuity, Curve};
+use crate::error::{Error, Result, check_length};
+use crate::model::Model;
+use crate::motion::{Interrupt, Problem, Violation, path_of};
+use crate::transcription::Grids;
+use pace::Pace;
+use plan::{Commander, Plan};
+use search::Searched;
+use std::time::Duration;
+
+/// A motion to a goal that is followed and replanned at the same time, as the goal and the obstacles move.
+///
+/// The tracker has one plan that it follows, a polynomial that ends at rest, and at most one other that it improves: by
+/// one or a few iterations of the [interior-point method](crate::nlp) per step, from the rest of the last one with its
+/// multipliers (the real-time iteration of Diehl, Bock and Schlöder, *A real-time iteration scheme for nonlinear
+/// optimization in optimal feedback control*, 2005), with a [fixed barrier parameter](TrackerOptions::barrier). The
+/// rest of a polynomial is a polynomial of the same degree, so that it is exact. Plans begin on the plan before, at the
+/// state that it has at the time, and feedback keeps the robot near them; only a robot that is
+/// [far](TrackerOptions::largest_deviation) from its plan gets one from where it is, within the time that is left.
+///
+/// A plan replaces the one that is followed if it is *safe*: it begins there, ends at rest at the goal, and violates no
+/// row by more than [`FEASIBLE`](super::DirectSettings::FEASIBLE) at the times of a [look](TrackerOptions::look), with
+/// refined maxima as in [`violations`](crate::motion::violations); and if it costs
+/// [less](TrackerOptions::least_gain), or the goal or the constraints have changed so that the former is not what is
+/// asked for. Otherwise the former is followed, to its end at rest.
+///
+/// **Promises.** While [`Step::safety`] is [`Safety::Kept`], the rest of the plan keeps all current rows in the sense
+/// above, so that following it to its end, with no further step, does too. After
+/// [`set_constraints`](Self::set_constraints) the next step looks at the plan before anything else; if it violates a
+/// row now, each step says so until there is a safe plan, and the former is followed meanwhile: a caller that cannot
+/// wait has to brake. Obstacles are taken to stand still where they were last set. The promises are about plans of this
+/// model: a robot beside its plan, delays and torques of the feedback are beyond them.
+///
+/// Accelerations and torques may jump from one plan to the next. The time of running costs and rows that depend on it
+/// begins anew with each plan. Memory is bounded, but a step allocates: about 15 small vectors for the command, and
+/// about 1400 with an iteration for an arm of seven joints.
+///
+/// ```
+/// use aghf::constraint::{Bounds, Constraints, TorqueLimits};
+/// use aghf::cost::ControlEffort;
+/// use aghf::direct::{Outcome, Tracker, TrackerOptions};
+/// use aghf::motion::Problem;
+/// let model = aghf::urdf::builtin_robot("pendulum_2")?;
+/// let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.5, 0.0, 0.0], 2.0)?;
+/// let state = Bounds::velocities(&model);
+/// let kept = Constraints { state, torque: TorqueLimits::of(&model), stage: Default::default() };
+/// let options = TrackerOptions::default();
+/// let mut tracker = Tracker::new(&problem, kept, ControlEffort::new(&model), options)?;
+/// let step = tracker.step(problem.start(), 0.0)?;
+/// assert_eq!(step.outcome, Outcome::Working);
+/// assert_eq!(step.command.u.len(), 2);
+/// # Ok::<(), aghf::Error>(())
+/// ```
+pub struct Tracker<'a, K, P> {
+    model: &'a Model,
+    /// The goal, $[q; v]$ at rest.
+    goal: Vec<f64>,
+    constraints: Constraints<K>,
+    cost: P,
+    options: TrackerOptions,
+    grids: Grids,
+    plan: Plan,
+    /// The plan that is not safe yet, or not better, and whether the other one was for the same goal and constraints.
+    attempt: Option<(Plan, bool)>,
+    /// The horizon that was asked for with a goal.
+    asked: Option<f64>,
+    /// True if the plan ends at the goal.
+    aims: bool,
+    violated: Option<Violation>,
+    /// True if the constraints have changed since the last look at the plan.
+    unseen: bool,
+    now: Option<f64>,
+    pace: Pace,
+    commander: Commander,
+}
+
+impl<'a, K: Constraint + Sync, P: CostWithControl> Tracker<'a, K, P> {
+    /// Searches the first plan, with the settings of `options`: that of `problem`, whose start may move, and whose goal
+    /// is at rest. A known motion comes in as
+    /// [`DirectSettings::start`](super::DirectSettings::start).
+    ///
+    /// # Errors
+    /// Those of [`TrackerOptions::check`] and [`Direct::solve`]; a joint is passive; or the search finds no motion
+    /// that keeps all rows.
+    pub fn new(
+        problem: &Problem<'a>,
+        constraints: Constraints<K>,
+        cost: P,
+        mut options: TrackerOptions,
+    ) -> Result<Self> {
+        options.check(problem)?;
+        let model = problem.model();
+        if constraints.torque.has_passive() {
+            let condition = "a joint is passive, and the feedback needs all motors";
+            return Err(Error::input("tracker", "torque", condition));
+        }
+        let direct = Direct::new(problem)
+            .cost(cost.clone())
+            .constraints(&constraints);
+        let found = direct.settings(options.settings.clone()).solve()?;
+        options.settings.degree = found.curve.chebyshev().degree();
+        (options.settings.start, options.settings.multipliers) = (None, None);
+        (options.settings.time_limit, options.settings.interrupt) = (None, Interrupt::default());
+        let continuity = Continuity {
+            rest: [false, true],
+            ..options.settings.continuity(problem)
+        };
+        let basis = Basis::new(1, options.settings.degree, continuity);
+        let motion = Candidate {
+            multipliers: found.multipliers,
+            penalty: Some(options.settings.search.planned_penalty),
+            points: found.points,
+            ..Candidate::new(path_of(&found.curve, basis), found.curve.horizon())
+        };
+        let plan = Plan { motion, began: 0.0 };
+        let mut tracker = Self {
+            model,
+            goal: problem.goal().to_vec(),
+            constraints,
+            cost,
+            options,
+            grids: Grids::default(),
+            plan,
+            attempt: None,
+            asked: None,
+            aims: true,
+            violated: None,
+            unseen: false,
+            now: None,
+            pace: Pace::unknown(),
+            commander: Commander::new(model),
+        };
+        tracker.centre()?;
+        if let Some(Violation { row, by, at_s }) = tracker.look(&tracker.plan)? {
+            let label = tracker.constraints.label(row, model);
+            let condition = format!(
+                "no safe plan was found: the best one violates {} by {by:e} {} at {at_s} s",
+                label.name, label.unit
+            );
+            return Err(Error::input("tracker", "first plan", condition));
+        }
+        Ok(tracker)
+    }
+
+    /// Changes the goal to a configuration at rest, `N` entries, rad or m, to be reached within `horizon`, s; a free
+    /// horizon begins there.
+    ///
+    /// The plan is followed to the former goal until one to the new goal is safe; its horizon begins when it is found.
+    ///
+    /// # Errors
+    /// `q` does not have `N` finite entries, or the horizon is shorter than the [shortest
+    /// one](TrackerOptions::shortest_horizon) or out of range.
+    pub fn set_goal(&mut self, q: &[f64], horizon: f64) -> Result<()> {
+        let goal = [q, &vec![0.0; self.model.dof()]].concat();
+        Problem::new(self.model, goal.clone(), goal.clone(), horizon)?;
+        if horizon < self.options.shortest_horizon {
+            let condition = format!("it is {horizon} s, less than the shortest");
+            return Err(Error::input("tracker", "horizon", condition));
+        }
+        let horizon = match self.free_horizon() {
+            Some(free) => horizon.min(free.longest),
+            None => horizon,
+        };
+        (self.goal, self.asked, self.aims) = (goal, Some(horizon), false);
+        if let Some((attempt, _)) = &mut self.attempt {
+            attempt.motion.horizon = horizon;
+        }
+        Ok(())
+    }
+
+    /// Replaces the constraints, such as obstacles that have moved, from the next step on.
+    ///
+    /// # Errors
+    /// They are for another robot, or a joint is passive; the former ones remain.
+    pub fn set_constraints(&mut self, constraints: Constraints<K>) -> Result<()> {
+        constraints.check(self.model)?;
+        if constraints.torque.has_passive() {
+            let condition = "a joint is passive, and the feedback needs all motors";
+            return Err(Error::input("tracker", "torque", condition));
+        }
+        if constraints.dim() != self.constraints.dim() {
+            // The multipliers are those of other rows.
+            self.plan.motion.multipliers = Default::default();
+            self.attempt = None;
+        }
+        (self.constraints, self.unseen) = (constraints, true);
+        Ok(())
+    }
+
+    /// Changes the [deadline](TrackerOptions::deadline) of the next steps.
+    pub fn set_deadline(&mut self, deadline: Option<Duration>) {
+        self.options.deadline = deadline;
+    }
+
+    /// The goal, `N` entries.
+    #[must_use]
+    pub fn goal(&self) -> &[f64] {
+        &self.goal[..self.model.dof()]
+    }
+
+    /// The rest of the plan after the last step, as a curve that begins there; of the last
+    /// [seconds](TrackerOptions::shortest_horizon) all of it.
+    ///
+    /// # Errors
+    /// None for a plan of the tracker.
+    pub fn rest(&self) -> Result<Curve> {
+        let now = self.now.unwrap_or(self.plan.began);
+        self.curve(&self.plan.rest(now, self.options.shortest_horizon))
+    }
+
+    /// Takes a step: improves the plan as far as the time allows, and returns the command for now.
+    ///
+    /// * `state`: the measured state $[q; v]$, `2 N` entries; rad or m, per s
+    /// * `now`: the time, s; the first plan begins at that of the first step
+    ///
+    /// With a [deadline](TrackerOptions::deadline) an iteration begins only if it and the look at its result are
+    /// expected to end before it, by the times of the last ones. The look at a plan after a change of the constraints and
+    /// the command are never left out.
+    ///
+    /// # Errors
+    /// `state` does not have `2 N` finite entries, or `now` is not finite or before that of the last step.
+    ///
+    /// # Cost
+    /// Per iteration that of the direct method, O(p^2 N^3) and more for degree `p`; the command O(N^2).
+    pub fn step(&mut self, state: &[f64], now: f64) -> Result<Step<'_>> {
+        self.pace.begin(self.options.deadline);
+        self.begin(state, now)?;
+        self.commander.place(&self.plan, now);
+        let mut deviation = self.commander.deviation(state);
+        let mut left = deviation > self.options.largest_deviation;
+        if self.unseen || self.violated.is_some() {
+            let rest = self.plan.rest(now, self.options.shortest_horizon);
+            (self.violated, self.unseen) = (self.look(&rest)?, false);
+        }
+        let is_current = self.aims && self.violated.is_none() && !left;
+        let mut searched = Searched::default();
+        let short = self.plan.left(now) < self.options.shortest_horizon;
+        if !(is_current && short) {
+            let begin = match left {
+                true => state.to_vec(),
+                false => [&self.commander.command.q[..], &self.commander.command.v].concat(),
+            };
+            searched = self.search(begin, now, is_current)?;
+        }
+        if searched.replaced {
+            self.commander.place(&self.plan, now);
+            (deviation, left) = (self.commander.deviation(state), false);
+        }
+        self.commander.command(self.model, state, &self.options)?;
+        let finished = self.aims && !left && self.plan.left(now) == 0.0;
+        Ok(Step {
+            outcome: match finished {
+                true => Outcome::Finished,
+                false => Outcome::Working,
+            },
+            command: &self.commander.command,
+            safety: match self.violated {
+                Some(Violation { row, by, at_s }) => Safety::Violated {
+                    row,
+                    by,
+                    after: at_s,
+                },
+                None if left => Safety::Left,
+                None => Safety::Kept,
+            },
+            deviation,
+            iterations: searched.iterations,
+            replaced: searched.replaced,
+            cut_off: searched.cut_off,
+            converged: searched.converged,
+        })
+    }
+
+    /// Checks the arguments of a step.
+    fn begin(&mut self, state: &[f64], now: f64) -> Result<()> {
+        check_length("state", 2 * self.model.dof(), state.len())?;
+        if let Some(i) = state.iter().position(|x| !x.is_finite()) {
+            let condition = format!("entry {i} is not a finite number");
+            return Err(Error::input("tracker", "state", condition));
+        }
+        if !now.is_finite() || self.now.is_some_and(|before| now < before) {
+            let condition =
+                format!("it is {now} s, a finite time not before the last step is needed");
+            return Err(Error::input("tracker", "now", condition));
+        }
+        if self.now.replace(now).is_none() {
+            self.plan.began = now;
+        }
+        Ok(())
+    }
+}

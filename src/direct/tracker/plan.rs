@@ -1,0 +1,141 @@
+//! A plan in time, and the command that follows it.
+
+use super::TrackerOptions;
+use crate::direct::minimise::Candidate;
+use crate::dynamics::{Data, InverseDynamicsDerivatives, rnea_derivatives};
+use crate::error::Result;
+use crate::model::Model;
+use nalgebra::DMatrix;
+
+/// A motion that begins at a time and ends at rest.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    pub motion: Candidate,
+    /// The time at which it begins, s.
+    pub began: f64,
+}
+
+impl Plan {
+    /// The time that is left, s, at least zero.
+    pub fn left(&self, now: f64) -> f64 {
+        (self.began + self.motion.horizon - now).max(0.0)
+    }
+
+    /// The rest of the motion with its multipliers, the same polynomial; of the last `shortest` seconds all of them.
+    pub fn rest(&self, now: f64, shortest: f64) -> Self {
+        let horizon = self.motion.horizon;
+        let left = self.left(now).max(shortest).min(horizon);
+        let mut rest = self.clone();
+        if left < horizon {
+            let share = 1.0 - left / horizon;
+            rest.motion.path = self.motion.path.after(share);
+            rest.motion.multipliers = self.motion.multipliers.after(share);
+            rest.motion.horizon = left;
+        }
+        rest.began = now;
+        rest
+    }
+
+    /// The configuration, velocity and acceleration at a time; after the end those of rest there.
+    pub fn at(&self, now: f64) -> [Vec<f64>; 3] {
+        let (path, horizon) = (&self.motion.path, self.motion.horizon);
+        let left = self.left(now);
+        let [q, slope, second] = path
+            .basis
+            .evaluate(&path.coefficients, 1.0 - left / horizon);
+        let moving = f64::from(u8::from(left > 0.0));
+        let of_time = [
+            (q, 1.0),
+            (slope, moving / horizon),
+            (second, moving / horizon.powi(2)),
+        ];
+        of_time.map(|(x, factor)| (x * factor).as_slice().to_vec())
+    }
+}
+
+/// The command at a time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Command {
+    /// The configuration of the plan, rad or m, `N` entries.
+    pub q: Vec<f64>,
+    /// The velocity of the plan, per s.
+    pub v: Vec<f64>,
+    /// The acceleration of the plan, per s^2; at its end zero.
+    pub a: Vec<f64>,
+    /// The torque of the plan, $ID(q, v, a)$, N m or N.
+    pub tau: Vec<f64>,
+    /// The gain $K$ of the feedback, `N` by `2 N`.
+    ///
+    /// With $H = \partial ID / \partial a$ it is $[\omega^2 H - \partial ID / \partial q \;\; 2 \omega H - \partial ID
+    /// / \partial v]$ at the plan, so that with $u = \tau - K (x - x_{plan})$ and an exact model small deviations obey
+    /// $\ddot e + 2 \omega \dot e + \omega^2 e = 0$: computed torque to first order (Siciliano, Sciavicco, Villani and
+    /// Oriolo, *Robotics*, 2009, 8.5.2), critically damped.
+    pub gain: DMatrix<f64>,
+    /// The torque to apply at the measured state, $u = \tau - K (x - x_{plan})$. The limits of torques hold for `tau`.
+    pub u: Vec<f64>,
+}
+
+/// A command with the workspace of its computation.
+pub(super) struct Commander {
+    pub command: Command,
+    data: Data<f64>,
+    derivatives: InverseDynamicsDerivatives,
+}
+
+impl Commander {
+    pub fn new(model: &Model) -> Self {
+        let n = model.dof();
+        let zeros = || vec![0.0; n];
+        Self {
+            command: Command {
+                q: zeros(),
+                v: zeros(),
+                a: zeros(),
+                tau: zeros(),
+                gain: DMatrix::zeros(n, 2 * n),
+                u: zeros(),
+            },
+            data: Data::new(model),
+            derivatives: InverseDynamicsDerivatives::new(n),
+        }
+    }
+
+    /// Sets the configuration, velocity and acceleration of the command.
+    pub fn place(&mut self, plan: &Plan, now: f64) {
+        let own = &mut self.command;
+        [own.q, own.v, own.a] = plan.at(now);
+    }
+
+    /// The largest distance of a joint from the command, rad or m.
+    pub fn deviation(&self, state: &[f64]) -> f64 {
+        let distances = self.command.q.iter().zip(state).map(|(a, b)| (a - b).abs());
+        distances.fold(0.0, f64::max)
+    }
+
+    /// Computes torques and gain.
+    pub fn command(
+        &mut self,
+        model: &Model,
+        state: &[f64],
+        options: &TrackerOptions,
+    ) -> Result<()> {
+        let (n, omega) = (model.dof(), options.bandwidth);
+        let Self {
+            command: own,
+            data,
+            derivatives: of,
+        } = self;
+        rnea_derivatives(model, data, &own.q, &own.v, &own.a, of)?;
+        own.tau.copy_from_slice(of.tau.as_slice());
+        for i in 0..n {
+            own.u[i] = own.tau[i];
+            for j in 0..n {
+                let of_q = omega * omega * of.h[(i, j)] - of.dq[(i, j)];
+                let of_v = 2.0 * omega * of.h[(i, j)] - of.dv[(i, j)];
+                (own.gain[(i, j)], own.gain[(i, n + j)]) = (of_q, of_v);
+                own.u[i] -= of_q * (state[j] - own.q[j]) + of_v * (state[n + j] - own.v[j]);
+            }
+        }
+        Ok(())
+    }
+}
