@@ -66,7 +66,7 @@ pub struct Command {
     pub tau: Vec<f64>,
     /// The gain $K$ of the feedback, `N` by `2 N`.
     ///
-    /// With $H = \partial ID / \partial a$ it is $[\omega^2 H - \partial ID / \partial q \;\; 2 \omega H - \partial ID
+    /// With $H = \partial ID / \partial a$ it is $[\omega^2 H - \partial ID / \partial q \quad 2 \omega H - \partial ID
     /// / \partial v]$ at the plan, so that with $u = \tau - K (x - x_{plan})$ and an exact model small deviations obey
     /// $\ddot e + 2 \omega \dot e + \omega^2 e = 0$: computed torque to first order (Siciliano, Sciavicco, Villani and
     /// Oriolo, *Robotics*, 2009, 8.5.2), critically damped.
