@@ -86,6 +86,13 @@ pub enum LoadNote {
         /// The joint.
         joint: String,
     },
+    /// A state in another file is beyond a limit of the joint by rounding, and was set to the limit.
+    AtLimit {
+        /// The joint.
+        joint: String,
+        /// The distance from the limit, rad or m, in words.
+        by: String,
+    },
     /// The joint moves nothing with inertia about it and is planned with a rotor inertia that stands in for it.
     SubstituteRotor {
         /// The joint.
@@ -130,6 +137,7 @@ impl LoadNote {
             | Self::Independent { joint, .. }
             | Self::SubstituteRotor { joint, .. }
             | Self::Missing { joint }
+            | Self::AtLimit { joint, .. }
             | Self::LeftOut { joint, .. } => ("joint", joint),
         }
     }
@@ -147,6 +155,9 @@ impl LoadNote {
             }
             Self::Missing { .. } => {
                 "the robot has none of this name, its position is not used".to_owned()
+            }
+            Self::AtLimit { by, .. } => {
+                format!("its position is {by} beyond a limit, and was set to the limit")
             }
             Self::SubstituteRotor { armature, .. } => format!(
                 "nothing that it moves has inertia about it, planned with a rotor inertia of {armature}; \
@@ -178,6 +189,7 @@ impl fmt::Display for LoadNote {
             | Self::Unlimited { .. }
             | Self::SubstituteRotor { .. }
             | Self::Missing { .. }
+            | Self::AtLimit { .. }
             | Self::LeftOut { .. } => f.write_str(&self.kind()),
         }
     }

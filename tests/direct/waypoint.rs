@@ -68,8 +68,8 @@ fn a_point_on_the_way_changes_nothing() {
     }
 }
 
-/// A mass that stops halfway makes two motions from rest to rest, each of effort $12 m^2 d^2 / T^3$ in half of the time:
-/// with one polynomial almost.
+/// A mass that stops halfway makes two motions from rest to rest, each of effort $12 m^2 d^2 / T^3$ in half of the
+/// time: with one polynomial almost.
 #[test]
 fn a_stop_halfway_makes_two_motions() {
     let model = masses();

@@ -230,8 +230,8 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Tracker<'a, K, P> {
     /// * `now`: the time, s; the first plan begins at that of the first step
     ///
     /// With a [deadline](TrackerOptions::deadline) an iteration begins only if it and the look at its result are
-    /// expected to end before it, by the times of the last ones. The look at a plan after a change of the constraints and
-    /// the command are never left out.
+    /// expected to end before it, by the times of the last ones. The look at a plan after a change of the constraints
+    /// and the command are never left out.
     ///
     /// # Errors
     /// `state` does not have `2 N` finite entries, or `now` is not finite or before that of the last step.

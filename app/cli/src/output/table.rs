@@ -197,6 +197,10 @@ fn direct_rows(d: &DirectDetails) -> (String, Vec<(&'static str, String)>) {
         );
     }
     rows.push(("horizon", horizon));
+    if !d.waypoint_times_s.is_empty() {
+        let times: Vec<_> = d.waypoint_times_s.iter().map(|time| short(*time)).collect();
+        rows.push(("times of the waypoints", format!("{} s", times.join(", "))));
+    }
     if let Some(adapted) = &d.adapted {
         rows.push(("effort by degree", efforts_by_degree(adapted)));
     }

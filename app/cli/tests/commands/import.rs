@@ -212,6 +212,36 @@ fn a_joint_that_the_robot_lacks_is_told() {
     assert_eq!(made(&folder)["locked_joints"], json!({ "wrist": 0.5 }));
 }
 
+/// Beyond a limit by rounding a position is set to it; farther beyond it stays as it is, for the checks of a solve.
+#[test]
+fn a_position_beyond_a_limit_by_rounding_is_set_to_it() {
+    let folder = folder(
+        "import_limit",
+        "scene.yaml",
+        Some("wrist, glue"),
+        "wrist, glue",
+    );
+    let with = |lower: &str| {
+        let robot = ROBOT.replacen("lower=\"-2\"", &format!("lower=\"{lower}\""), 1);
+        std::fs::write(folder.join("robot.urdf"), robot).expect("the folder is writable");
+    };
+    with("-0.499998");
+    let run = aghf(&folder, &IMPORT);
+    let words = "joint 'shoulder': its position is 2.0e-6 beyond a limit, and was set to the limit";
+    assert_eq!(run.code, Some(0));
+    assert!(run.stderr.contains(words), "{}", run.stderr);
+    assert_eq!(made(&folder)["q_start"], json!([-0.499998]));
+    std::fs::remove_file(folder.join("made.json")).expect("it is there");
+    with("-0.4999");
+    let run = aghf(&folder, &IMPORT);
+    assert!(
+        run.code == Some(0) && !run.stderr.contains("beyond a limit"),
+        "{}",
+        run.stderr
+    );
+    assert_eq!(made(&folder)["q_start"], json!([-0.5]));
+}
+
 #[test]
 fn a_request_by_pose_becomes_a_goal_and_a_condition_on_the_way() {
     let folder = folder("import_pose", "", None, "");

@@ -30,6 +30,9 @@ const SHORTEST: f64 = 0.1;
 const FIRST: f64 = 2.0;
 const LONGEST: f64 = 15.0;
 
+/// The largest distance beyond a limit that counts as rounding, rad or m: that of numbers with six digits.
+const ROUNDING: f64 = 1e-5;
+
 /// The files of a MoveIt planning problem, and the options for converting it to a scenario.
 #[derive(Clone, Debug)]
 pub struct MoveIt {
@@ -72,6 +75,7 @@ impl MoveIt {
     /// boxes, cylinders and spheres of the scene as obstacles, the collision shapes of the robot, and the pairs of
     /// links that may overlap. Joints that are not in the goal are locked at their position in the request, or in the
     /// scene; for a goal by pose those that are not in the group of the request, or without an SRDF not in its start.
+    /// Positions beyond a limit by 1e-5 rad or m at most, as by a limit of 3.14159, are set to the limit.
     /// `path` is the future path of the scenario, which is loaded once as a check.
     ///
     /// # Errors
@@ -88,13 +92,13 @@ impl MoveIt {
             packages: self.packages.clone(),
             ..UrdfOptions::default()
         })?;
-        let mut missing = LoadReport::new();
+        let mut notes = LoadReport::new();
         let places = [
             [scene_name.as_str(), "robot_state"],
             [&request_name, "start_state"],
         ];
-        let scene_state = Positions::of(&scene.robot_state, &model, places[0], &mut missing)?;
-        let start = Positions::of(&request.start_state, &model, places[1], &mut missing)?;
+        let scene_state = Positions::of(&scene.robot_state, &model, places[0], &mut notes)?;
+        let start = Positions::of(&request.start_state, &model, places[1], &mut notes)?;
         let target = Target::of(&request, &model, &request_name)?;
         let planned = self.planned(&request, &target, &start, &model)?;
 
@@ -117,10 +121,11 @@ impl MoveIt {
                 locked.insert(name.to_owned(), *from);
                 continue;
             }
-            q_start.push(*from);
+            q_start.push(within_limits(joint, *from, &mut notes));
             moving.push(joint);
             if let Target::Joints(goal) = &target {
-                q_goal.extend(goal.get(name));
+                let goal = goal.get(name);
+                q_goal.extend(goal.map(|q| within_limits(joint, *q, &mut notes)));
             }
         }
         let (horizon_s, free_horizon) = match &target {
@@ -196,7 +201,7 @@ impl MoveIt {
             success_threshold: 0.05,
         };
         let mut scenario = Scenario::new(file, path, Path::new(""))?;
-        scenario.load_notes.extend(missing);
+        scenario.load_notes.extend(notes);
         Ok(scenario)
     }
 
@@ -326,6 +331,21 @@ impl Positions {
         }
         Ok(Self(positions))
     }
+}
+
+/// The position of a joint, or its limit if that is exceeded by [`ROUNDING`] at most, which is noted.
+fn within_limits(joint: &Joint<f64>, position: f64, notes: &mut LoadReport) -> f64 {
+    let limits = joint.limits();
+    let inside = position.max(limits.lower).min(limits.upper);
+    let by = (position - inside).abs();
+    if by == 0.0 || by > ROUNDING {
+        return position;
+    }
+    notes.push(LoadNote::AtLimit {
+        joint: joint.name().to_owned(),
+        by: format!("{by:.1e}"),
+    });
+    inside
 }
 
 /// Returns true if the robot has a moving or fixed joint of this name.
