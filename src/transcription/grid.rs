@@ -3,9 +3,9 @@
 use super::Scan;
 use crate::cost::products;
 use crate::curve::{Basis, gauss_legendre, gauss_lobatto};
-use crate::linalg::multiply;
+use crate::linalg::{BlockTridiagonal, multiply};
 use crate::scalar::Scalar;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DMatrixViewMut};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -289,6 +289,30 @@ impl<S: Scalar> Grid<S> {
             _ => self.first(e) + self.shared,
         };
         before(first)..before(self.first(e + 1) + self.shared)
+    }
+
+    /// The `n` by `n` block of a pair of functions of segment `e`, the first not before the second; `None` if the
+    /// coefficient of one is fixed.
+    pub(crate) fn block_mut<'m>(
+        &self,
+        e: usize,
+        (a, b): (usize, usize),
+        n: usize,
+        out: &'m mut BlockTridiagonal<S>,
+    ) -> Option<DMatrixViewMut<'m, S>> {
+        let first = self.first(e);
+        let (row, column) = (self.unknown[first + a]?, self.unknown[first + b]?);
+        // The first functions of a segment are the last ones of the block before.
+        let (own, shared) = (self.block(e).start, self.shared);
+        let (target, row, column) = match (e > 0 && a < shared, e > 0 && b < shared) {
+            (false, false) => (&mut out.diagonal[e], row - own, column - own),
+            (false, true) => (&mut out.coupling[e - 1], row - own, column + shared - own),
+            (true, _) => {
+                let start = self.block(e - 1).start;
+                (&mut out.diagonal[e - 1], row - start, column - start)
+            }
+        };
+        Some(target.view_mut((row * n, column * n), (n, n)))
     }
 }
 

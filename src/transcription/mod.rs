@@ -11,6 +11,6 @@ pub use grid::Grid;
 pub(crate) use grid::Grids;
 pub use horizon::HorizonDerivatives;
 pub use objective::{Derivatives, Objective};
-pub(crate) use objective::{block_mut, place, points};
+pub(crate) use objective::{place, points};
 pub(crate) use rows::Rows;
 pub(crate) use scan::{Peak, Scan};

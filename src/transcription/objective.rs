@@ -7,7 +7,7 @@ use crate::cost::{PackedHessian, PointCost, Points, PointsDerivatives};
 use crate::error::{Result, check_length};
 use crate::linalg::{BlockTridiagonal, multiply};
 use crate::scalar::Scalar;
-use nalgebra::{DMatrix, DMatrixViewMut, DVector};
+use nalgebra::{DMatrix, DVector};
 
 /// The sum $\sum_g w_g\\, l(q, \dot q, \ddot q)$ over the points of a [`Grid`], a function of the coefficients `N` by
 /// `count`.
@@ -342,37 +342,13 @@ fn put_block<S: Scalar>(
     out: &mut BlockTridiagonal<S>,
 ) {
     let (a, b) = grid.pairs[pair];
-    if let Some(mut target) = block_mut(grid, e, (a, b), block.nrows(), out) {
+    if let Some(mut target) = grid.block_mut(e, (a, b), block.nrows(), out) {
         if e > 0 && a < grid.shared {
             target += block;
         } else {
             target.copy_from(block);
         }
     }
-}
-
-/// The `n` by `n` block of a pair of functions of segment `e`, the first not before the second; `None` if the
-/// coefficient of one is fixed.
-pub(crate) fn block_mut<'m, S: Scalar>(
-    grid: &Grid<S>,
-    e: usize,
-    (a, b): (usize, usize),
-    n: usize,
-    out: &'m mut BlockTridiagonal<S>,
-) -> Option<DMatrixViewMut<'m, S>> {
-    let first = grid.first(e);
-    let (row, column) = (grid.unknown[first + a]?, grid.unknown[first + b]?);
-    // The first functions of a segment are the last ones of the block before.
-    let (own, shared) = (grid.block(e).start, grid.shared);
-    let (target, row, column) = match (e > 0 && a < shared, e > 0 && b < shared) {
-        (false, false) => (&mut out.diagonal[e], row - own, column - own),
-        (false, true) => (&mut out.coupling[e - 1], row - own, column + shared - own),
-        (true, _) => {
-            let start = grid.block(e - 1).start;
-            (&mut out.diagonal[e - 1], row - start, column - start)
-        }
-    };
-    Some(target.view_mut((row * n, column * n), (n, n)))
 }
 
 /// Computes the curve of the functions from `first` on by `table`.

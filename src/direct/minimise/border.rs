@@ -7,7 +7,7 @@ use crate::cost::CostWithControl;
 use crate::error::Result;
 use crate::linalg::BlockTridiagonal;
 use crate::nlp::{Iterate, Kkt};
-use crate::transcription::{Grid, block_mut, place};
+use crate::transcription::{Grid, place};
 use nalgebra::{DMatrix, DVector, DVectorView};
 
 /// A row that is linear in the unknowns of the border.
@@ -266,8 +266,7 @@ impl Place {
     ) {
         for (a, b) in grid.pairs.iter().copied() {
             let product = |d: usize| factor * self.functions[(d, a)] * self.functions[(d, b)];
-            if let Some(mut target) = block_mut(grid, self.segment, (a, b), of.of_slope.len(), out)
-            {
+            if let Some(mut target) = grid.block_mut(self.segment, (a, b), of.of_slope.len(), out) {
                 target += product(0) * &of.hessian;
                 for (i, of_slope) in of.of_slope.iter().enumerate() {
                     target[(i, i)] += product(1) * of_slope;
