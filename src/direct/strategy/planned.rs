@@ -102,18 +102,11 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         let waypoints = self.settings.waypoints.iter();
         let waypoints = waypoints.map(|waypoint| waypoint.guess(start));
         let mut path = vec![problem.start()[..n].to_vec()];
-        let mut plans = PlanSettings {
-            seed: self.settings.seed,
-            number,
-            // Slopes make the curve round.
-            roundings: 0,
-            ..PlanSettings::default()
-        };
         for to in waypoints.chain([&problem.goal()[..n]]) {
             let ends = [&path[path.len() - 1], to].map(|q| [q, &vec![0.0; n]].concat());
             let [from, to] = ends;
             let leg = Problem::new(problem.model(), from, to, problem.horizon())?;
-            let Some(found) = self.leg(&leg, &mut plans)? else {
+            let Some(found) = self.leg(number, &leg)? else {
                 return Ok(None);
             };
             path.extend(found.into_iter().skip(1));
@@ -125,6 +118,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             let continuity = self.settings.continuity(problem);
             Basis::new(segments, search.planned_degree, continuity)
         };
+        let plans = self.plans(number);
         let stops = self
             .settings
             .waypoints
@@ -134,27 +128,30 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         along(problem, constraint, (&path, &stops), basis, &plans).map(Some)
     }
 
-    /// The path between two configurations; `None` if none is found. Without one that keeps the margin it is set to
-    /// zero: links next to each other may be closer than that wherever they are.
-    fn leg(
-        &self,
-        problem: &Problem<'_>,
-        plans: &mut PlanSettings,
-    ) -> Result<Option<Vec<Vec<f64>>>> {
+    /// The settings of the planner for paths of this number.
+    fn plans(&self, number: u64) -> PlanSettings {
+        PlanSettings {
+            seed: self.settings.seed,
+            number,
+            // Slopes make the curve round.
+            roundings: 0,
+            ..PlanSettings::default()
+        }
+    }
+
+    /// The path of this number between two configurations; `None` if none is found.
+    fn leg(&self, number: u64, problem: &Problem<'_>) -> Result<Option<Vec<Vec<f64>>>> {
         let Context { rows, watch, .. } = self.context;
         let constraint = &rows.constraints.state;
+        let mut plans = self.plans(number);
+        let most = self.settings.search.margin_checks;
+        let budget = std::mem::replace(&mut plans.most_checks, most);
         let stopped = || watch.stopped().is_some();
-        let with_margin = PlanSettings {
-            most_checks: self.settings.search.margin_checks,
-            ..plans.clone()
-        };
-        let mut found = Plan::OutOfBudget { checks: 0 };
-        if plans.margin > 0.0 {
-            found = plan(problem, constraint, &with_margin, &stopped)?;
-        }
+        let mut found = plan(problem, constraint, &plans, &stopped)?;
         if matches!(found, Plan::OutOfBudget { .. }) {
-            plans.margin = 0.0;
-            found = plan(problem, constraint, plans, &stopped)?;
+            // Links next to each other may be closer than the margin wherever they are.
+            (plans.margin, plans.most_checks) = (0.0, budget);
+            found = plan(problem, constraint, &plans, &stopped)?;
         }
         match found {
             Plan::Found(path) => Ok(Some(path)),
