@@ -32,6 +32,9 @@ pub struct Options {
     /// The first penalty of a violation, relative to the objective: small, so that a motion may pass through an
     /// obstacle while the barrier parameter is large, and finds the better side.
     pub penalty: f64,
+    /// The least first penalty relative to the largest known multiplier: a row whose multiplier is larger than the
+    /// penalty is violated (NW 18.36), which a start that keeps its rows is not to be. Zero where that may be.
+    pub penalty_of_multipliers: f64,
     /// The factor of the penalty at each reduction of the barrier parameter at which a multiplier has reached it: 10
     /// overshoots, and with a larger penalty steps get shorter.
     pub penalty_factor: f64,
@@ -90,6 +93,7 @@ impl Default for Options {
             longest_step: 1.0,
             fraction_to_boundary: 0.9,
             penalty: 1.0,
+            penalty_of_multipliers: 2.0,
             penalty_factor: 4.0,
             equality_factor: 10.0,
             largest_penalty: 1e9,
@@ -143,6 +147,13 @@ impl Options {
         // In some norms no length means too much.
         if self.longest_step != f64::INFINITY {
             check_positive("nlp", "longest_step", self.longest_step)?;
+        }
+        if !(self.penalty_of_multipliers >= 0.0 && self.penalty_of_multipliers.is_finite()) {
+            let condition = format!(
+                "it is {}, not negative is needed",
+                self.penalty_of_multipliers
+            );
+            return Err(Error::input("nlp", "penalty_of_multipliers", condition));
         }
         let growing = |x: f64| x > 1.0 && x.is_finite();
         let shrinking = |x: f64| x > 0.0 && x < 1.0;

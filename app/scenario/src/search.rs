@@ -4,7 +4,7 @@ use super::{Preset, Scenario};
 use aghf::constraint::{AnyConstraint, Constraints};
 use aghf::curve::Curve;
 use aghf::direct::{
-    Direct, DirectSettings, DirectSolution, FreeHorizon, GoalEnd, GoalSet, Iteration,
+    Direct, DirectSettings, DirectSolution, FreeHorizon, GoalEnd, GoalSet, Iteration, Multipliers,
 };
 use aghf::error::Result;
 use aghf::motion::{Problem, Stopped};
@@ -96,7 +96,8 @@ impl<'s, 'o> Search<'s, 'o> {
         let goal = ends.unwrap_or(&scenario.file.q_goal);
         let unit = scenario.cost_of_straight(&mut scenario.running_cost()?, goal)?;
         let mut settings = self.settings.clone();
-        settings.free_horizon = self.weighted(unit / scenario.unit_of_time());
+        let mut weight_before = unit / scenario.unit_of_time();
+        settings.free_horizon = self.weighted(weight_before);
         settings.time_limit = settings
             .time_limit
             .map(|limit| limit.mul_f64(PART_OF_STARTS));
@@ -109,14 +110,19 @@ impl<'s, 'o> Search<'s, 'o> {
                 break;
             }
             let horizon = before.curve.horizon();
-            let weight = share * before.cost / horizon;
-            let next = self.from(before, horizon, self.weighted(weight))?;
+            let (density, weight) = (before.cost / horizon, share * before.cost / horizon);
+            // Multipliers grow with the objective.
+            let growth = (density + weight) / (density + weight_before);
+            let multipliers = before.multipliers.scaled(growth);
+            let next = self.from(before, horizon, self.weighted(weight), Some(multipliers))?;
             let later = next.curve.horizon() / horizon;
-            let is_faster = is_valid(&next) && later <= NOT_LONGER;
-            let is_same = is_valid(&next) && next.converged && later <= SAME;
             let last = weight * next.curve.horizon() >= LAST_SHARE * next.cost;
-            self.complete = is_faster || is_same;
-            if is_faster {
+            // A search that fails may come back with the motion that it began with.
+            let is_faster = later * SAME <= 1.0 || (next.converged && later <= NOT_LONGER);
+            let is_same = next.converged && later <= SAME;
+            self.complete = is_valid(&next) && (is_faster || is_same);
+            if self.complete && is_faster {
+                weight_before = weight;
                 others.push(next);
             }
             share = match (self.complete, others.is_empty()) {
@@ -135,7 +141,7 @@ impl<'s, 'o> Search<'s, 'o> {
     fn balanced(&mut self) -> Result<DirectSolution> {
         let (first, mut others) = self.faster()?;
         let fast = others.last().unwrap_or(&first);
-        let is_least = self.complete;
+        let is_least = self.complete && fast.converged;
         self.complete = self.goes_on(fast);
         if self.complete {
             let least = fast.curve.horizon();
@@ -182,12 +188,12 @@ impl<'s, 'o> Search<'s, 'o> {
             longest: free.longest.min(longest),
             ..free
         });
-        self.from(from, horizon, free)
+        self.from(from, horizon, free, None)
     }
 
     /// The least effort on a given horizon, from another motion stretched to it.
     pub fn at(&mut self, from: &DirectSolution, horizon: f64) -> Result<DirectSolution> {
-        self.from(from, horizon, None)
+        self.from(from, horizon, None, None)
     }
 
     /// The bounds of the horizon with another cost of a second.
@@ -196,12 +202,14 @@ impl<'s, 'o> Search<'s, 'o> {
         free.map(|free| FreeHorizon { weight, ..free })
     }
 
-    /// One solve from a motion, to its alternative of a goal that is a set, on a horizon within the bounds.
+    /// One solve from a motion, to its alternative of a goal that is a set, on a horizon within the bounds, with
+    /// multipliers for its objective if they are known.
     fn from(
         &mut self,
         from: &DirectSolution,
         horizon: f64,
         free_horizon: Option<FreeHorizon>,
+        multipliers: Option<Multipliers>,
     ) -> Result<DirectSolution> {
         let horizon = match free_horizon {
             Some(free) => horizon.clamp(free.shortest, free.longest),
@@ -230,8 +238,7 @@ impl<'s, 'o> Search<'s, 'o> {
             degree: curve.chebyshev().degree(),
             segments: curve.segments(),
             start: Some(Curve::piecewise(horizon, curve.segments(), x)?),
-            // The objective is another.
-            multipliers: None,
+            multipliers,
             free_horizon,
             goal,
             time_limit: limit.map(|limit| limit.saturating_sub(self.started.elapsed())),

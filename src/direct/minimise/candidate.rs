@@ -178,6 +178,17 @@ impl Multipliers {
         }
     }
 
+    /// The multipliers for a multiple of the objective.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let by = |values: &[f64]| values.iter().map(|z| factor * z).collect();
+        Self {
+            times: self.times.clone(),
+            values: by(&self.values),
+            of_points: by(&self.of_points),
+        }
+    }
+
     /// The multipliers of the rest of a motion after this share of it, from 0 to less than 1.
     pub(crate) fn after(&self, share: f64) -> Self {
         let left = self.times.iter().map(|t| (t - share) / (1.0 - share));

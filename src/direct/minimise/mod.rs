@@ -123,6 +123,11 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         tolerance: stage.tolerance,
         feasible: stage.feasible,
         penalty: candidate.penalty.unwrap_or(settings.nlp.penalty),
+        // The multipliers of a lower degree may be those of violated rows.
+        penalty_of_multipliers: match candidate.penalty {
+            Some(_) => settings.nlp.penalty_of_multipliers,
+            None => 0.0,
+        },
         iterations: stage.iterations,
         last_barrier: match rows.count() {
             0 => settings

@@ -53,14 +53,7 @@ pub(in crate::direct) fn improve<K: Constraint, P: CostWithControl>(
         last_barrier: barrier,
         ..settings.nlp.clone()
     };
-    let penalty = candidate.penalty.unwrap_or(settings.search.planned_penalty);
-    let largest = known
-        .iter()
-        .flatten()
-        .fold(0.0, |most: f64, z| most.max(z.abs()));
-    let density = program.finer_cost[0].abs() / candidate.horizon;
-    // A row with a multiplier of more than half the penalty is violated.
-    options.penalty = penalty.max(2.0 * largest / density.max(f64::MIN_POSITIVE));
+    options.penalty = candidate.penalty.unwrap_or(settings.search.planned_penalty);
     let mut state = State::new(&mut program, x, known.as_deref(), kkt, &options)?;
     let (mut count, mut converged) = (0, false);
     while !converged && goes_on(count) {
@@ -71,7 +64,6 @@ pub(in crate::direct) fn improve<K: Constraint, P: CostWithControl>(
     }
     let all = state.iterate.multipliers(program.margins.len());
     candidate.multipliers = Multipliers::new(&grid, rows, &all, Vec::new());
-    candidate.penalty = Some(options.penalty);
     let barrier = state.iterate.barrier;
     let other = program.unknowns(reference);
     let before = barrier_function(&mut program, &other, barrier)?;

@@ -85,6 +85,8 @@ pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
         let wave = match settings.time_limit {
             _ if next < settings.starts => next..settings.starts.min(next + search.wave),
             Some(_) => next..next + search.wave,
+            // The planned start mostly succeeds.
+            None if next == settings.starts => next..next + 1,
             None => next..(next + search.more_starts).min(search.most_starts),
         };
         next = wave.end;
