@@ -68,9 +68,10 @@ impl Iterate {
         all
     }
 
-    /// Returns true if a multiplier has nearly reached the penalty.
-    pub fn is_at_penalty(&self) -> bool {
-        self.working.iter().any(|row| self.is_row_at_penalty(row))
+    /// Returns true if the multiplier of a row that is violated by more than `feasible` has nearly reached the penalty.
+    pub fn is_at_penalty(&self, h: &[f64], feasible: f64) -> bool {
+        let mut violated = self.working.iter().filter(|of| h[of.row.at] > feasible);
+        violated.any(|of| self.is_row_at_penalty(of))
     }
 
     /// Returns true if the multiplier of a row has nearly reached the penalty.

@@ -172,7 +172,7 @@ impl State {
     /// optimization*, 2010).
     fn raise_penalty(&mut self, options: &Options) -> bool {
         let Barrier { mu, nu } = self.iterate.barrier;
-        if !self.iterate.is_at_penalty() {
+        if !self.iterate.is_at_penalty(&self.h, options.feasible) {
             return false;
         }
         let most = options.largest_penalty * self.scale() / self.measure;
