@@ -117,16 +117,17 @@ impl<'s, 'o> Search<'s, 'o> {
             let next = self.from(before, horizon, self.weighted(weight), Some(multipliers))?;
             let later = next.curve.horizon() / horizon;
             let last = weight * next.curve.horizon() >= LAST_SHARE * next.cost;
+            let is_faster = is_valid(&next) && later <= NOT_LONGER;
             // A search that fails may come back with the motion that it began with.
-            let is_faster = later * SAME <= 1.0 || (next.converged && later <= NOT_LONGER);
-            let is_same = next.converged && later <= SAME;
-            self.complete = is_valid(&next) && (is_faster || is_same);
-            if self.complete && is_faster {
+            let is_better = is_faster && (next.converged || later * SAME <= 1.0);
+            self.complete = next.converged && is_valid(&next) && later <= SAME;
+            let ends = if self.complete { last } else { is_better };
+            if is_better {
                 weight_before = weight;
                 others.push(next);
             }
             share = match (self.complete, others.is_empty()) {
-                (true, _) if last => break,
+                _ if ends => break,
                 (true, _) => SHARE,
                 // Half the way there on a logarithmic scale.
                 (false, true) if share > LEAST_SHARE => share.sqrt(),
@@ -141,7 +142,7 @@ impl<'s, 'o> Search<'s, 'o> {
     fn balanced(&mut self) -> Result<DirectSolution> {
         let (first, mut others) = self.faster()?;
         let fast = others.last().unwrap_or(&first);
-        let is_least = self.complete && fast.converged;
+        let is_least = self.complete;
         self.complete = self.goes_on(fast);
         if self.complete {
             let least = fast.curve.horizon();
