@@ -67,6 +67,12 @@ fn a_search_begins_with_known_multipliers() {
         Multipliers::of_entries(times, rows, &known.entries(0.0), known.of_points().to_vec());
     let same = same.expect("they fit");
     assert_eq!(same, *known);
+    let halved = known.scaled(0.5).scaled(2.0);
+    assert_eq!(halved, *known);
+    assert_eq!(
+        known.scaled(2.0).entries(0.0)[0].2,
+        2.0 * known.entries(0.0)[0].2
+    );
     let warm = DirectSettings {
         start: Some(first.curve.clone()),
         multipliers: Some(same),

@@ -187,6 +187,17 @@ fn a_returning_row_begins_anew() {
     );
 }
 
+/// A row whose multiplier is at the penalty asks for a larger one only if its violation is not accepted.
+#[test]
+fn rows_at_the_penalty() {
+    let barrier = Barrier { mu: 1e-6, nu: 2.0 };
+    let at = |fraction| one_row(barrier, [1e-3, 1e-3, fraction]);
+    assert!(at(0.95).is_at_penalty(&[1e-3], 1e-6));
+    assert!(!at(0.85).is_at_penalty(&[1e-3], 1e-6));
+    assert!(!at(0.95).is_at_penalty(&[1e-7], 1e-6));
+    assert!(!at(0.95).is_at_penalty(&[-1.0], 1e-6));
+}
+
 /// The terms of an equality are those of $\lambda h + \rho h^2 / 2$, and an update moves the multiplier to the slope. The
 /// penalty grows unless the equality has shrunk to a quarter; another working set of inequalities changes neither.
 #[test]

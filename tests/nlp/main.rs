@@ -10,3 +10,4 @@ mod iterate;
 mod kkt;
 mod options;
 mod problems;
+mod state;

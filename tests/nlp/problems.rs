@@ -118,7 +118,7 @@ fn hs35(x: &[HyperDual64]) -> Functions {
     (linear + squares, vec![a + b + c * 2.0 - 3.0, -a, -b, -c])
 }
 
-fn hs43(x: &[HyperDual64]) -> Functions {
+pub fn hs43(x: &[HyperDual64]) -> Functions {
     let [a, b, c, d] = [x[0], x[1], x[2], x[3]];
     let [aa, bb, cc, dd] = [a * a, b * b, c * c, d * d];
     let rows = vec![
@@ -130,7 +130,7 @@ fn hs43(x: &[HyperDual64]) -> Functions {
     (aa + bb + cc * 2.0 + dd + linear + 100.0, rows)
 }
 
-fn hs71(x: &[HyperDual64]) -> Functions {
+pub fn hs71(x: &[HyperDual64]) -> Functions {
     let [a, b, c, d] = [x[0], x[1], x[2], x[3]];
     let mut rows = vec![
         a * a + b * b + c * c + d * d - 40.0,
@@ -154,7 +154,7 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     differences.fold(0.0, f64::max)
 }
 
-fn assert_near(name: &str, found: &[f64], expected: &[f64], tolerance: f64) {
+pub fn assert_near(name: &str, found: &[f64], expected: &[f64], tolerance: f64) {
     let apart = largest_difference(found, expected);
     assert!(
         apart <= tolerance,
@@ -297,7 +297,7 @@ fn infeasible_rows_are_reported() {
 }
 
 /// $(x - 2)^2 + (y - 1)^2 + 1$ with $x \le 1$, $y \le 3$ and $x + y \le 3$.
-fn corner(x: &[HyperDual64]) -> Functions {
+pub fn corner(x: &[HyperDual64]) -> Functions {
     let [a, b] = [x[0] - 2.0, x[1] - 1.0];
     let rows = vec![x[0] - 1.0, x[1] - 3.0, x[0] + x[1] - 3.0];
     (a * a + b * b + 1.0, rows)
@@ -366,41 +366,4 @@ fn a_quadratic_function_takes_one_step() {
     let x = end.expect("no function fails").x;
     assert_close!(&x, &[0.5], 1e-15);
     assert_eq!(steps, 2);
-}
-
-/// With the multipliers of a solution a search near it is shorter than one without, and ends at the same point.
-#[test]
-fn known_multipliers_shorten_a_search() {
-    let program = Dense::new(hs43, &[0.0; 4], 0, 3);
-    let near = [0.01, 1.01, 1.99, -1.01];
-    let count = |known: Option<&[f64]>| {
-        let mut program = program.clone();
-        let end = program.solve_from(&near, known, &accurate());
-        assert_eq!(end.status, Status::Converged);
-        assert_near("HS43", end.x.as_slice(), &[0.0, 1.0, 2.0, -1.0], 1e-6);
-        program.evaluations
-    };
-    let (with, without) = (count(Some(&[1.0, 0.0, 2.0])), count(None));
-    assert!(with < without, "{with} evaluations, and {without} without");
-}
-
-/// Each way to stop before the end is reported.
-#[test]
-fn stops_are_reported() {
-    let program = || Dense::new(hs71, &[1.0, 5.0, 5.0, 1.0], 1, 10);
-    let few = Options {
-        iterations: 2,
-        ..accurate()
-    };
-    assert_eq!(program().solve(&few).status, Status::Iterations);
-    let mut stopped = Dense {
-        stopped: true,
-        ..program()
-    };
-    assert_eq!(stopped.solve(&accurate()).status, Status::Stopped);
-    let mut coarse = Dense {
-        coarse: true,
-        ..program()
-    };
-    assert_eq!(coarse.solve(&accurate()).status, Status::Coarse);
 }

@@ -1,0 +1,60 @@
+//! The beginning and the end of a search.
+
+use crate::dense::{Dense, accurate};
+use crate::problems::{assert_near, corner, hs43, hs71};
+use aghf::nlp::{Options, Status};
+
+/// With the multipliers of a solution a search near it is shorter than one without, and ends at the same point.
+#[test]
+fn known_multipliers_shorten_a_search() {
+    let program = Dense::new(hs43, &[0.0; 4], 0, 3);
+    let near = [0.01, 1.01, 1.99, -1.01];
+    let count = |known: Option<&[f64]>| {
+        let mut program = program.clone();
+        let end = program.solve_from(&near, known, &accurate());
+        assert_eq!(end.status, Status::Converged);
+        assert_near("HS43", end.x.as_slice(), &[0.0, 1.0, 2.0, -1.0], 1e-6);
+        program.evaluations
+    };
+    let (with, without) = (count(Some(&[1.0, 0.0, 2.0])), count(None));
+    assert!(with < without, "{with} evaluations, and {without} without");
+}
+
+/// Each way to stop before the end is reported.
+#[test]
+fn stops_are_reported() {
+    let program = || Dense::new(hs71, &[1.0, 5.0, 5.0, 1.0], 1, 10);
+    let few = Options {
+        iterations: 2,
+        ..accurate()
+    };
+    assert_eq!(program().solve(&few).status, Status::Iterations);
+    let mut stopped = Dense {
+        stopped: true,
+        ..program()
+    };
+    assert_eq!(stopped.solve(&accurate()).status, Status::Stopped);
+    let mut coarse = Dense {
+        coarse: true,
+        ..program()
+    };
+    assert_eq!(coarse.solve(&accurate()).status, Status::Coarse);
+}
+
+/// A search with known multipliers begins with a penalty above those of its rows, so that it stays within them.
+#[test]
+fn the_first_penalty_is_above_known_multipliers() {
+    let first = |penalty_of_multipliers| {
+        let options = Options {
+            penalty: 1e-3,
+            penalty_of_multipliers,
+            iterations: 1,
+            ..accurate()
+        };
+        let mut program = Dense::new(corner, &[0.9, 1.0], 0, 3);
+        let end = program.solve_from(&[0.9, 1.0], Some(&[2.0, 0.0, 0.0]), &options);
+        end.iterate.barrier.nu
+    };
+    assert_eq!(first(2.0), 4.0);
+    assert!(first(0.0) < 0.1, "{}", first(0.0));
+}
