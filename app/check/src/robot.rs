@@ -54,6 +54,10 @@ pub(crate) struct Part {
 
 pub(crate) struct Robot {
     pub(crate) joints: Vec<Joint>,
+    /// The mass and the first moment of what is fixed to the base.
+    base: (Tm, Vector),
+    /// The body that carries each link, and the placement of the link in it.
+    pub(crate) links: BTreeMap<String, (Option<usize>, Pose)>,
     pub(crate) parts: Vec<Part>,
     /// False if a shape is no ball: nothing is certified of clearances then.
     pub(crate) has_balls: bool,
@@ -143,7 +147,8 @@ impl Robot {
         }
         let missing = || "the motion has a joint that the robot has not".to_owned();
         let joints: Option<Vec<Joint>> = joints.into_iter().collect();
-        let mut robot = Self { joints: joints.ok_or_else(missing)?, parts: Vec::new(), has_balls: true };
+        let (joints, base) = (joints.ok_or_else(missing)?, (Tm::new(0.0), vector([0.0; 3])));
+        let mut robot = Self { joints, base, links: BTreeMap::new(), parts: Vec::new(), has_balls: true };
         let early = |(i, j): (usize, &Joint)| j.parent.is_none_or(|p| p < i);
         require(robot.joints.iter().enumerate().all(early), "a joint is before its parent")?;
         for (link, (body, at)) in &placed {
@@ -163,14 +168,18 @@ impl Robot {
             robot.add_mass(*body, &compose(at, &center), number(get(load, "mass_kg")?)?, six);
         }
         robot.add_parts(scenario, &links, &placed)?;
+        robot.links = placed;
         Ok(robot)
     }
 
     pub(crate) fn add_mass(&mut self, body: Option<usize>, at: &Pose, mass: f64, six: [f64; 6]) {
-        let Some(joint) = body.map(|body| &mut self.joints[body]) else { return };
+        let (c, mass) = (at.1, Tm::new(mass));
+        let Some(joint) = body.map(|body| &mut self.joints[body]) else {
+            self.base = (self.base.0 + mass, add(self.base.1, times(c, mass)));
+            return;
+        };
         let [xx, xy, xz, yy, yz, zz] = six.map(Tm::new);
         let own = product(product(at.0, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), transpose(at.0));
-        let (c, mass) = (at.1, Tm::new(mass));
         joint.mass = joint.mass + mass;
         joint.first = add(joint.first, times(c, mass));
         for i in 0..3 {
@@ -248,10 +257,17 @@ impl Robot {
         self.parts.push(Part { body, link: link.to_owned(), centre, radius });
     }
 
-    /// The torques, by the recursive Newton-Euler algorithm in the frames of the joints.
-    pub(crate) fn torques(&self, q: &[Tm], v: &[Tm], a: &[Tm]) -> Vec<Tm> {
+    /// The weight, N.
+    pub(crate) fn weight(&self) -> f64 {
+        9.81 * self.joints.iter().fold(self.base.0, |sum, joint| sum + joint.mass).c[0]
+    }
+
+    /// The torques, by the recursive Newton-Euler algorithm in the frames of the joints, and the force on the base and
+    /// its moment.
+    pub(crate) fn torques(&self, q: &[Tm], v: &[Tm], a: &[Tm]) -> (Vec<Tm>, [Vector; 2]) {
         let zero = vector([0.0; 3]);
         let gravity = vector([0.0, 0.0, 9.81]);
+        let mut ground = [times(gravity, self.base.0), cross(self.base.1, gravity)];
         let mut places: Vec<Pose> = Vec::new();
         // Angular velocity and acceleration, acceleration of the origin.
         let mut moving: Vec<[Vector; 3]> = Vec::new();
@@ -286,22 +302,26 @@ impl Robot {
             if friction.c[0] > 0.0 {
                 torques[i] = torques[i] + friction * x * (Tm::new(1.0) + x * x).inverse_sqrt();
             }
-            if let Some(parent) = joint.parent {
-                let force = apply(places[i].0, force);
-                let moment = add(apply(places[i].0, moment), cross(places[i].1, force));
-                loads[parent] = [add(loads[parent][0], force), add(loads[parent][1], moment)];
-            }
+            let force = apply(places[i].0, force);
+            let moment = add(apply(places[i].0, moment), cross(places[i].1, force));
+            let below = joint.parent.map_or(&mut ground, |parent| &mut loads[parent]);
+            *below = [add(below[0], force), add(below[1], moment)];
         }
-        torques
+        (torques, ground)
     }
 
-    /// The centres of the balls in the base frame.
-    pub(crate) fn centres(&self, q: &[Tm]) -> Vec<Vector> {
+    /// The placements of the bodies in the base frame.
+    pub(crate) fn places(&self, q: &[Tm]) -> Vec<Pose> {
         let mut places: Vec<Pose> = Vec::new();
         for (joint, q) in self.joints.iter().zip(q) {
             let own = joint.placement(*q);
             places.push(joint.parent.map_or(own, |p| compose(&places[p], &own)));
         }
+        places
+    }
+
+    /// The centres of the balls in the base frame.
+    pub(crate) fn centres(&self, places: &[Pose]) -> Vec<Vector> {
         let one = |part: &Part| part.body.map_or(part.centre, |b| add(apply(places[b].0, part.centre), places[b].1));
         self.parts.iter().map(one).collect()
     }

@@ -2,7 +2,7 @@
 
 use crate::Checked;
 use crate::arithmetic::{Matrix, Vector, transpose, vector};
-use crate::json::{array, get, number, option, require, text, three};
+use crate::json::{array, entries, get, number, option, require, text, three};
 use crate::robot::{Robot, quaternion};
 use serde_json::Value;
 
@@ -13,10 +13,7 @@ pub(crate) struct Limit(pub(crate) &'static str, pub(crate) usize, pub(crate) [f
 pub(crate) fn limits(scenario: &Value, robot: &Robot) -> Checked<Vec<Limit>> {
     let none = Value::Null;
     let enforced = option(scenario, "enforced_limits").unwrap_or(&none);
-    let passive: Vec<&str> = match option(scenario, "passive") {
-        Some(names) => array(names)?.iter().map(text).collect::<Checked<_>>()?,
-        None => Vec::new(),
-    };
+    let passive: Vec<&str> = entries(scenario, "passive").iter().map(text).collect::<Checked<_>>()?;
     let share = |key: &str, joint: &str| -> Checked<Option<f64>> {
         Ok(match option(enforced, key) {
             None | Some(Value::Bool(true)) => Some(1.0),
@@ -84,15 +81,13 @@ pub(crate) fn same_limits(limits: &[Limit], listed: &[Value]) -> Checked<()> {
 
 /// The promises of a scenario that no certificate covers, which the certificate has to list.
 pub(crate) fn not_certified(scenario: &Value, robot: &Robot, listed: &Value) -> Checked<Vec<String>> {
-    let some = |key: &str| option(scenario, key).is_some_and(|v| v.as_array().is_none_or(|list| !list.is_empty()));
+    let some = |key: &str| !entries(scenario, key).is_empty();
     let by_shape = option(scenario, "robot_shape").is_none_or(|s| s.get("collision").is_some() || s == "collision");
     let apart = by_shape && option(scenario, "self_collision").is_none_or(|s| s != "off");
     let wanted = [
         ("passive_joints", some("passive")),
-        ("goal", some("goal")),
         ("obstacles", !robot.has_balls && some("obstacles")),
         ("self_collision", !robot.has_balls && apart),
-        ("keep", some("keep")),
     ];
     let wanted: Vec<&str> = wanted.into_iter().filter(|(_, is_missing)| *is_missing).map(|(name, _)| name).collect();
     let listed = array(listed)?.iter().map(|entry| text(get(entry, "promise")?).map(str::to_owned));
@@ -115,7 +110,7 @@ pub(crate) fn obstacles(scenario: &Value) -> Checked<Vec<Obstacle>> {
     let beside = given
         .map_or(Ok(0.0), |c| if c.is_object() { option(c, "obstacles").map_or(Ok(0.0), number) } else { number(c) })?;
     let mut all = Vec::new();
-    for obstacle in option(scenario, "obstacles").map_or(Ok(&Vec::new()), array)? {
+    for obstacle in entries(scenario, "obstacles") {
         let (shape, pose) = (get(obstacle, "shape")?, get(obstacle, "pose")?);
         let of = |kind: &str, key: &str| number(get(get(shape, kind)?, key)?);
         let (kind, size) = if shape.get("sphere").is_some() {

@@ -5,8 +5,8 @@ use super::{CHECK_FAILED, RobotArgs, print};
 use crate::output::{certification_text, refuse_existing, write_json, write_text};
 use aghf::error::{Error, Result};
 use aghf::input::read_text;
-use aghf_scenario::Solved;
 use aghf_scenario::certify::certify;
+use aghf_scenario::{Details, Solved};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -43,7 +43,11 @@ impl Certify {
         let run = summary_at(&self.run)?;
         let solved = Solved::load(&run)?;
         let begin = Instant::now();
-        let certification = certify(&scenario, &solved.curve)?;
+        let times = match &solved.summary.details {
+            Details::Direct(details) => &details.waypoint_times_s[..],
+            _ => &[],
+        };
+        let certification = certify(&scenario, &solved.curve, times)?;
         let seconds = begin.elapsed().as_secs_f64();
         print(&certification_text(&certification, seconds))?;
         let Some(certificate) = certification.certificate else {
