@@ -251,6 +251,19 @@ def quaternion(value):
     ])
 
 
+def pose_of(value):
+    return quaternion(option(value, "orientation_xyzw")), vector(numbers(get(value, "position_m"), 3))
+
+
+def solid_of(shape):
+    """The kind of an obstacle or a load and its lengths."""
+    (kind, own), = shape.items()
+    require(kind in ("sphere", "box", "cylinder", "capsule", "half_space"), f"shape '{kind}'")
+    if kind == "box":
+        return kind, [0.5 * x for x in numbers(get(own, "size_m"), 3)]
+    return kind, [number(option(own, "radius_m", 0.0)), 0.5 * number(option(own, "length_m", 0.0))]
+
+
 class Joint:
     """A joint and its body, in the frame of the joint."""
 
@@ -337,8 +350,10 @@ class Robot:
             center = (IDENTITY[0], vector(numbers(option(load, "center_m", [0.0] * 3), 3)))
             six = numbers(option(load, "inertia_kg_m2", [0.0] * 6), 6)
             self.add_mass(body, compose(at, center), number(get(load, "mass_kg")), six)
-        self.parts, self.has_balls = [], True
+        # Per shape the body, the link, the placement, the kind and the lengths.
+        self.parts, self.is_known = [], True
         self.add_parts(scenario, links, placed)
+        self.has_balls = self.is_known and all(kind == "sphere" for _, _, _, kind, _ in self.parts)
 
     def add_mass(self, body, at, mass, six):
         c = at[1]
@@ -354,11 +369,17 @@ class Robot:
         joint.inertia = joint.inertia + product(product(at[0], own), transpose(at[0])) + square * mass
 
     def add_parts(self, scenario, links, placed):
-        """Adds the balls of the shape of the robot: body, link, centre, radius."""
+        """Adds the shapes of the robot, by the names of their links."""
+
+        def add_ball(body, link, centre, radius):
+            self.parts.append((body, link, (IDENTITY[0], centre), "sphere", [radius]))
+
         is_shaped = any(link.find("collision") is not None for link in links.values())
         shape = option(scenario, "robot_shape", "collision" if is_shaped else "joint_frames")
+        by_shapes = shape == "collision" or option(shape, "collision") is not None
         if shape == "joint_frames":
-            self.parts += [(body, "", vector([0.0] * 3), 0.0) for body in range(len(self.joints))]
+            for body in range(len(self.joints)):
+                add_ball(body, "", vector([0.0] * 3), 0.0)
         elif option(shape, "swept_links") is not None:
             swept = shape["swept_links"]
             radius, spacing = number(get(swept, "radius_m")), number(option(swept, "spacing_m", 0.05))
@@ -371,26 +392,26 @@ class Robot:
                     pieces = max(math.ceil(length / spacing), 1)
                     for i in range(pieces + 1):
                         centre = end * Model.constant(float(i)).over(float(pieces))
-                        self.parts.append((body, "", centre, math.hypot(radius, 0.5 * length / pieces)))
+                        add_ball(body, "", centre, math.hypot(radius, 0.5 * length / pieces))
         else:
-            for link, (body, at) in placed.items():
+            for link, (body, at) in sorted(placed.items()):
                 for collision in links[link].findall("collision"):
-                    ball = collision.find("geometry/sphere")
-                    if ball is None:
-                        self.has_balls = False
+                    (own, *_) = collision.find("geometry")
+                    if own.tag not in ("sphere", "cylinder", "capsule", "box"):
+                        self.is_known = False
                         continue
-                    centre = compose(at, pose(collision.find("origin")))[1]
-                    self.parts.append((body, link, centre, attribute(ball, "radius")))
+                    size = [attribute(own, "radius"), 0.5 * attribute(own, "length")]
+                    if own.tag == "box":
+                        size = [0.5 * x for x in triple(own, "size", [0.0] * 3)]
+                    self.parts.append((body, link, compose(at, pose(collision.find("origin"))), own.tag, size))
         load = option(scenario, "payload")
         if option(load, "shape") is not None:
-            ball = option(load["shape"], "sphere")
-            if ball is None:
-                self.has_balls = False
-                return
+            kind, size = solid_of(load["shape"])
             body, at = placed[load["link"]]
-            center = option(option(load, "shape_pose"), "position_m", option(load, "center_m", [0.0] * 3))
-            centre = apply(at[0], vector(numbers(center, 3))) + at[1]
-            self.parts.append((body, load["link"], centre, number(get(ball, "radius_m"))))
+            default = {"position_m": option(load, "center_m", [0.0] * 3)}
+            self.is_known &= by_shapes or kind == "sphere"
+            at = compose(at, pose_of(option(load, "shape_pose", default)))
+            self.parts.append((body, load["link"], at, kind, size))
 
     def torques(self, q, v, a):
         """Inverse dynamics by the recursive Newton-Euler algorithm in the frames of the joints: the torques, and the
@@ -442,14 +463,9 @@ class Robot:
             places.append(own if joint.parent is None else compose(places[joint.parent], own))
         return places
 
-    def centres(self, places, count):
-        """The centres of the balls in the base frame: balls, 3, intervals."""
-        shape = (3, count)
-        found = []
-        for body, _, centre, _ in self.parts:
-            at = centre if body is None else apply(places[body][0], centre) + places[body][1]
-            found.append(at + Model.constant(np.zeros(shape)))
-        return stack(found)
+    def placed(self, places):
+        """The placements of the shapes in the base frame."""
+        return [at if body is None else compose(places[body], at) for body, _, at, _, _ in self.parts]
 
 
 class States:
@@ -478,9 +494,8 @@ class States:
                 square = dot(off, off)
                 rows.append(most("distance", square - square.like(number(r)) * square.like(r), 2.0 * r))
         if option(goal, "box") is not None:
-            pose, sizes = get(goal["box"], "pose"), get(goal["box"], "size_m")
-            inverse = transpose(quaternion(option(pose, "orientation_xyzw")))
-            off = apply(inverse, at - vector(numbers(get(pose, "position_m"), 3)))
+            centre, sizes = pose_of(get(goal["box"], "pose")), get(goal["box"], "size_m")
+            off = apply(transpose(centre[0]), at - centre[1])
             require(len(sizes) == 3, "a box has three edges")
             for i, size in enumerate(sizes):
                 if size == 0.0:
@@ -529,10 +544,8 @@ class States:
     def foot(self, stand, force, moment):
         """The rows of a standing foot under the force of the ground on the base and its moment."""
         turn, at = self.link(get(stand, "frame"))
-        sole = option(stand, "sole")
-        if sole is not None:
-            at = apply(turn, vector(numbers(get(sole, "position_m"), 3))) + at
-            turn = product(turn, quaternion(option(sole, "orientation_xyzw")))
+        if option(stand, "sole") is not None:
+            turn, at = compose((turn, at), pose_of(stand["sole"]))
         force, moment = apply(transpose(turn), force), apply(transpose(turn), moment - cross(at, force))
         up, weight, friction = force[2], self.robot.weight(), number(get(stand, "friction"))
         rows = [most("normal force", -up, weight)]
@@ -582,7 +595,8 @@ class Motion:
 
     def expand(self, own, middles, halves):
         """Positions, velocities, accelerations and jerks of the joints on parts |x - m| <= w of segments, as
-        coefficients and bounds on errors: Taylor coefficients about m from the Chebyshev coefficients of the derivatives."""
+        coefficients and bounds on errors: Taylor coefficients about m from the Chebyshev coefficients of the
+        derivatives."""
 
         def ball(x):
             return Model.constant(x, order=1)
@@ -716,23 +730,13 @@ def limits_of(scenario, robot):
 
 
 def obstacles_of(scenario):
-    """The obstacles: rotation into their frame, position, kind, lengths, and the distance that is kept."""
+    """The obstacles: placement, kind, lengths, and the distance that is kept."""
     given = option(scenario, "clearance_m", 0.0)
     beside = number(option(given, "obstacles", 0.0) if isinstance(given, dict) else given)
     found = []
     for obstacle in option(scenario, "obstacles", []):
-        shape, at = get(obstacle, "shape"), get(obstacle, "pose")
-        (kind, own), = shape.items()
-        require(kind in ("sphere", "box", "cylinder", "capsule", "half_space"), f"shape '{kind}'")
-        if kind == "box":
-            size = [0.5 * x for x in numbers(get(own, "size_m"), 3)]
-        elif kind == "half_space":
-            size = []
-        else:
-            size = [number(get(own, "radius_m")), 0.5 * number(option(own, "length_m", 0.0))]
         margin = number(option(obstacle, "clearance_m", beside))
-        inverse = transpose(quaternion(option(at, "orientation_xyzw")))
-        found.append((inverse, vector(numbers(get(at, "position_m"), 3)), kind, size, margin))
+        found.append((pose_of(get(obstacle, "pose")), *solid_of(get(obstacle, "shape")), margin))
     return found
 
 
@@ -750,8 +754,8 @@ def length(vectors):
 
 def distance(obstacle, p):
     """Lower bounds on the signed distances of points, 3 by their number, from the surface of an obstacle."""
-    inverse, at, kind, size, _ = obstacle
-    p = apply(inverse, p - at)
+    (turn, at), kind, size, _ = obstacle
+    p = apply(transpose(turn), p - at)
 
     def beyond(i, half):
         sign = np.where(p.c[0, i] < 0.0, -1.0, 1.0)
@@ -778,18 +782,18 @@ def distance(obstacle, p):
 
 
 def pairs_of(scenario, certificate, robot):
-    """Per promise the pairs of a ball, an obstacle or another ball, and the distance that is kept."""
-    if not robot.has_balls:
+    """Per promise the pairs of a shape, an obstacle or another shape, and the distance that is kept."""
+    if not robot.is_known:
         return {}
     obstacles, given = obstacles_of(scenario), option(scenario, "clearance_m", 0.0)
     itself = number(option(given, "itself", 0.0) if isinstance(given, dict) else given)
     own = {frozenset(p["links"]): number(p["clearance_m"]) for p in option(given, "pairs", [])}
     free = {frozenset(pair) for pair in get(certificate, "may_overlap")}
     found = {"obstacles": [], "self_collision": []}
-    for i, (body, link, _, _) in enumerate(robot.parts):
+    for i, (body, link, *_) in enumerate(robot.parts):
         if body is not None:
-            found["obstacles"] += [(i, o, obstacle[4]) for o, obstacle in enumerate(obstacles)]
-        for j, (other, beside, _, _) in enumerate(robot.parts[i + 1 :], i + 1):
+            found["obstacles"] += [(i, o, obstacle[3]) for o, obstacle in enumerate(obstacles)]
+        for j, (other, beside, *_) in enumerate(robot.parts[i + 1 :], i + 1):
             names = frozenset((link, beside))
             apart = link and beside and link != beside and body != other and names not in free
             if apart and option(scenario, "self_collision") != "off":
@@ -837,9 +841,50 @@ def check_places(scenario, certificate, robot, motion):
         before = [segment, x]
 
 
-def check_clearances(promise, pairs, claims, robot, obstacles, centres, place):
+def extent(at, kind, size, n):
+    """An upper bound on the extent of a shape from its centre in a direction and against it: that of a ball, of edges,
+    or of an axis and a disc."""
+
+    def half(square, length):
+        """An upper bound on a root, (x + b) / (2 sqrt b) for any positive b, times a length."""
+        near = np.maximum(np.maximum(square.c[0], 0.3 * square.variation()), 1e-12)
+        bound = (square + square.like(near)).over(2.0 * np.sqrt(near))
+        # The root in the divisor is rounded.
+        return bound.widened(4.0 * UNIT * bound.most()) * bound.like(length)
+
+    x = apply(transpose(at[0]), n)
+    squares, ball = [x[i] * x[i] for i in range(3)], dot(n, n)
+    if kind == "box":
+        return half(squares[0], size[0]) + half(squares[1], size[1]) + half(squares[2], size[2])
+    if kind == "half_space":
+        return ball.like(0.0)
+    if kind == "sphere":
+        return half(ball, size[0])
+    return half(squares[2], size[1]) + half(ball if kind == "capsule" else squares[0] + squares[1], size[0])
+
+
+def check_shapes(promise, pairs, claims, robot, obstacles, placed, directions, place):
+    """Checks that directions separate all pairs by their distances and the claims of the intervals beyond them."""
+    for i, j, margin in pairs:
+        b, key = ((placed[j], *robot.parts[j][3:]), j) if promise != "obstacles" else (obstacles[j], len(placed) + j)
+        off = b[0][1] - placed[i][1]
+        if b[1] == "half_space":
+            n = -transpose(b[0][0])[2]
+        else:
+            n = Model.constant(off.c[0] + np.zeros((3, len(claims))))
+            for k, direction in directions.get((i, key), []):
+                n.c[0, :, k] = direction
+        gap = dot(n, off) - extent(placed[i], *robot.parts[i][3:], n) - extent(*b[:3], n)
+        square = dot(n, n)
+        good = lower(gap) >= (claims + margin) * np.sqrt(square.most()) * (1.0 + 4.0 * UNIT)
+        good &= square.c[0] > 1e-6
+        require(np.all(good), place(promise, np.flatnonzero(~good)))
+
+
+def check_balls(promise, pairs, claims, robot, obstacles, placed, place):
     """Checks that all pairs keep their distances and the claims of the intervals beyond them."""
-    radii = np.array([part[3] for part in robot.parts])
+    centres = stack([at[1] + Model.constant(np.zeros((3, claims.size))) for at in placed])
+    radii = np.array([part[4][0] for part in robot.parts])
     middles = Model.constant(centres.c[0])
     ways = (np.sqrt((centres.variation() ** 2).sum(axis=1)) + 1e-12) * UP
 
@@ -948,8 +993,8 @@ def not_certified(scenario, robot, listed):
     apart = by_shape and option(scenario, "self_collision") != "off"
     wanted = [
         ("passive_joints", option(scenario, "passive")),
-        ("obstacles", not robot.has_balls and option(scenario, "obstacles")),
-        ("self_collision", not robot.has_balls and apart),
+        ("obstacles", not robot.is_known and option(scenario, "obstacles")),
+        ("self_collision", not robot.is_known and apart),
     ]
     wanted = [name for name, is_missing in wanted if is_missing]
     require([get(entry, "promise") for entry in listed] == wanted, f"what is not certified is {wanted}")
@@ -966,10 +1011,11 @@ def check_limits(limits, listed):
 
 
 def cover(intervals, segments, claims):
-    """The segments, middles, half widths and claims of intervals that cover the horizon."""
-    segment, before, found = 0, -1.0, []
+    """The segments, middles, half widths and claims of intervals that cover the horizon, and per pair of shapes the
+    intervals with a direction, and these."""
+    segment, before, found, directions = 0, -1.0, [], {}
     for interval in intervals:
-        require(isinstance(interval, list) and len(interval) == 4, "an interval has four entries")
+        require(isinstance(interval, list) and len(interval) == 5, "an interval has five entries")
         own, (begin, end), reserves = interval[0], numbers(interval[1:3]), numbers(interval[3], claims)
         if before == 1.0:
             segment, before = segment + 1, -1.0
@@ -980,8 +1026,10 @@ def cover(intervals, segments, claims):
         require(all(x >= -TOLERANCE for x in reserves), "a reserve is negative")
         before = end
         found.append((segment, m, w, reserves))
+        for i, j, n in interval[4]:
+            directions.setdefault((i, j), []).append((len(found) - 1, numbers(n, 3)))
     require(segment == segments - 1 and before == 1.0, "the intervals do not cover the horizon")
-    return found
+    return found, directions
 
 
 def check(robot, scenario, run, certificate):
@@ -998,7 +1046,7 @@ def check(robot, scenario, run, certificate):
         raise Refused(f"unreadable: {error!r}") from error
 
 
-def check_intervals(scenario, robot, motion, limits, pairs, promises, intervals):
+def check_intervals(scenario, robot, motion, limits, pairs, promises, intervals, directions):
     """Checks the claims on all intervals."""
     of, middles, halves, claims = (np.array(list(column)) for column in zip(*intervals))
     claims = dict(zip(promises, claims.reshape(len(intervals), len(promises)).T))
@@ -1031,9 +1079,12 @@ def check_intervals(scenario, robot, motion, limits, pairs, promises, intervals)
         good = proved(row, claims[promise]) | ~inside
         require(np.all(good), place(row[0], np.flatnonzero(~good)))
     if pairs:
-        obstacles, centres = obstacles_of(scenario), robot.centres(states.places, len(intervals))
+        obstacles, placed = obstacles_of(scenario), robot.placed(states.places)
         for promise, own in pairs.items():
-            check_clearances(promise, own, claims[promise], robot, obstacles, centres, place)
+            if robot.has_balls:
+                check_balls(promise, own, claims[promise], robot, obstacles, placed, place)
+            else:
+                check_shapes(promise, own, claims[promise], robot, obstacles, placed, directions, place)
 
 
 def _check(robot, scenario, run, certificate):
@@ -1067,8 +1118,8 @@ def _check(robot, scenario, run, certificate):
     promises = [kind for kind in KINDS if any(limit[0] == kind for limit in limits)]
     promises += [key for key in ("keep", "stand") if option(scenario, key)] + list(pairs)
     require(given("promises") == promises, f"the promises are {promises}")
-    intervals = cover(given("intervals"), motion.segments, len(promises))
-    check_intervals(scenario, robot, motion, limits, pairs, promises, intervals)
+    intervals, directions = cover(given("intervals"), motion.segments, len(promises))
+    check_intervals(scenario, robot, motion, limits, pairs, promises, intervals, directions)
     outcome = "certified in part" if missing else "certified"
     tail = f"; not certified: {', '.join(missing)}" if missing else ""
     proved = ", ".join(["horizon", "ends", *(k for k in ("goal", "waypoints") if option(scenario, k)), *promises])

@@ -65,8 +65,8 @@ impl Part {
         }
     }
 
-    /// A short interval about a place. At both ends of a segment Chebyshev polynomials are exact, so that a [`Piece`] is
-    /// as accurate at its middle as the coefficients allow.
+    /// A short interval about a place. At both ends of a segment Chebyshev polynomials are exact, so that a [`Piece`]
+    /// is as accurate at its middle as the coefficients allow.
     #[must_use]
     pub fn about(segment: usize, x: f64) -> Self {
         Self {

@@ -1,8 +1,8 @@
 //! The claims on each interval and at single places.
 
 use crate::arithmetic::{Bernstein, Tm};
-use crate::distance::{Distances, keeps};
-use crate::json::{array, entries, get, list, number, option, require};
+use crate::distance::{Clearances, Directions, Distances};
+use crate::json::{array, entries, get, list, number, option, require, three};
 use crate::motion::{Motion, cut, middle};
 use crate::robot::Robot;
 use crate::rows::{Row, State};
@@ -109,9 +109,10 @@ impl<'a> Promised<'a> {
         let not_covered = "the intervals do not cover the horizon";
         let (mut segment, mut from) = (0, -1.0);
         for interval in intervals {
-            let [own, begin, end, claims] = array(interval)?.as_slice() else {
-                return Err("an interval has four entries".to_owned());
+            let [own, begin, end, claims, directions] = array(interval)?.as_slice() else {
+                return Err("an interval has five entries".to_owned());
             };
+            let directions = array(directions)?.iter().map(direction).collect::<Checked<Directions>>()?;
             let (begin, end, claims) = (number(begin)?, number(end)?, list(claims)?);
             if from == 1.0 {
                 (segment, from) = (segment + 1, -1.0);
@@ -123,14 +124,14 @@ impl<'a> Promised<'a> {
             let all = claims.len() == self.names().len() && claims.iter().all(|c| *c >= -TOLERANCE);
             require(all, "a reserve is negative or missing")?;
             from = end;
-            let proved = self.prove(segment, [m, w], &claims);
+            let proved = self.prove(segment, [m, w], &claims, directions);
             proved.map_err(|what| format!("segment {segment} from {begin} to {end}: {what} is not proved"))?;
         }
         require(segment == segments - 1 && from == 1.0, not_covered)
     }
 
     /// Proves the claims on an interval; the error is what is not proved.
-    fn prove(&self, segment: usize, [m, w]: [f64; 2], claims: &[f64]) -> Checked<()> {
+    fn prove(&self, segment: usize, [m, w]: [f64; 2], claims: &[f64], directions: Directions) -> Checked<()> {
         let [q, v, a, jerk] = self.motion.expand(segment, [m, w]);
         let [qs, vs, accelerations] = [&q, &v, &a].map(|all| all.iter().map(cut).collect::<Vec<Tm>>());
         let (mut torques, mut foot) = (Vec::new(), Vec::new());
@@ -173,11 +174,22 @@ impl<'a> Promised<'a> {
         if self.clear.is_empty() {
             return Ok(());
         }
-        let (centres, by) = (self.robot.centres(&state.places), Distances(&self.bases[1]));
+        let (robot, obstacles) = (&self.robot, self.obstacles.as_slice());
+        let (placed, by) = (robot.placed(&state.places), Distances(&self.bases[1]));
+        let clearances = Clearances { robot, obstacles, placed, directions, by };
         let first = claims.len() - self.clear.len();
         for ((name, pairs), claim) in self.clear.iter().zip(&claims[first..]) {
-            require(keeps(*claim, pairs, &self.robot, &self.obstacles, &centres, &by), *name)?;
+            require(clearances.keep(*claim, pairs), *name)?;
         }
         Ok(())
     }
+}
+
+/// A direction and the pair of shapes that it separates.
+fn direction(value: &Value) -> Checked<([usize; 2], [f64; 3])> {
+    let [i, j, n] = array(value)?.as_slice() else {
+        return Err("a direction has three entries".to_owned());
+    };
+    let index = |i: &Value| i.as_u64().map(|i| i as usize).ok_or("a direction is of no pair");
+    Ok(([index(i)?, index(j)?], three(n)?))
 }

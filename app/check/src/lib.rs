@@ -10,6 +10,7 @@ mod motion;
 mod robot;
 mod rows;
 mod scenario;
+mod shape;
 
 use intervals::Promised;
 use json::{array, entries, get, number, option, require, text};

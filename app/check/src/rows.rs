@@ -4,7 +4,7 @@ use crate::Checked;
 use crate::arithmetic::{Matrix, Tm, Vector, add, apply, cross, dot, product, sub, transpose, vector};
 use crate::json::{array, get, list, number, option, require, text, three};
 use crate::motion::Polynomial;
-use crate::robot::{Pose, Robot, compose, quaternion, unit};
+use crate::robot::{Pose, Robot, compose, pose_of, quaternion, unit};
 use serde_json::Value;
 use std::f64::consts::FRAC_PI_3;
 
@@ -71,9 +71,8 @@ impl<'a> State<'a> {
             }
         }
         if let Some(within) = option(of, "box") {
-            let pose = get(within, "pose")?;
-            let inverse = transpose(quaternion(option(pose, "orientation_xyzw"))?);
-            let off = apply(inverse, sub(at, vector(three(get(pose, "position_m")?)?)));
+            let centre = pose_of(get(within, "pose")?)?;
+            let off = apply(transpose(centre.0), sub(at, centre.1));
             let sizes = array(get(within, "size_m")?)?;
             require(sizes.len() == 3, "a box has three edges")?;
             for (x, size) in off.into_iter().zip(sizes).filter(|(_, size)| !size.is_null()) {
@@ -140,8 +139,7 @@ impl<'a> State<'a> {
         let of = |key: &str| number(get(stand, key)?);
         let (mut sole, _) = self.link(stand, "frame")?;
         if let Some(pose) = option(stand, "sole") {
-            let turn = quaternion(option(pose, "orientation_xyzw"))?;
-            sole = compose(&sole, &(turn, vector(three(get(pose, "position_m")?)?)));
+            sole = compose(&sole, &pose_of(pose)?);
         }
         let axes = transpose(sole.0);
         let [x, y, up] = apply(axes, force);

@@ -17,8 +17,11 @@ mod points;
 mod rows;
 mod scope;
 mod search;
+mod shapes;
 
-pub use document::{Certificate, Deviations, Interval, LimitRow, NotCertified, Passage, Promise};
+pub use document::{
+    Certificate, Deviations, Direction, Interval, LimitRow, NotCertified, Passage, Promise,
+};
 pub use search::{Certification, Failure};
 
 use crate::Scenario;

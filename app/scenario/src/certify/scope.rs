@@ -1,12 +1,14 @@
 //! The parts of a scenario that a certificate covers.
 
 use super::NotCertified;
+use super::shapes::parts;
 use crate::{ObstacleShape, RobotShape, Scenario};
+use aghf::error::Result;
 use aghf::geometry::Shape;
 use aghf::model::{Collision, CollisionShape};
 
 /// The parts of a scenario without proofs.
-pub(super) fn not_certified(scenario: &Scenario) -> Vec<NotCertified> {
+pub(super) fn not_certified(scenario: &Scenario) -> Result<Vec<NotCertified>> {
     let mut all = Vec::new();
     let mut add = |promise: &str, reason: &str| {
         all.push(NotCertified {
@@ -20,8 +22,9 @@ pub(super) fn not_certified(scenario: &Scenario) -> Vec<NotCertified> {
             "a polynomial keeps their torques at zero at finitely many times only",
         );
     }
-    if !has_balls(scenario) {
-        let reason = "a shape of the robot is no ball, and the balls that cover it are not those of the checkers";
+    if !has_balls(scenario) && parts(scenario)?.is_none() {
+        let reason =
+            "a shape of the robot is a mesh, or it consists of balls and its load does not";
         if !scenario.file.obstacles.is_empty() {
             add("obstacles", reason);
         }
@@ -29,7 +32,7 @@ pub(super) fn not_certified(scenario: &Scenario) -> Vec<NotCertified> {
             add("self_collision", reason);
         }
     }
-    all
+    Ok(all)
 }
 
 /// True if the robot and its load consist of balls, or of points or balls along its links.

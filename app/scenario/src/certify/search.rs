@@ -1,12 +1,13 @@
 //! Adaptive subdivision of the horizon.
 
-use super::clearance::{Balls, Pair, pairs};
+use super::clearance::{Balls, Least, Pair, pairs};
 use super::points::{Points, deviations};
 use super::rows::{Nearest, Row, Rows, limits};
 use super::scope::{has_balls, may_overlap, not_certified};
-use super::{Certificate, Deviations, Interval, Passage, Promise, TOLERANCE};
+use super::shapes::{self, Part as ShapePart, Shapes};
+use super::{Certificate, Deviations, Direction, Interval, Passage, Promise, TOLERANCE};
 use crate::Scenario;
-use aghf::certify::{Bernstein, Motion, ORDER, Part};
+use aghf::certify::{Bernstein, Motion, ORDER, Part, Piece};
 use aghf::curve::Curve;
 use aghf::error::Result;
 use aghf::linalg::rows as rows_of;
@@ -64,8 +65,16 @@ struct Search<'a> {
     rows: Rows<'a>,
     promises: Vec<Promise>,
     pairs: Vec<Vec<Pair>>,
+    /// The shapes of the robot, unless it consists of balls.
+    shapes: Option<Vec<ShapePart>>,
     failures: Vec<Failure>,
 }
+
+/// The claims on an interval and the directions that separate shapes there.
+type Claims = (Vec<f64>, Vec<Direction>);
+
+/// The least reserve of the pairs of a promise and the directions that separate shapes.
+type Reserve = (Least, Vec<Direction>);
 
 /// Proves what a scenario promises of a motion that passes the waypoints at these times, s.
 pub(super) fn certification(
@@ -74,7 +83,7 @@ pub(super) fn certification(
     times: &[f64],
 ) -> Result<Certification> {
     let (motion, limits) = (Motion::of_curve(curve), limits(scenario));
-    let mut search = Search::new(scenario, &motion, Rows::new(scenario, &limits, &motion)?);
+    let mut search = Search::new(scenario, &motion, Rows::new(scenario, &limits, &motion)?)?;
     let deviations = deviations(scenario, &motion);
     search.check(&deviations);
     let (goal, waypoints) = search.points(times)?;
@@ -88,7 +97,7 @@ pub(super) fn certification(
     }
     let n = curve.dof();
     let positions = |e| rows_of(&curve.coefficients(e).rows(0, n).into_owned());
-    let not_certified = not_certified(scenario);
+    let not_certified = not_certified(scenario)?;
     let joints = scenario.model.joints().iter();
     let certificate = Certificate {
         format: "aghf-certificate-2".to_owned(),
@@ -134,25 +143,30 @@ impl Failure {
 }
 
 impl<'a> Search<'a> {
-    fn new(scenario: &'a Scenario, motion: &'a Motion, rows: Rows<'a>) -> Self {
+    fn new(scenario: &'a Scenario, motion: &'a Motion, rows: Rows<'a>) -> Result<Self> {
         let mut promises: Vec<_> = rows.all.iter().map(|row| row.promise).collect();
         promises.dedup();
-        let mut all = Vec::new();
+        let (shapes, mut all) = (shapes::parts(scenario)?, Vec::new());
         for promise in [Promise::Obstacles, Promise::SelfCollision] {
-            let own = pairs(scenario, promise);
-            if has_balls(scenario) && !own.is_empty() {
+            let own = match &shapes {
+                Some(parts) => shapes::pairs(scenario, parts, promise),
+                None if has_balls(scenario) => pairs(scenario, promise),
+                None => Vec::new(),
+            };
+            if !own.is_empty() {
                 promises.push(promise);
                 all.push(own);
             }
         }
-        Self {
+        Ok(Self {
             scenario,
             motion,
             rows,
             promises,
             pairs: all,
+            shapes,
             failures: Vec::new(),
-        }
+        })
     }
 
     /// Adds a failure unless one of the same row is known.
@@ -293,10 +307,10 @@ impl<'a> Search<'a> {
         while let Some(part) = open.pop() {
             let can_halve = part.half > SMALLEST && found.len() + open.len() < MOST;
             match self.claims(part, &basis, can_halve)? {
-                Some(claims) => {
+                Some((claims, directions)) => {
                     let [from, to] = part.ends();
                     let claims = claims.into_iter().map(floor).collect();
-                    found.push(Interval(part.segment, from, to, claims));
+                    found.push(Interval(part.segment, from, to, claims, directions));
                 }
                 None => open.extend(part.split(part.middle).into_iter().rev()),
             }
@@ -305,12 +319,7 @@ impl<'a> Search<'a> {
     }
 
     /// The claims of each promise on a part; `None` if it is to be halved.
-    fn claims(
-        &mut self,
-        part: Part,
-        basis: &Bernstein,
-        can_halve: bool,
-    ) -> Result<Option<Vec<f64>>> {
+    fn claims(&mut self, part: Part, basis: &Bernstein, can_halve: bool) -> Result<Option<Claims>> {
         let piece = self.motion.piece(part);
         let mut claims = vec![ENOUGH; self.promises.len()];
         let mut failures = Vec::new();
@@ -332,36 +341,54 @@ impl<'a> Search<'a> {
             let of = of.unwrap_or_default();
             claims[of] = claims[of].min(nearest.claim);
         }
-        if !self.pairs.is_empty() {
-            let balls = Balls::new(self.scenario, basis, &piece)?;
-            if !balls.are_known() && can_halve {
+        let mut directions = Vec::new();
+        let Some(clearances) = self.clearances(&piece, basis, can_halve)? else {
+            return Ok(None);
+        };
+        let first = self.promises.len() - self.pairs.len();
+        for (of, (least, own)) in clearances.into_iter().enumerate() {
+            let holds = least.claim >= -TOLERANCE;
+            // Far beyond the errors of distances in the middle.
+            let is_broken = !holds && least.middle < -2.0 * TOLERANCE;
+            if !holds && !is_broken && can_halve {
                 return Ok(None);
             }
-            let first = self.promises.len() - self.pairs.len();
-            for (of, pairs) in self.pairs.iter().enumerate() {
-                let least = balls.least(pairs);
-                let holds = least.claim >= -TOLERANCE;
-                // Far beyond the errors of distances in the middle.
-                let is_broken = !holds && least.middle < -2.0 * TOLERANCE;
-                if !holds && !is_broken && can_halve {
-                    return Ok(None);
-                }
-                if !holds {
-                    failures.push(Failure {
-                        promise: self.promises[first + of].name().to_owned(),
-                        place: least.place,
-                        at_s: self.motion.time(part, 0.0),
-                        value: least.middle,
-                        bound: 0.0,
-                        is_broken,
-                    });
-                }
-                claims[first + of] = least.claim;
+            if !holds {
+                failures.push(Failure {
+                    promise: self.promises[first + of].name().to_owned(),
+                    place: least.place,
+                    at_s: self.motion.time(part, 0.0),
+                    value: least.middle,
+                    bound: 0.0,
+                    is_broken,
+                });
             }
+            claims[first + of] = least.claim;
+            directions.extend(own);
         }
         for failure in failures {
             self.fail(failure);
         }
-        Ok(Some(claims))
+        Ok(Some((claims, directions)))
+    }
+
+    /// The least reserves of the promises of clearances on a piece; `None` if it is to be halved.
+    fn clearances(
+        &self,
+        piece: &Piece,
+        basis: &Bernstein,
+        can_halve: bool,
+    ) -> Result<Option<Vec<Reserve>>> {
+        if self.pairs.is_empty() {
+            return Ok(Some(Vec::new()));
+        }
+        let pairs = self.pairs.iter();
+        if let Some(parts) = &self.shapes {
+            let shapes = Shapes::new(self.scenario, parts, basis, piece)?;
+            return Ok(Some(pairs.map(|pairs| shapes.least(pairs)).collect()));
+        }
+        let balls = Balls::new(self.scenario, basis, piece)?;
+        let all = pairs.map(|pairs| (balls.least(pairs), Vec::new()));
+        Ok((balls.are_known() || !can_halve).then(|| all.collect()))
     }
 }

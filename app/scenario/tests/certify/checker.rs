@@ -1,7 +1,8 @@
 //! The checker accepts certificates, and refuses wrong ones.
 
 use crate::gantry::scenario;
-use crate::{run, smooth};
+use crate::{run, shaped, smooth};
+use aghf_scenario::Scenario;
 use aghf_scenario::certify::certify;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -25,7 +26,7 @@ impl Case {
             "keep": [{ "speed": { "frame": "fore", "point_m": [0.5, 0.0, 0.0], "most_m_s": 3.5 } }],
             "stand": { "frame": "rail", "sole": { "position_m": [0.1, 0.1, 0.0],
                 "orientation_xyzw": [0.0, 0.0, 0.1, (0.99_f64).sqrt()] },
-                "half_length_m": 1.6, "half_width_m": 1.2, "friction": 0.8, "torsion": 1.0 },
+                "half_length_m": 1.6, "half_width_m": 0.45, "friction": 0.8, "torsion": 1.0 },
             "enforced_limits": { "position": 0.9, "torque": { "share": 0.15 }, "acceleration": 12.0, "jerk": 130.0 },
             "obstacles": [
                 { "shape": { "sphere": { "radius_m": 0.02 } }, "pose": { "position_m": [0.0, 0.0, 0.05] } },
@@ -36,10 +37,13 @@ impl Case {
         for (key, value) in keys.as_object().expect("an object") {
             all[key] = value.clone();
         }
-        let scenario = scenario(test, all);
+        Self::of(&scenario(test, all))
+    }
+
+    fn of(scenario: &Scenario) -> Self {
         let curve = smooth();
         let times = vec![0.5; scenario.waypoints.len()];
-        let certification = certify(&scenario, &curve, &times).expect("it is of this robot");
+        let certification = certify(scenario, &curve, &times).expect("it is of this robot");
         let certificate = certification
             .certificate
             .unwrap_or_else(|| panic!("{:?}", certification.failures));
@@ -70,7 +74,8 @@ fn certificates_are_accepted() {
     let case = Case::new("accepted", json!({}));
     assert_eq!(
         case.check().map(|report| report.split(": ").last().unwrap_or_default().to_owned()),
-        Ok("horizon, ends, position, velocity, acceleration, jerk, torque, keep, stand, obstacles, self_collision".to_owned())
+        Ok("horizon, ends, position, velocity, acceleration, jerk, torque, keep, stand, obstacles, self_collision"
+            .to_owned())
     );
     for shape in [
         json!("joint_frames"),
@@ -236,6 +241,65 @@ fn other_feet_are_refused() {
     }
 }
 
+/// Boxes, cylinders and capsules are separated from others by directions.
+#[test]
+fn shapes_are_separated_once_more() {
+    let good = || {
+        let obstacles = json!([
+            { "shape": { "sphere": { "radius_m": 0.02 } }, "pose": { "position_m": [0.0, 0.06, 0.045] } },
+            { "shape": { "box": { "size_m": [1.0, 0.2, 0.1] } }, "clearance_m": 0.001,
+                "pose": { "position_m": [0.3, 0.1, 0.0782], "orientation_xyzw": [0.0, 0.0, 0.1, (0.99_f64).sqrt()] } },
+            { "shape": { "capsule": { "radius_m": 0.1, "length_m": 0.4 } },
+                "pose": { "position_m": [0.0, -0.7, 0.1] } },
+            { "shape": { "cylinder": { "radius_m": 0.1, "length_m": 0.3 } },
+                "pose": { "position_m": [0.0, -0.9, 0.3] } },
+            { "shape": { "half_space": {} }, "pose": { "position_m": [0.0, 0.0, -0.03] } }
+        ]);
+        Case::of(&shaped("separated", obstacles))
+    };
+    let report = good().check();
+    assert!(
+        report
+            .as_ref()
+            .is_ok_and(|report| report.starts_with("certified at all times")),
+        "{report:?}"
+    );
+    for (pointer, value) in [
+        ("/obstacles/0/pose/position_m/2", json!(0.039)),
+        ("/obstacles/1/pose/position_m/2", json!(0.0705)),
+        ("/obstacles/1/clearance_m", json!(0.0083)),
+        ("/obstacles/4/pose/position_m/2", json!(-0.019)),
+        (
+            "/obstacles/3",
+            json!({ "shape": { "mesh": {} }, "pose": { "position_m": [0, 0, 0] } }),
+        ),
+    ] {
+        let mut case = good();
+        *case.scenario.pointer_mut(pointer).expect("it is there") = value;
+        assert!(case.check().is_err(), "{pointer}");
+    }
+    // Without its directions, or with others.
+    for wrong in [
+        json!([]),
+        json!([0.0, 0.0, 0.0]),
+        json!([0.0, 0.0, -1.0]),
+        json!([0.1, 0.9]),
+        json!("x"),
+    ] {
+        let mut case = good();
+        let intervals = case.certificate["intervals"]
+            .as_array_mut()
+            .expect("a list");
+        let listed = intervals
+            .iter_mut()
+            .flat_map(|interval| interval[4].as_array_mut().expect("a list"));
+        for direction in listed {
+            direction[2] = wrong.clone();
+        }
+        assert!(case.check().is_err(), "{wrong}");
+    }
+}
+
 /// Changes one thing of a certificate to something wrong.
 fn spoil(certificate: &mut Value, rng: &mut impl Rng) -> String {
     let count = certificate["intervals"].as_array().map_or(0, Vec::len);
@@ -248,8 +312,8 @@ fn spoil(certificate: &mut Value, rng: &mut impl Rng) -> String {
             *c = json!(c.as_f64().unwrap_or_default() + 1e-13);
         }
         1 => {
-            // Beyond what is true: claims of rows are within a fiftieth unless they are cut off, those of small clearances
-            // closer.
+            // Beyond what is true: claims of rows are within a fiftieth unless they are cut off, those of small
+            // clearances closer.
             let k = rng.random_range(0..9);
             let c = &mut certificate["intervals"][i][3][k];
             let claim = c.as_f64().unwrap_or_default();

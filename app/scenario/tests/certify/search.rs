@@ -1,7 +1,7 @@
 //! Promises are proved where they hold, and refused where they are broken for a moment.
 
 use crate::gantry::scenario;
-use crate::{curve, smooth};
+use crate::{curve, shaped, smooth};
 use aghf::curve::Curve;
 use aghf::motion::samples_at;
 use aghf_scenario::Scenario;
@@ -147,6 +147,31 @@ fn broken_promises_are_refused() {
     );
 }
 
+/// The box on the carriage is 40 mm high and begins 10 mm below a ball.
+#[test]
+fn shapes_that_come_too_close_are_refused() {
+    let ball = |z: f64| {
+        json!([{ "shape": { "sphere": { "radius_m": 0.02 } }, "clearance_m": 0.01,
+            "pose": { "position_m": [-0.5, 0.0, z] } }])
+    };
+    for (z, holds) in [(0.050_001, true), (0.049_999, false)] {
+        let certification =
+            certify(&shaped("close", ball(z)), &smooth(), &[]).expect("it is of this robot");
+        assert_eq!(
+            certification.certificate.is_some(),
+            holds,
+            "{:?}",
+            certification.failures
+        );
+        if let [failure] = &certification.failures[..] {
+            assert!(
+                failure.is_broken && failure.place.contains("'carriage'"),
+                "{failure:?}"
+            );
+        }
+    }
+}
+
 /// Conditions along the way hold on intervals that reach beyond their times by rounding alone.
 #[test]
 fn broken_conditions_are_refused() {
@@ -180,7 +205,10 @@ fn broken_conditions_are_refused() {
         promise,
         "distance",
     );
-    let within = |size: f64, y: f64| json!({ "box": { "size_m": [size, null, 0], "pose": { "position_m": [0, y, 0] } } });
+    let within = |size: f64, y: f64| {
+        json!({ "box":
+        { "size_m": [size, null, 0], "pose": { "position_m": [0, y, 0] } } })
+    };
     refused(
         poses(within(0.999_998, 0.0)),
         promise,
@@ -209,7 +237,7 @@ fn goals_and_waypoints_off_their_places_are_refused() {
     let middle = json!({ "q": [0.0, -0.05, 0.9] });
     let along = json!({ "poses": { "frame": "carriage", "position_m": [0.0, 0.0, 0.0] } });
     let good = of(
-        json!([goal(1e-3, 0.1), goal(0.0, 1e-3)]),
+        json!([goal(0.0, 1e-3), goal(1e-3, 0.1)]),
         json!([middle, along]),
         &[0.5, 0.5],
     );
