@@ -39,7 +39,8 @@ def spoil(certificate, rng):
     intervals = certificate["intervals"]
     i = rng.randrange(len(intervals))
     count = len(certificate["promises"])
-    kind = rng.choice(["coefficient", "bound", "left out", "overlap", "limit", "robot", "NaN", "cut", "end"])
+    kinds = ["coefficient", "bound", "left out", "overlap", "limit", "robot", "NaN", "cut", "end", "place", "direction"]
+    kind = rng.choice(kinds)
     if kind == "coefficient":
         segment = rng.choice(certificate["coefficients"])
         joint = rng.choice(segment)
@@ -47,16 +48,27 @@ def spoil(certificate, rng):
         joint[k] = joint[k] * (1.0 + 1e-15 * rng.randrange(2, 1000)) + 1e-16
     elif kind == "bound" and count:
         k = rng.randrange(count)
-        # Claims of limits are within a fiftieth of what is true, those of small clearances closer.
-        is_clear = certificate["promises"][k] in ("obstacles", "self_collision")
-        by = (0.002 if intervals[i][3][k] < 0.04 else 10.0) if is_clear else 0.06
-        intervals[i][3][k] += by
+        # Claims of rows are within a fiftieth of what is true, those of small clearances of balls closer, unless they
+        # are cut off; conditions along the way claim nothing outside their times.
+        promise, claim = certificate["promises"][k], intervals[i][3][k]
+        if promise == "keep" and claim == 1.0:
+            return None
+        is_clear = promise in ("obstacles", "self_collision")
+        intervals[i][3][k] += (0.002 if claim < 0.04 else 10.0) if is_clear else 0.06 if claim < 0.9 else 10.0
     elif kind == "left out":
         del intervals[i]
     elif kind == "overlap":
         intervals.insert(i, intervals[i])
     elif kind == "end":
         intervals[i][rng.randrange(1, 3)] += rng.choice([-1e-12, 1e-12])
+    elif kind == "place" and (certificate["goal"] is not None or certificate["waypoints"]):
+        if certificate["goal"] is not None:
+            certificate["goal"] += 2e-6
+        else:
+            place = rng.choice(certificate["waypoints"])
+            place[rng.choice([1, 2])] += 1e-3
+    elif kind == "direction" and intervals[i][4]:
+        rng.choice(intervals[i][4])[2] = rng.choice([[0.0, 0.0, 0.0], [1.0, 0.0], None])
     elif kind == "limit" and certificate["limits"]:
         row = rng.choice(certificate["limits"])
         side = rng.choice([side for side in ("at_least", "at_most") if row[side] is not None])

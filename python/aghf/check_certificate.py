@@ -18,6 +18,8 @@ UP = 1.0 + 1024.0 * UNIT
 TINY = 2.0**-1022
 SIN_COS = 2.0**-51  # the assumed error of the sine and the cosine of the platform
 TOLERANCE, STATE, ACCELERATION = 1e-9, 1e-9, 1e-6
+EQUALITY = 1e-6  # the largest deviation of a row that is zero, in its unit
+SAME_TIME = 1e-12  # the accepted difference of times, of the horizon: more than rounding
 ORDER = 10
 KINDS = ["position", "velocity", "acceleration", "jerk", "torque"]
 
@@ -249,14 +251,26 @@ def quaternion(value):
     ])
 
 
+def pose_of(value):
+    return quaternion(option(value, "orientation_xyzw")), vector(numbers(get(value, "position_m"), 3))
+
+
+def solid_of(shape):
+    """The kind of an obstacle or a load and its lengths."""
+    (kind, own), = shape.items()
+    require(kind in ("sphere", "box", "cylinder", "capsule", "half_space"), f"shape '{kind}'")
+    if kind == "box":
+        return kind, [0.5 * x for x in numbers(get(own, "size_m"), 3)]
+    return kind, [number(option(own, "radius_m", 0.0)), 0.5 * number(option(own, "length_m", 0.0))]
+
+
 class Joint:
     """A joint and its body, in the frame of the joint."""
 
     def __init__(self, node, parent, origin):
         self.name, self.parent, self.origin = node.get("name"), parent, origin
         self.slides = node.get("type") == "prismatic"
-        axis = vector(triple(node.find("axis"), "xyz", [1.0, 0.0, 0.0]))
-        self.axis = axis * dot(axis, axis).inverse_sqrt()[np.newaxis]
+        self.axis = unit(triple(node.find("axis"), "xyz", [1.0, 0.0, 0.0]))
         self.mass, self.first = Model.constant([0.0]), vector([0.0, 0.0, 0.0])
         self.inertia = Model.constant(np.zeros((3, 3, 1)))
         self.drive, self.limits = [Model.constant([0.0])] * 4, [-math.inf, math.inf, math.inf, math.inf]
@@ -321,6 +335,7 @@ class Robot:
                     opened.append((child, i, IDENTITY))
         require(len(joints) == len(names), "the motion has a joint that the robot has not")
         self.joints = [joints[i] for i in range(len(names))]
+        self.base, self.links = (Model.constant([0.0]), vector([0.0] * 3)), placed
         early = all(joint.parent is None or joint.parent < i for i, joint in enumerate(self.joints))
         require(early, "a joint is before its parent")
         for link, (body, at) in placed.items():
@@ -335,13 +350,17 @@ class Robot:
             center = (IDENTITY[0], vector(numbers(option(load, "center_m", [0.0] * 3), 3)))
             six = numbers(option(load, "inertia_kg_m2", [0.0] * 6), 6)
             self.add_mass(body, compose(at, center), number(get(load, "mass_kg")), six)
-        self.parts, self.has_balls = [], True
+        # Per shape the body, the link, the placement, the kind and the lengths.
+        self.parts, self.is_known = [], True
         self.add_parts(scenario, links, placed)
+        self.has_balls = self.is_known and all(kind == "sphere" for _, _, _, kind, _ in self.parts)
 
     def add_mass(self, body, at, mass, six):
+        c = at[1]
         if body is None:
+            self.base = self.base[0] + Model.constant([mass]), self.base[1] + c * Model.constant([mass])
             return
-        joint, c = self.joints[body], at[1]
+        joint = self.joints[body]
         xx, xy, xz, yy, yz, zz = six
         own = Model.constant(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]).reshape(3, 3, 1))
         mass = Model.constant([mass])
@@ -350,11 +369,17 @@ class Robot:
         joint.inertia = joint.inertia + product(product(at[0], own), transpose(at[0])) + square * mass
 
     def add_parts(self, scenario, links, placed):
-        """Adds the balls of the shape of the robot: body, link, centre, radius."""
+        """Adds the shapes of the robot, by the names of their links."""
+
+        def add_ball(body, link, centre, radius):
+            self.parts.append((body, link, (IDENTITY[0], centre), "sphere", [radius]))
+
         is_shaped = any(link.find("collision") is not None for link in links.values())
         shape = option(scenario, "robot_shape", "collision" if is_shaped else "joint_frames")
+        by_shapes = shape == "collision" or option(shape, "collision") is not None
         if shape == "joint_frames":
-            self.parts += [(body, "", vector([0.0] * 3), 0.0) for body in range(len(self.joints))]
+            for body in range(len(self.joints)):
+                add_ball(body, "", vector([0.0] * 3), 0.0)
         elif option(shape, "swept_links") is not None:
             swept = shape["swept_links"]
             radius, spacing = number(get(swept, "radius_m")), number(option(swept, "spacing_m", 0.05))
@@ -367,31 +392,33 @@ class Robot:
                     pieces = max(math.ceil(length / spacing), 1)
                     for i in range(pieces + 1):
                         centre = end * Model.constant(float(i)).over(float(pieces))
-                        self.parts.append((body, "", centre, math.hypot(radius, 0.5 * length / pieces)))
+                        add_ball(body, "", centre, math.hypot(radius, 0.5 * length / pieces))
         else:
-            for link, (body, at) in placed.items():
+            for link, (body, at) in sorted(placed.items()):
                 for collision in links[link].findall("collision"):
-                    ball = collision.find("geometry/sphere")
-                    if ball is None:
-                        self.has_balls = False
+                    (own, *_) = collision.find("geometry")
+                    if own.tag not in ("sphere", "cylinder", "capsule", "box"):
+                        self.is_known = False
                         continue
-                    centre = compose(at, pose(collision.find("origin")))[1]
-                    self.parts.append((body, link, centre, attribute(ball, "radius")))
+                    size = [attribute(own, "radius"), 0.5 * attribute(own, "length")]
+                    if own.tag == "box":
+                        size = [0.5 * x for x in triple(own, "size", [0.0] * 3)]
+                    self.parts.append((body, link, compose(at, pose(collision.find("origin"))), own.tag, size))
         load = option(scenario, "payload")
         if option(load, "shape") is not None:
-            ball = option(load["shape"], "sphere")
-            if ball is None:
-                self.has_balls = False
-                return
+            kind, size = solid_of(load["shape"])
             body, at = placed[load["link"]]
-            center = option(option(load, "shape_pose"), "position_m", option(load, "center_m", [0.0] * 3))
-            centre = apply(at[0], vector(numbers(center, 3))) + at[1]
-            self.parts.append((body, load["link"], centre, number(get(ball, "radius_m"))))
+            default = {"position_m": option(load, "center_m", [0.0] * 3)}
+            self.is_known &= by_shapes or kind == "sphere"
+            at = compose(at, pose_of(option(load, "shape_pose", default)))
+            self.parts.append((body, load["link"], at, kind, size))
 
     def torques(self, q, v, a):
-        """Inverse dynamics by the recursive Newton-Euler algorithm in the frames of the joints."""
+        """Inverse dynamics by the recursive Newton-Euler algorithm in the frames of the joints: the torques, and the
+        force on the base and its moment about the origin."""
         zero, gravity = vector([0.0] * 3), vector([0.0, 0.0, 9.81])
         places, moving, loads = [], [], []
+        ground = [gravity * self.base[0], cross(self.base[1], gravity)]
         for i, joint in enumerate(self.joints):
             place = joint.placement(q[i])
             spin, turning, speeding = (zero, zero, gravity) if joint.parent is None else moving[joint.parent]
@@ -419,65 +446,193 @@ class Robot:
             torques[i] = dot(joint.axis, force if joint.slides else moment) + v[i] * damping + a[i] * armature
             if friction.c[0].item() > 0.0:
                 torques[i] = torques[i] + x * friction * (x.like(1.0) + x * x).inverse_sqrt()
-            if joint.parent is not None:
-                force = apply(places[i][0], force)
-                moment = apply(places[i][0], moment) + cross(places[i][1], force)
-                before = loads[joint.parent]
-                loads[joint.parent] = [before[0] + force, before[1] + moment]
-        return stack(torques)
+            force = apply(places[i][0], force)
+            moment = apply(places[i][0], moment) + cross(places[i][1], force)
+            below = ground if joint.parent is None else loads[joint.parent]
+            below[:] = [below[0] + force, below[1] + moment]
+        return stack(torques), ground
 
-    def centres(self, q):
-        """The centres of the balls in the base frame: balls, 3, intervals."""
+    def weight(self):
+        return 9.81 * sum(joint.mass.c[0].item() for joint in self.joints) + 9.81 * self.base[0].c[0].item()
+
+    def places(self, q):
+        """The placements of the bodies in the base frame."""
         places = []
         for i, joint in enumerate(self.joints):
             own = joint.placement(q[i])
             places.append(own if joint.parent is None else compose(places[joint.parent], own))
-        shape = (3, q.c.shape[-1])
+        return places
+
+    def placed(self, places):
+        """The placements of the shapes in the base frame."""
+        return [at if body is None else compose(places[body], at) for body, _, at, _, _ in self.parts]
+
+
+class States:
+    """The states of a robot: positions, velocities and the placements of its bodies. A row of them is a name, a
+    quantity, its bounds and the unit of reserves."""
+
+    def __init__(self, robot, q, v):
+        self.robot, self.q, self.v, self.places = robot, q, v, robot.places(q)
+
+    def link(self, name):
+        body, at = self.robot.links[name]
+        return at if body is None else compose(self.places[body], at)
+
+    def poses(self, goal):
+        """The rows of a set of poses."""
+        turn, at = self.link(get(goal, "frame"))
+        if option(goal, "relative_to") is not None:
+            other = self.link(goal["relative_to"])
+            turn, at = product(transpose(other[0]), turn), apply(transpose(other[0]), at - other[1])
+        rows = []
+        if option(goal, "position_m") is not None:
+            off, r = at - vector(numbers(goal["position_m"], 3)), option(goal, "tolerance_m")
+            if r is None:
+                rows += [zero("position", off[i]) for i in range(3)]
+            else:
+                square = dot(off, off)
+                rows.append(most("distance", square - square.like(number(r)) * square.like(r), 2.0 * r))
+        if option(goal, "box") is not None:
+            centre, sizes = pose_of(get(goal["box"], "pose")), get(goal["box"], "size_m")
+            off = apply(transpose(centre[0]), at - centre[1])
+            require(len(sizes) == 3, "a box has three edges")
+            for i, size in enumerate(sizes):
+                if size == 0.0:
+                    rows.append(zero("position", off[i]))
+                elif size is not None:
+                    rows.append(("position in a box", off[i], [-0.5 * number(size), 0.5 * size], 1.0))
+        within = option(goal, "tolerance_rad")
+        if option(goal, "orientation_xyzw") is not None:
+            m = product(transpose(quaternion(goal["orientation_xyzw"])), turn)
+            sine = stack([(m[i, j] - m[j, i]).over(2.0) for i, j in ((2, 1), (0, 2), (1, 0))])
+            rows += angle(sine, (m[0, 0] + m[1, 1] + m[2, 2] - m[0, 0].like(1.0)).over(2.0), within)
+        elif option(goal, "axis") is not None:
+            own, aim = (unit(numbers(get(goal["axis"], key), 3)) for key in ("of_frame", "direction"))
+            own = apply(turn, own)
+            rows += angle(cross(own, aim), dot(own, aim), within)
+        require(rows, "a set of poses has no condition")
+        return rows
+
+    def kept(self, condition):
+        """The rows of a condition along the way."""
+        if option(condition, "poses") is not None:
+            return self.poses(condition["poses"])
+        of = get(condition, "speed")
+        turn, at = self.link(get(of, "frame"))
+        point = apply(turn, vector(numbers(option(of, "point_m", [0.0] * 3), 3))) + at
+        body, velocity = self.robot.links[of["frame"]][0], vector([0.0] * 3)
+        while body is not None:
+            joint, (turn, at) = self.robot.joints[body], self.places[body]
+            axis = apply(turn, joint.axis)
+            velocity = velocity + (axis if joint.slides else cross(axis, point - at)) * self.v[body]
+            body = joint.parent
+        square, bound = dot(velocity, velocity), number(get(of, "most_m_s"))
+        return [most("speed", square - square.like(bound) * square.like(bound), 2.0 * bound)]
+
+    def waypoint(self, point):
+        """The rows of a waypoint."""
+        rows = self.poses(point["poses"]) if option(point, "poses") is not None else []
+        if option(point, "q") is not None:
+            aims = numbers(point["q"], len(self.robot.joints))
+            rows += [zero("position", self.q[i] - self.q[i].like(aim)) for i, aim in enumerate(aims)]
+        if option(point, "stop", False):
+            rows += [zero("velocity", self.v[i]) for i in range(len(self.robot.joints))]
+        require(rows, "a waypoint has no condition")
+        return rows
+
+    def foot(self, stand, force, moment):
+        """The rows of a standing foot under the force of the ground on the base and its moment."""
+        turn, at = self.link(get(stand, "frame"))
+        if option(stand, "sole") is not None:
+            turn, at = compose((turn, at), pose_of(stand["sole"]))
+        force, moment = apply(transpose(turn), force), apply(transpose(turn), moment - cross(at, force))
+        up, weight, friction = force[2], self.robot.weight(), number(get(stand, "friction"))
+        rows = [most("normal force", -up, weight)]
+        for i, key in ((1, "half_length_m"), (0, "half_width_m"), (2, "torsion")):
+            if key != "torsion" or option(stand, key) is not None:
+                side = up * up.like(number(get(stand, key)))
+                rows += [most(key, moment[i] - side, weight), most(key, -moment[i] - side, weight)]
+        bound = up * up.like(friction)
+        slip = (force[0] * force[0] + force[1] * force[1] - bound * bound).over(2.0 * friction)
+        return [*rows, most("friction", slip, weight**2)]
+
+
+def most(name, x, scale):
+    return name, x, [-math.inf, 0.0], scale
+
+
+def zero(name, x):
+    return name, x, [-EQUALITY, EQUALITY], 1.0
+
+
+def angle(sine, cosine, within):
+    """The rows of an angle with this sine, times an axis, and cosine, at most a bound or, without one, zero."""
+    bound = math.pi / 3.0 if within is None else number(within)
+    rows = [most("angle", cosine.like(math.cos(bound)) - cosine, math.sin(bound))]
+    return rows + ([zero("angle", sine[i]) for i in range(3)] if within is None else [])
+
+
+def unit(axis):
+    axis = vector(axis)
+    return axis * dot(axis, axis).inverse_sqrt()[np.newaxis]
+
+
+class Motion:
+    """The piecewise polynomial motion: its Chebyshev coefficients per segment and joint, and its horizon."""
+
+    def __init__(self, coefficients, horizon):
+        self.coefficients, self.horizon, self.segments = coefficients, horizon, len(coefficients)
+
+    def time(self, segment, x):
+        """The time of a place, s, with an error of less than 1e-15 of the horizon."""
+        return (segment + 0.5 * (1.0 + x)) * self.horizon / self.segments
+
+    def states(self, robot, segment, x):
+        """The states at a place."""
+        own = self.expand([segment], np.array([x]), np.array([2.0**-20]))[:2]
+        return States(robot, *(Model.constant(part.c[0]).widened(part.r) for part in own))
+
+    def expand(self, own, middles, halves):
+        """Positions, velocities, accelerations and jerks of the joints on parts |x - m| <= w of segments, as
+        coefficients and bounds on errors: Taylor coefficients about m from the Chebyshev coefficients of the
+        derivatives."""
+
+        def ball(x):
+            return Model.constant(x, order=1)
+
+        count, coefficients = len(middles), self.coefficients
+        degree = coefficients.shape[-1] - 1
+        m, w = ball(middles), ball(halves)
+        chebyshev = [ball(np.ones(count)), m]
+        for j in range(2, degree + 1):
+            twice = chebyshev[j // 2] * chebyshev[j - j // 2] * ball(2.0)
+            chebyshev.append(twice - (chebyshev[1] if j % 2 else chebyshev[0]))
+        rate = ball(np.full(count, 2.0 * self.segments)).over(self.horizon).over(halves)
+        # Per degree, joints by segments.
+        c = [ball(coefficients[:, :, j].T) for j in range(degree + 1)]
+        power, taylor = ball(np.ones(count)), []
+        for k in range(degree + 1):
+            value = ball(np.zeros((coefficients.shape[1], count)))
+            for j, cj in enumerate(c):
+                value = value + cj[:, own] * chebyshev[j]
+            taylor.append(value * power)
+            power = power * w
+            n = len(c) - 1
+            # The next derivative over k + 1.
+            rates = [ball(np.zeros(c[0].r.shape)) for _ in range(n + 2)]
+            for j in range(n, 0, -1):
+                rates[j - 1] = rates[j + 1] + c[j] * ball(2.0 * j)
+            rates = rates[:n]
+            if rates:
+                rates[0] = rates[0].over(2.0)
+            c = [x.over(float(k + 1)) for x in rates]
         found = []
-        for body, _, centre, _ in self.parts:
-            at = centre if body is None else apply(places[body][0], centre) + places[body][1]
-            found.append(at + Model.constant(np.zeros(shape)))
-        return stack(found)
-
-
-def expand(coefficients, segments, horizon, own, middles, halves):
-    """Positions, velocities, accelerations and jerks of the joints on parts |x - m| <= w of segments, as coefficients
-    and bounds on errors: Taylor coefficients about m from the Chebyshev coefficients of the derivatives."""
-
-    def ball(x):
-        return Model.constant(x, order=1)
-
-    count, degree = len(middles), coefficients.shape[-1] - 1
-    m, w = ball(middles), ball(halves)
-    chebyshev = [ball(np.ones(count)), m]
-    for j in range(2, degree + 1):
-        twice = chebyshev[j // 2] * chebyshev[j - j // 2] * ball(2.0)
-        chebyshev.append(twice - (chebyshev[1] if j % 2 else chebyshev[0]))
-    rate = ball(np.full(count, 2.0 * segments)).over(horizon).over(halves)
-    # Per degree, joints by segments.
-    c = [ball(coefficients[:, :, j].T) for j in range(degree + 1)]
-    power, taylor = ball(np.ones(count)), []
-    for k in range(degree + 1):
-        value = ball(np.zeros((coefficients.shape[1], count)))
-        for j, cj in enumerate(c):
-            value = value + cj[:, own] * chebyshev[j]
-        taylor.append(value * power)
-        power = power * w
-        n = len(c) - 1
-        # The next derivative over k + 1.
-        rates = [ball(np.zeros(c[0].r.shape)) for _ in range(n + 2)]
-        for j in range(n, 0, -1):
-            rates[j - 1] = rates[j + 1] + c[j] * ball(2.0 * j)
-        rates = rates[:n]
-        if rates:
-            rates[0] = rates[0].over(2.0)
-        c = [x.over(float(k + 1)) for x in rates]
-    found = []
-    for _ in range(4):
-        c = np.concatenate([x.c for x in taylor])
-        found.append(Model(c, sum(x.r for x in taylor) * UP))
-        taylor = [x * ball(float(k)) * rate for k, x in enumerate(taylor) if k > 0] or [taylor[0] * ball(0.0)]
-    return found
+        for _ in range(4):
+            c = np.concatenate([x.c for x in taylor])
+            found.append(Model(c, sum(x.r for x in taylor) * UP))
+            taylor = [x * ball(float(k)) * rate for k, x in enumerate(taylor) if k > 0] or [taylor[0] * ball(0.0)]
+        return found
 
 
 def cut(polynomials):
@@ -575,23 +730,13 @@ def limits_of(scenario, robot):
 
 
 def obstacles_of(scenario):
-    """The obstacles: rotation into their frame, position, kind, lengths, and the distance that is kept."""
+    """The obstacles: placement, kind, lengths, and the distance that is kept."""
     given = option(scenario, "clearance_m", 0.0)
     beside = number(option(given, "obstacles", 0.0) if isinstance(given, dict) else given)
     found = []
     for obstacle in option(scenario, "obstacles", []):
-        shape, at = get(obstacle, "shape"), get(obstacle, "pose")
-        (kind, own), = shape.items()
-        require(kind in ("sphere", "box", "cylinder", "capsule", "half_space"), f"shape '{kind}'")
-        if kind == "box":
-            size = [0.5 * x for x in numbers(get(own, "size_m"), 3)]
-        elif kind == "half_space":
-            size = []
-        else:
-            size = [number(get(own, "radius_m")), 0.5 * number(option(own, "length_m", 0.0))]
         margin = number(option(obstacle, "clearance_m", beside))
-        inverse = transpose(quaternion(option(at, "orientation_xyzw")))
-        found.append((inverse, vector(numbers(get(at, "position_m"), 3)), kind, size, margin))
+        found.append((pose_of(get(obstacle, "pose")), *solid_of(get(obstacle, "shape")), margin))
     return found
 
 
@@ -609,8 +754,8 @@ def length(vectors):
 
 def distance(obstacle, p):
     """Lower bounds on the signed distances of points, 3 by their number, from the surface of an obstacle."""
-    inverse, at, kind, size, _ = obstacle
-    p = apply(inverse, p - at)
+    (turn, at), kind, size, _ = obstacle
+    p = apply(transpose(turn), p - at)
 
     def beyond(i, half):
         sign = np.where(p.c[0, i] < 0.0, -1.0, 1.0)
@@ -636,19 +781,19 @@ def distance(obstacle, p):
     return np.where((along >= 0.0) & (across >= 0.0), corner, np.maximum(across, along))
 
 
-def pairs_of(scenario, certificate, robot, obstacles):
-    """Per promise the pairs of a ball, an obstacle or another ball, and the distance that is kept."""
-    if not robot.has_balls:
+def pairs_of(scenario, certificate, robot):
+    """Per promise the pairs of a shape, an obstacle or another shape, and the distance that is kept."""
+    if not robot.is_known:
         return {}
-    given = option(scenario, "clearance_m", 0.0)
+    obstacles, given = obstacles_of(scenario), option(scenario, "clearance_m", 0.0)
     itself = number(option(given, "itself", 0.0) if isinstance(given, dict) else given)
     own = {frozenset(p["links"]): number(p["clearance_m"]) for p in option(given, "pairs", [])}
     free = {frozenset(pair) for pair in get(certificate, "may_overlap")}
     found = {"obstacles": [], "self_collision": []}
-    for i, (body, link, _, _) in enumerate(robot.parts):
+    for i, (body, link, *_) in enumerate(robot.parts):
         if body is not None:
-            found["obstacles"] += [(i, o, obstacle[4]) for o, obstacle in enumerate(obstacles)]
-        for j, (other, beside, _, _) in enumerate(robot.parts[i + 1 :], i + 1):
+            found["obstacles"] += [(i, o, obstacle[3]) for o, obstacle in enumerate(obstacles)]
+        for j, (other, beside, *_) in enumerate(robot.parts[i + 1 :], i + 1):
             names = frozenset((link, beside))
             apart = link and beside and link != beside and body != other and names not in free
             if apart and option(scenario, "self_collision") != "off":
@@ -656,9 +801,90 @@ def pairs_of(scenario, certificate, robot, obstacles):
     return {promise: pairs for promise, pairs in found.items() if pairs}
 
 
-def check_clearances(promise, pairs, claims, robot, obstacles, centres, place):
+def proved(row, claims):
+    """True where a row keeps its bounds and the claims beyond them."""
+    _, value, bounds, scale = row
+    good = np.full(claims.shape, True)
+    for sign, bound in ((1.0, bounds[0]), (-1.0, -bounds[1])):
+        if math.isfinite(bound):
+            wanted = bound + claims * scale
+            good &= least(Model(sign * value.c, value.r), wanted, 1e-13 * scale) >= wanted
+    return good
+
+
+def check_places(scenario, certificate, robot, motion):
+    """Checks the claims on the goal, if it is a set of poses, and on the waypoints."""
+
+    def fault(rows, claim):
+        """The first row that is not proved."""
+        require(number(claim) >= -TOLERANCE, "a reserve is negative")
+        return next((row[0] for row in rows if not np.all(proved(row, np.array([claim])))), None)
+
+    goals = option(scenario, "goal", [])
+    goals = goals if isinstance(goals, list) else [goals]
+    if goals:
+        end, claim = motion.states(robot, motion.segments - 1, 1.0), get(certificate, "goal")
+        require(any(fault(end.poses(goal), claim) is None for goal in goals), "the goal is not proved")
+    points, places = option(scenario, "waypoints", []), get(certificate, "waypoints")
+    require(len(points) == len(places), "the waypoints are not those of the scenario")
+    before = [0, -1.0]
+    for i, (point, place) in enumerate(zip(points, places)):
+        segment, x, claim = numbers(place, 3)
+        known = segment in range(motion.segments) and abs(x) <= 1.0
+        require(known, f"waypoint {i}: the place is not in the motion")
+        wrong = fault(motion.states(robot, int(segment), x).waypoint(point), claim)
+        require(wrong is None, f"waypoint {i}: {wrong} is not proved")
+        time = motion.time(segment, x)
+        off = abs(time - number(option(point, "time_s", time)))
+        require(off <= SAME_TIME * motion.horizon, f"waypoint {i}: it has another time")
+        require(before <= [segment, x], f"waypoint {i}: it is before another one")
+        before = [segment, x]
+
+
+def extent(at, kind, size, n):
+    """An upper bound on the extent of a shape from its centre in a direction and against it: that of a ball, of edges,
+    or of an axis and a disc."""
+
+    def half(square, length):
+        """An upper bound on a root, (x + b) / (2 sqrt b) for any positive b, times a length."""
+        near = np.maximum(np.maximum(square.c[0], 0.3 * square.variation()), 1e-12)
+        bound = (square + square.like(near)).over(2.0 * np.sqrt(near))
+        # The root in the divisor is rounded.
+        return bound.widened(4.0 * UNIT * bound.most()) * bound.like(length)
+
+    x = apply(transpose(at[0]), n)
+    squares, ball = [x[i] * x[i] for i in range(3)], dot(n, n)
+    if kind == "box":
+        return half(squares[0], size[0]) + half(squares[1], size[1]) + half(squares[2], size[2])
+    if kind == "half_space":
+        return ball.like(0.0)
+    if kind == "sphere":
+        return half(ball, size[0])
+    return half(squares[2], size[1]) + half(ball if kind == "capsule" else squares[0] + squares[1], size[0])
+
+
+def check_shapes(promise, pairs, claims, robot, obstacles, placed, directions, place):
+    """Checks that directions separate all pairs by their distances and the claims of the intervals beyond them."""
+    for i, j, margin in pairs:
+        b, key = ((placed[j], *robot.parts[j][3:]), j) if promise != "obstacles" else (obstacles[j], len(placed) + j)
+        off = b[0][1] - placed[i][1]
+        if b[1] == "half_space":
+            n = -transpose(b[0][0])[2]
+        else:
+            n = Model.constant(off.c[0] + np.zeros((3, len(claims))))
+            for k, direction in directions.get((i, key), []):
+                n.c[0, :, k] = direction
+        gap = dot(n, off) - extent(placed[i], *robot.parts[i][3:], n) - extent(*b[:3], n)
+        square = dot(n, n)
+        good = lower(gap) >= (claims + margin) * np.sqrt(square.most()) * (1.0 + 4.0 * UNIT)
+        good &= square.c[0] > 1e-6
+        require(np.all(good), place(promise, np.flatnonzero(~good)))
+
+
+def check_balls(promise, pairs, claims, robot, obstacles, placed, place):
     """Checks that all pairs keep their distances and the claims of the intervals beyond them."""
-    radii = np.array([part[3] for part in robot.parts])
+    centres = stack([at[1] + Model.constant(np.zeros((3, claims.size))) for at in placed])
+    radii = np.array([part[4][0] for part in robot.parts])
     middles = Model.constant(centres.c[0])
     ways = (np.sqrt((centres.variation() ** 2).sum(axis=1)) + 1e-12) * UP
 
@@ -727,9 +953,11 @@ def xxh64(text):
     return value ^ (value >> 32)
 
 
-def check_deviations(scenario, claims, start, end):
-    """Checks the claims on the states at the ends and between segments; `start` and `end` have those of each
-    segment."""
+def check_deviations(scenario, claims, motion):
+    """Checks the claims on the states at the ends and between segments."""
+    every, short = np.arange(motion.segments), np.full(motion.segments, 2.0**-20)
+    # Short intervals about both ends of each segment, where Chebyshev polynomials are exact.
+    start, end = (motion.expand(every, np.full(motion.segments, x), short) for x in (-1.0, 1.0))
 
     def check(name, deviations, most):
         claim = number(get(claims, name), name)
@@ -765,10 +993,8 @@ def not_certified(scenario, robot, listed):
     apart = by_shape and option(scenario, "self_collision") != "off"
     wanted = [
         ("passive_joints", option(scenario, "passive")),
-        ("goal", option(scenario, "goal")),
-        ("obstacles", not robot.has_balls and option(scenario, "obstacles")),
-        ("self_collision", not robot.has_balls and apart),
-        ("keep", option(scenario, "keep")),
+        ("obstacles", not robot.is_known and option(scenario, "obstacles")),
+        ("self_collision", not robot.is_known and apart),
     ]
     wanted = [name for name, is_missing in wanted if is_missing]
     require([get(entry, "promise") for entry in listed] == wanted, f"what is not certified is {wanted}")
@@ -785,10 +1011,11 @@ def check_limits(limits, listed):
 
 
 def cover(intervals, segments, claims):
-    """The segments, middles, half widths and claims of intervals that cover the horizon."""
-    segment, before, found = 0, -1.0, []
+    """The segments, middles, half widths and claims of intervals that cover the horizon, and per pair of shapes the
+    intervals with a direction, and these."""
+    segment, before, found, directions = 0, -1.0, [], {}
     for interval in intervals:
-        require(isinstance(interval, list) and len(interval) == 4, "an interval has four entries")
+        require(isinstance(interval, list) and len(interval) == 5, "an interval has five entries")
         own, (begin, end), reserves = interval[0], numbers(interval[1:3]), numbers(interval[3], claims)
         if before == 1.0:
             segment, before = segment + 1, -1.0
@@ -799,8 +1026,10 @@ def cover(intervals, segments, claims):
         require(all(x >= -TOLERANCE for x in reserves), "a reserve is negative")
         before = end
         found.append((segment, m, w, reserves))
+        for i, j, n in interval[4]:
+            directions.setdefault((i, j), []).append((len(found) - 1, numbers(n, 3)))
     require(segment == segments - 1 and before == 1.0, "the intervals do not cover the horizon")
-    return found
+    return found, directions
 
 
 def check(robot, scenario, run, certificate):
@@ -817,11 +1046,52 @@ def check(robot, scenario, run, certificate):
         raise Refused(f"unreadable: {error!r}") from error
 
 
+def check_intervals(scenario, robot, motion, limits, pairs, promises, intervals, directions):
+    """Checks the claims on all intervals."""
+    of, middles, halves, claims = (np.array(list(column)) for column in zip(*intervals))
+    claims = dict(zip(promises, claims.reshape(len(intervals), len(promises)).T))
+
+    def place(what, k):
+        if len(k) == 0:
+            return ""
+        first = intervals[int(np.min(k))]
+        return f"segment {first[0]} from {first[1] - first[2]} to {first[1] + first[2]}: {what} is not proved"
+
+    always, rounding = np.full(len(intervals), True), 1e-15 * motion.horizon
+    begin, end = (motion.time(of, x) for x in (middles - halves, middles + halves))
+    quantities = motion.expand(of, middles, halves)
+    q, v, a = (cut(part) for part in quantities[:3])
+    states, rows = States(robot, q, v), []
+    if "torque" in promises or "stand" in promises:
+        torques, ground = robot.torques(q, v, a)
+        quantities.append(torques)
+        if "stand" in promises:
+            rows += [("stand", row, always) for row in states.foot(scenario["stand"], *ground)]
+    for promise, joint, bounds in limits:
+        scale = max(abs(x) for x in bounds if math.isfinite(x)) or 1.0
+        name, value = f"{promise} of joint '{robot.joints[joint].name}'", quantities[KINDS.index(promise)][joint]
+        rows.append((promise, (name, value, bounds, scale), always))
+    for condition in option(scenario, "keep", []):
+        from_s, to_s = (number(option(condition, *key)) for key in (("from_s", 0.0), ("to_s", motion.horizon)))
+        inside = (end + rounding > from_s) & (begin - rounding < to_s)
+        rows += [("keep", row, inside) for row in states.kept(condition)]
+    for promise, row, inside in rows:
+        good = proved(row, claims[promise]) | ~inside
+        require(np.all(good), place(row[0], np.flatnonzero(~good)))
+    if pairs:
+        obstacles, placed = obstacles_of(scenario), robot.placed(states.places)
+        for promise, own in pairs.items():
+            if robot.has_balls:
+                check_balls(promise, own, claims[promise], robot, obstacles, placed, place)
+            else:
+                check_shapes(promise, own, claims[promise], robot, obstacles, placed, directions, place)
+
+
 def _check(robot, scenario, run, certificate):
     def given(key):
         return get(certificate, key)
 
-    require(given("format") == "aghf-certificate-1", "another format")
+    require(given("format") == "aghf-certificate-2", "another format")
     require(number(given("tolerance")) == TOLERANCE, "another tolerance")
     require(given("robot_xxh64") == f"{xxh64(robot.encode()):016x}", "another robot")
     curve, names = get(run, "curve"), given("joints")
@@ -841,46 +1111,18 @@ def _check(robot, scenario, run, certificate):
     limits = limits_of(scenario, robot)
     check_limits(limits, given("limits"))
 
-    segments = len(coefficients)
-    every, short = np.arange(segments), np.full(segments, 2.0**-20)
-    # Short intervals about both ends of each segment, where Chebyshev polynomials are exact.
-    start, end = (expand(coefficients, segments, horizon, every, np.full(segments, x), short) for x in (-1.0, 1.0))
-    check_deviations(scenario, given("deviations"), start, end)
-    obstacles = obstacles_of(scenario)
-    pairs = pairs_of(scenario, certificate, robot, obstacles)
-    promises = [kind for kind in KINDS if any(limit[0] == kind for limit in limits)] + list(pairs)
+    motion = Motion(coefficients, horizon)
+    check_deviations(scenario, given("deviations"), motion)
+    check_places(scenario, certificate, robot, motion)
+    pairs = pairs_of(scenario, certificate, robot)
+    promises = [kind for kind in KINDS if any(limit[0] == kind for limit in limits)]
+    promises += [key for key in ("keep", "stand") if option(scenario, key)] + list(pairs)
     require(given("promises") == promises, f"the promises are {promises}")
-
-    intervals = cover(given("intervals"), segments, len(promises))
-    of, middles, halves, claims = (np.array(list(column)) for column in zip(*intervals))
-    claims = claims.reshape(len(intervals), len(promises))
-
-    def place(what, k):
-        if len(k) == 0:
-            return ""
-        first = intervals[int(np.min(k))]
-        return f"segment {first[0]} from {first[1] - first[2]} to {first[1] + first[2]}: {what} is not proved"
-
-    motion = expand(coefficients, segments, horizon, of, middles, halves)
-    q, v, a = (cut(part) for part in motion[:3])
-    if "torque" in promises:
-        motion.append(robot.torques(q, v, a))
-    for promise, joint, bounds in limits:
-        own = motion[KINDS.index(promise)][joint]
-        scale = max(abs(x) for x in bounds if math.isfinite(x)) or 1.0
-        reserve = claims[:, promises.index(promise)] * scale
-        for sign, bound in ((1.0, bounds[0]), (-1.0, -bounds[1])):
-            if math.isfinite(bound):
-                values = Model(sign * own.c, own.r)
-                good = least(values, bound + reserve, 1e-13 * scale) >= bound + reserve
-                require(np.all(good), place(f"{promise} of joint '{names[joint]}'", np.flatnonzero(~good)))
-    if pairs:
-        centres = robot.centres(q)
-        for promise, own in pairs.items():
-            check_clearances(promise, own, claims[:, promises.index(promise)], robot, obstacles, centres, place)
+    intervals, directions = cover(given("intervals"), motion.segments, len(promises))
+    check_intervals(scenario, robot, motion, limits, pairs, promises, intervals, directions)
     outcome = "certified in part" if missing else "certified"
     tail = f"; not certified: {', '.join(missing)}" if missing else ""
-    proved = ", ".join(["horizon", "ends", *promises])
+    proved = ", ".join(["horizon", "ends", *(k for k in ("goal", "waypoints") if option(scenario, k)), *promises])
     ignored = option(option(scenario, "self_collision"), "ignored_pairs", [])
     named = {frozenset(pair) for pair in ignored}
     count = sum(frozenset(pair) not in named for pair in given("may_overlap"))

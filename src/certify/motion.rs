@@ -9,6 +9,9 @@ use crate::scalar::{Ball, TaylorModel, Zero};
 /// The number of coefficients of enclosures of torques.
 pub const ORDER: usize = 9;
 
+/// The number of steps from zero to one on which the ends of intervals are, so that middles and halves are exact.
+const STEPS: f64 = (1_u64 << 40) as f64;
+
 /// A polynomial in $s \in [-1, 1]$ and a bound on the error of its values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Polynomial {
@@ -62,10 +65,10 @@ impl Part {
         }
     }
 
-    /// A short interval about the beginning of a segment, for `x` of -1, or its end, for 1. Chebyshev polynomials are
-    /// exact there, so that a [`Piece`] is as accurate at its middle as the coefficients allow.
+    /// A short interval about a place. At both ends of a segment Chebyshev polynomials are exact, so that a [`Piece`]
+    /// is as accurate at its middle as the coefficients allow.
     #[must_use]
-    pub fn about_end(segment: usize, x: f64) -> Self {
+    pub fn about(segment: usize, x: f64) -> Self {
         Self {
             segment,
             middle: x,
@@ -73,13 +76,13 @@ impl Part {
         }
     }
 
-    /// The two halves.
+    /// The parts before and after a place between its ends, rounded down to a multiple of $2^{-40}$.
     #[must_use]
-    pub fn halves(self) -> [Self; 2] {
-        let half = 0.5 * self.half;
-        [-half, half].map(|by| Self {
-            middle: self.middle + by,
-            half,
+    pub fn split(self, x: f64) -> [Self; 2] {
+        let ([from, to], x) = (self.ends(), (x * STEPS).floor() / STEPS);
+        [[from, x], [x, to]].map(|[from, to]| Self {
+            middle: 0.5 * (from + to),
+            half: 0.5 * (to - from),
             ..self
         })
     }
@@ -115,6 +118,15 @@ impl Polynomial {
     pub fn middle(&self) -> Ball {
         let value = self.coefficients.first().copied().unwrap_or_default();
         Ball::new(&[value], self.radius)
+    }
+}
+
+impl<const N: usize> From<TaylorModel<N>> for Polynomial {
+    fn from(of: TaylorModel<N>) -> Self {
+        Self {
+            coefficients: of.coefficients().to_vec(),
+            radius: of.radius(),
+        }
     }
 }
 
@@ -210,12 +222,11 @@ impl Motion {
                 let terms = c.iter().zip(&at_middle).map(|(c, t)| *c * *t);
                 terms.fold(Ball::zero(), |sum, term| sum + term)
             };
-            let mut power = 1.0;
+            let mut power = Ball::constant(1.0);
             let mut expanded = Vec::with_capacity(derivatives.len());
             for c in derivatives {
-                expanded.push(sum(c) * Ball::constant(power));
-                // A power of two.
-                power *= part.half;
+                expanded.push(sum(c) * power);
+                power *= Ball::constant(part.half);
             }
             expanded
         };
@@ -267,6 +278,12 @@ fn chebyshev(x: f64, n: usize) -> Vec<Ball> {
 }
 
 impl Piece {
+    /// Encloses positions, velocities and accelerations.
+    #[must_use]
+    pub fn models(&self) -> [Vec<TaylorModel<ORDER>>; 3] {
+        [&self.q, &self.v, &self.a].map(|all| all.iter().map(Polynomial::model).collect())
+    }
+
     /// Encloses the torques of inverse dynamics, `N` entries, N m or N. `data` is scratch. Cost O(N).
     ///
     /// # Errors
@@ -276,16 +293,9 @@ impl Piece {
         model: &Model,
         data: &mut Data<TaylorModel<ORDER>>,
     ) -> Result<Vec<TaylorModel<ORDER>>> {
-        let models = |all: &[Polynomial]| -> Vec<_> { all.iter().map(Polynomial::model).collect() };
+        let [q, v, a] = self.models();
         let mut torques = vec![TaylorModel::zero(); model.dof()];
-        rnea(
-            model,
-            data,
-            &models(&self.q),
-            &models(&self.v),
-            &models(&self.a),
-            &mut torques,
-        )?;
+        rnea(model, data, &q, &v, &a, &mut torques)?;
         Ok(torques)
     }
 }

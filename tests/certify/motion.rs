@@ -49,7 +49,8 @@ proptest! {
         // As those of a smooth motion the coefficients decrease.
         let c: Vec<f64> = c.iter().enumerate().map(|(k, c)| c * 0.6_f64.powi(k as i32)).collect();
         let motion = Motion::new(horizon, &[vec![vec![0.5; c.len()]], vec![c.clone()]]).expect("it is one");
-        let half = 0.5_f64.powi(level);
+        // A half width of any kind: powers of it are rounded.
+        let half = 0.9 * 0.5_f64.powi(level);
         let count = (1.0 / half) as usize;
         let middle = -1.0 + half * (2 * ((place * count as f64) as usize).min(count - 1) + 1) as f64;
         let piece = motion.piece(Part { segment: 1, middle, half });
@@ -96,7 +97,8 @@ fn torques_are_enclosed_and_close() {
         (3, 12, 2.0)
     );
     let mut data = Data::<TaylorModel<ORDER>>::new(&model);
-    let part = Part::whole(1).halves()[1].halves()[0].halves()[1];
+    let half = |part: Part, side: usize| part.split(part.middle)[side];
+    let part = half(half(half(Part::whole(1), 1), 0), 1);
     let piece: Piece = motion.piece(part);
     let torques = piece.torques(&model, &mut data).expect("lengths agree");
     let widest = torques.iter().map(TaylorModel::radius).fold(0.0, f64::max);
@@ -136,10 +138,18 @@ fn halves_meet_and_ends_are_accurate() {
         middle: 0.25,
         half: 0.25,
     };
-    let [left, right] = part.halves();
+    let [left, right] = part.split(part.middle);
     assert_eq!((left.ends(), right.ends()), ([0.0, 0.25], [0.25, 0.5]));
+    // Any place is rounded so that middles and halves stand for both ends exactly, down to short parts.
+    let mut short = Part::whole(2).split(0.1 + 0.2)[1];
+    while short.half > 1e-7 {
+        let parts = short.split(short.middle);
+        assert_eq!(parts[0].ends()[1], parts[1].ends()[0]);
+        assert_eq!([parts[0].ends()[0], parts[1].ends()[1]], short.ends());
+        short = parts[1];
+    }
     let motion = Motion::of_curve(&curve(2));
-    let end = motion.piece(Part::about_end(2, 1.0));
+    let end = motion.piece(Part::about(2, 1.0));
     let middle = end.v[1].middle();
     assert!(
         (middle.coefficients()[0] - 1.3 * 2.6_f64.cos()).abs() < 1e-9 && middle.radius() < 1e-11

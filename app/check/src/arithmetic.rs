@@ -136,6 +136,10 @@ pub(crate) fn add(a: Vector, b: Vector) -> Vector {
     std::array::from_fn(|i| a[i] + b[i])
 }
 
+pub(crate) fn sub(a: Vector, b: Vector) -> Vector {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
 pub(crate) fn times(a: Vector, k: Tm) -> Vector {
     a.map(|a| a * k)
 }

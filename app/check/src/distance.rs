@@ -1,8 +1,10 @@
 //! Lower bounds on distances.
 
-use crate::arithmetic::{Bernstein, Tm, UNIT, Vector, add, apply};
-use crate::robot::Robot;
+use crate::arithmetic::{Bernstein, Tm, UNIT, Vector, apply, dot, sub, transpose, vector};
+use crate::robot::{Pose, Robot};
 use crate::scenario::{Obstacle, Pair};
+use crate::shape::{Solid, extent};
+use std::collections::BTreeMap;
 
 /// Lower bounds on distances.
 pub(crate) struct Distances<'a>(pub(crate) &'a Bernstein);
@@ -17,8 +19,8 @@ impl Distances<'_> {
         if square < 0.0 { 0.0 } else { square.sqrt() * (1.0 - 4.0 * UNIT) }
     }
     /// From the surface of an obstacle, negative inside.
-    pub(crate) fn from(&self, obstacle: &Obstacle, p: Vector) -> f64 {
-        let p = apply(obstacle.inverse, add(p, obstacle.at.map(|x| -x)));
+    pub(crate) fn from(&self, obstacle: &Solid, p: Vector) -> f64 {
+        let p = apply(transpose(obstacle.at.0), sub(p, obstacle.at.1));
         let [r, h, _] = obstacle.size;
         let beyond = |i: usize, half: f64| {
             let off = if p[i].c[0] < 0.0 { -p[i] } else { p[i] } - Tm::new(half);
@@ -45,9 +47,10 @@ impl Distances<'_> {
 }
 
 /// The distance of a point from the surface of an obstacle, negative inside, with an error of at most `ROUGH`, m.
-fn rough(obstacle: &Obstacle, p: [f64; 3]) -> f64 {
-    let off: [f64; 3] = std::array::from_fn(|i| p[i] - obstacle.at[i].c[0]);
-    let [x, y, z] = obstacle.inverse.map(|row| row[0].c[0] * off[0] + row[1].c[0] * off[1] + row[2].c[0] * off[2]);
+fn rough(obstacle: &Solid, p: [f64; 3]) -> f64 {
+    let off: [f64; 3] = std::array::from_fn(|i| p[i] - obstacle.at.1[i].c[0]);
+    let axes = transpose(obstacle.at.0);
+    let [x, y, z] = axes.map(|row| row[0].c[0] * off[0] + row[1].c[0] * off[1] + row[2].c[0] * off[2]);
     let [r, h, _] = obstacle.size;
     let outside = |excess: &[f64]| {
         let most = excess.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -66,36 +69,67 @@ fn rough(obstacle: &Obstacle, p: [f64; 3]) -> f64 {
 /// More than the error of distances in `f64` up to the largest length of a scenario, 1e6 m.
 const ROUGH: f64 = 1e-8;
 
-/// True if all pairs keep their distances and `claim` beyond them.
-pub(crate) fn keeps(
-    claim: f64,
-    pairs: &[Pair],
-    robot: &Robot,
-    obstacles: &[Obstacle],
-    centres: &[Vector],
-    by: &Distances,
-) -> bool {
-    let middles: Vec<[f64; 3]> = centres.iter().map(|c| c.map(|x| x.c[0])).collect();
-    let way = |c: &Vector| {
-        let off = c.map(|x| x.turn().1.most());
-        off.iter().map(|x| x * x).sum::<f64>().sqrt() + ROUGH
-    };
-    let ways: Vec<f64> = centres.iter().map(way).collect();
-    let apart = |p: [f64; 3], q: [f64; 3]| (p[0] - q[0]).hypot(p[1] - q[1]).hypot(p[2] - q[2]);
-    pairs.iter().all(|pair| {
-        let (i, part) = (pair.part, &robot.parts[pair.part]);
+/// The directions that are listed for pairs of shapes on an interval; obstacles follow the shapes of the robot.
+pub(crate) type Directions = BTreeMap<[usize; 2], [f64; 3]>;
+
+/// The shapes of a robot on an interval, and what they keep clear of.
+pub(crate) struct Clearances<'a> {
+    pub(crate) robot: &'a Robot,
+    pub(crate) obstacles: &'a [Obstacle],
+    pub(crate) placed: Vec<Pose>,
+    pub(crate) directions: Directions,
+    pub(crate) by: Distances<'a>,
+}
+
+impl Clearances<'_> {
+    /// True if all pairs keep their distances and `claim` beyond them.
+    pub(crate) fn keep(&self, claim: f64, pairs: &[Pair]) -> bool {
+        pairs
+            .iter()
+            .all(|pair| if self.robot.has_balls { self.ball_keeps(claim, pair) } else { self.keeps(claim, pair) })
+    }
+
+    fn ball_keeps(&self, claim: f64, pair: &Pair) -> bool {
+        let radius = |i: usize| self.robot.parts[i].solid.size[0];
+        let middle = |i: usize| self.placed[i].1.map(|x| x.c[0]);
+        let way = |i: usize| {
+            let off = self.placed[i].1.map(|x| x.turn().1.most());
+            off.iter().map(|x| x * x).sum::<f64>().sqrt() + ROUGH
+        };
+        let apart = |p: [f64; 3], q: [f64; 3]| (p[0] - q[0]).hypot(p[1] - q[1]).hypot(p[2] - q[2]);
+        let i = pair.part;
+        let kept = radius(i) + pair.margin + claim;
         // The distance in the middle less the ways from there is enough for most.
         let (surface, way) = match pair.other {
-            Err(o) => (rough(&obstacles[o], middles[i]), ways[i]),
-            Ok(j) => (apart(middles[i], middles[j]) - robot.parts[j].radius, ways[i] + ways[j]),
+            Err(o) => (rough(&self.obstacles[o].solid, middle(i)), way(i)),
+            Ok(j) => (apart(middle(i), middle(j)) - radius(j), way(i) + way(j)),
         };
-        if surface - part.radius - pair.margin - way - ROUGH >= claim {
+        if surface - way - 2.0 * ROUGH >= kept {
             return true;
         }
         let surface = match pair.other {
-            Err(o) => by.from(&obstacles[o], centres[i]),
-            Ok(j) => by.length(&add(centres[i], centres[j].map(|x| -x))) - robot.parts[j].radius,
+            Err(o) => self.by.from(&self.obstacles[o].solid, self.placed[i].1),
+            Ok(j) => self.by.length(&sub(self.placed[i].1, self.placed[j].1)) - radius(j),
         };
-        surface - part.radius - pair.margin >= claim
-    })
+        surface - radius(i) - pair.margin >= claim
+    }
+
+    /// True if a direction separates two shapes by their distance and the claim.
+    fn keeps(&self, claim: f64, pair: &Pair) -> bool {
+        let (i, parts) = (pair.part, &self.robot.parts);
+        let solid = |j: usize| Solid { at: self.placed[j], ..parts[j].solid };
+        let (a, b, j) = match pair.other {
+            Ok(j) => (solid(i), solid(j), j),
+            Err(o) => (solid(i), self.obstacles[o].solid, parts.len() + o),
+        };
+        let off = sub(b.at.1, a.at.1);
+        let n = match (b.kind, self.directions.get(&[i, j])) {
+            ("half_space", _) => transpose(b.at.0)[2].map(|x| -x),
+            (_, Some(n)) => vector(*n),
+            (_, None) => off.map(|x| Tm::new(x.c[0])),
+        };
+        let gap = dot(n, off) - extent(&a, n) - extent(&b, n);
+        let kept = (claim + pair.margin) * dot(n, n).most().sqrt() * (1.0 + 4.0 * UNIT);
+        dot(n, n).c[0] > 1e-6 && self.by.lower(gap) >= kept
+    }
 }

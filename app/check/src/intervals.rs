@@ -1,10 +1,11 @@
-//! The claims on each interval.
+//! The claims on each interval and at single places.
 
 use crate::arithmetic::{Bernstein, Tm};
-use crate::distance::{Distances, keeps};
-use crate::json::{array, list, number, require};
-use crate::motion::{Motion, Polynomial, cut};
+use crate::distance::{Clearances, Directions, Distances};
+use crate::json::{array, entries, get, list, number, option, require, three};
+use crate::motion::{Motion, cut, middle};
 use crate::robot::Robot;
+use crate::rows::{Row, State};
 use crate::scenario::{Limit, Obstacle, Pair, obstacles, pairs};
 use crate::{Checked, TOLERANCE};
 use serde_json::Value;
@@ -12,21 +13,27 @@ use serde_json::Value;
 /// The kinds of limits.
 const KINDS: [&str; 5] = ["position", "velocity", "acceleration", "jerk", "torque"];
 
+/// The accepted difference of times, of the horizon: more than rounding.
+const SAME_TIME: f64 = 1e-12;
+
 /// The promises of a scenario, and the motion that keeps them at all times.
-pub(crate) struct Promised {
+pub(crate) struct Promised<'a> {
+    scenario: &'a Value,
     robot: Robot,
     motion: Motion,
     limits: Vec<Limit>,
+    /// The conditions along the way.
+    kept: &'a [Value],
     obstacles: Vec<Obstacle>,
     /// The names of the promises of clearances, and their pairs.
     clear: Vec<(&'static str, Vec<Pair>)>,
-    /// Of the degree of the motion, and of that of torques and distances.
+    /// Of the degree of the motion, and of that of all else.
     bases: [Bernstein; 2],
 }
 
-impl Promised {
+impl<'a> Promised<'a> {
     pub(crate) fn new(
-        scenario: &Value,
+        scenario: &'a Value,
         certificate: &Value,
         robot: Robot,
         limits: Vec<Limit>,
@@ -36,13 +43,64 @@ impl Promised {
         let pairs = pairs(scenario, certificate, &robot, &obstacles)?;
         let clear = ["obstacles", "self_collision"].into_iter().zip(pairs).filter(|(_, pairs)| !pairs.is_empty());
         let bases = [Bernstein::new(motion.degree()), Bernstein::new(Tm::new(0.0).c.len() - 1)];
-        Ok(Self { clear: clear.collect(), robot, motion, limits, obstacles, bases })
+        let kept = entries(scenario, "keep");
+        Ok(Self { scenario, clear: clear.collect(), robot, motion, limits, kept, obstacles, bases })
     }
 
     /// The names of the promises, in the order of the claims.
     pub(crate) fn names(&self) -> Vec<&'static str> {
         let limits = KINDS.into_iter().filter(|kind| self.limits.iter().any(|limit| limit.0 == *kind));
-        limits.chain(self.clear.iter().map(|(name, _)| *name)).collect()
+        let keep = (!self.kept.is_empty()).then_some("keep");
+        let stand = option(self.scenario, "stand").map(|_| "stand");
+        limits.chain(keep).chain(stand).chain(self.clear.iter().map(|(name, _)| *name)).collect()
+    }
+
+    /// Proves the claim on a row.
+    fn prove_row(&self, row: &Row, claim: f64) -> Checked<()> {
+        let (c, r) = &row.value;
+        let basis = &self.bases[usize::from(c.len() <= Tm::new(0.0).c.len())];
+        let reserve = claim * row.scale;
+        let negative: Vec<f64> = c.iter().map(|c| -c).collect();
+        let is_above =
+            |c: &[f64], bound: f64| !bound.is_finite() || basis.least(c, *r, bound, 1e-13 * row.scale) >= bound;
+        let kept = is_above(c, row.bounds[0] + reserve) && is_above(&negative, reserve - row.bounds[1]);
+        require(kept, row.name.as_str())
+    }
+
+    /// Proves the claims on the goal, if it is a set of poses, and on the waypoints.
+    pub(crate) fn check_places(&self, certificate: &Value) -> Checked<()> {
+        let (last, goals) = (self.motion.segments() - 1, entries(self.scenario, "goal"));
+        if !goals.is_empty() {
+            let claim = number(get(certificate, "goal")?)?;
+            let is_in = |goal: &Value| self.prove_at([last as f64, 1.0, claim], |state| state.poses(goal));
+            require(goals.iter().any(|goal| is_in(goal).is_ok()), "the goal is not proved")?;
+        }
+        let (points, places) = (entries(self.scenario, "waypoints"), entries(certificate, "waypoints"));
+        require(points.len() == places.len(), "the waypoints are not those of the scenario")?;
+        let mut before = [0.0, -1.0];
+        for (i, (point, place)) in points.iter().zip(places).enumerate() {
+            let fault = |what: String| format!("waypoint {i}: {what}");
+            let place: [f64; 3] = list(place)?.try_into().map_err(|_| fault("it has no place".to_owned()))?;
+            self.prove_at(place, |state| state.waypoint(point)).map_err(fault)?;
+            let [segment, x, _] = place;
+            let time = option(point, "time_s").map(number).transpose()?;
+            let off = time.map_or(0.0, |time| (self.motion.time(segment as usize, x) - time).abs());
+            require(off <= SAME_TIME * self.motion.horizon, fault("it has another time".to_owned()))?;
+            require(before <= [segment, x], fault("it is before another one".to_owned()))?;
+            before = [segment, x];
+        }
+        Ok(())
+    }
+
+    /// Proves the claim on rows at a place: a segment, x in it, and the claim.
+    fn prove_at(&self, [segment, x, claim]: [f64; 3], rows: impl Fn(&State) -> Checked<Vec<Row>>) -> Checked<()> {
+        let known = segment.fract() == 0.0 && (0.0..self.motion.segments() as f64).contains(&segment);
+        require(known && x.abs() <= 1.0, "the place is not in the motion")?;
+        require(claim >= -TOLERANCE, "the reserve is negative")?;
+        let [q, v, ..] = self.motion.expand(segment as usize, [x, 1.0 / f64::from(1 << 20)]);
+        let [q, v] = [q, v].map(|all| all.iter().map(middle).collect());
+        let rows = rows(&State::new(&self.robot, q, v))?;
+        rows.iter().try_for_each(|row| self.prove_row(row, claim))
     }
 
     /// Checks that the intervals cover all segments, one after the other, and the claims on each.
@@ -51,9 +109,10 @@ impl Promised {
         let not_covered = "the intervals do not cover the horizon";
         let (mut segment, mut from) = (0, -1.0);
         for interval in intervals {
-            let [own, begin, end, claims] = array(interval)?.as_slice() else {
-                return Err("an interval has four entries".to_owned());
+            let [own, begin, end, claims, directions] = array(interval)?.as_slice() else {
+                return Err("an interval has five entries".to_owned());
             };
+            let directions = array(directions)?.iter().map(direction).collect::<Checked<Directions>>()?;
             let (begin, end, claims) = (number(begin)?, number(end)?, list(claims)?);
             if from == 1.0 {
                 (segment, from) = (segment + 1, -1.0);
@@ -65,44 +124,72 @@ impl Promised {
             let all = claims.len() == self.names().len() && claims.iter().all(|c| *c >= -TOLERANCE);
             require(all, "a reserve is negative or missing")?;
             from = end;
-            let proved = self.prove(segment, [m, w], &claims);
+            let proved = self.prove(segment, [m, w], &claims, directions);
             proved.map_err(|what| format!("segment {segment} from {begin} to {end}: {what} is not proved"))?;
         }
         require(segment == segments - 1 && from == 1.0, not_covered)
     }
 
     /// Proves the claims on an interval; the error is what is not proved.
-    fn prove(&self, segment: usize, part: [f64; 2], claims: &[f64]) -> Checked<()> {
-        let [q, v, a, jerk] = self.motion.expand(segment, part);
-        let models = |all: &[Polynomial]| -> Vec<Tm> { all.iter().map(cut).collect() };
-        let places = models(&q);
-        let mut torques = Vec::new();
-        if self.limits.iter().any(|limit| limit.0 == "torque") {
-            let all = self.robot.torques(&places, &models(&v), &models(&a));
+    fn prove(&self, segment: usize, [m, w]: [f64; 2], claims: &[f64], directions: Directions) -> Checked<()> {
+        let [q, v, a, jerk] = self.motion.expand(segment, [m, w]);
+        let [qs, vs, accelerations] = [&q, &v, &a].map(|all| all.iter().map(cut).collect::<Vec<Tm>>());
+        let (mut torques, mut foot) = (Vec::new(), Vec::new());
+        let stand = option(self.scenario, "stand");
+        let loads = if stand.is_some() || self.limits.iter().any(|limit| limit.0 == "torque") {
+            Some(self.robot.torques(&qs, &vs, &accelerations))
+        } else {
+            None
+        };
+        let state = State::new(&self.robot, qs, vs);
+        if let Some((all, ground)) = loads {
             torques = all.iter().map(|torque| (torque.c.to_vec(), torque.r)).collect();
+            foot = stand.map_or(Ok(Vec::new()), |stand| state.foot(stand, ground))?;
+        }
+        let mut kept = Vec::new();
+        let [begin, end] = [m - w, m + w].map(|x| self.motion.time(segment, x));
+        let rounding = 1e-15 * self.motion.horizon;
+        for condition in self.kept {
+            let from = option(condition, "from_s").map_or(Ok(f64::NEG_INFINITY), number)?;
+            let to = option(condition, "to_s").map_or(Ok(f64::INFINITY), number)?;
+            if end + rounding > from && begin - rounding < to {
+                kept.extend(state.kept(condition)?);
+            }
         }
         let all = [q, v, a, jerk, torques];
-        let names = self.names();
-        for Limit(kind, joint, bounds) in &self.limits {
-            let claim = names.iter().zip(claims).find(|(name, _)| *name == kind).map_or(f64::NAN, |(_, claim)| *claim);
+        let limit = |Limit(kind, joint, bounds): &Limit| {
             let at = KINDS.iter().position(|known| known == kind).ok_or("a limit of an unknown kind")?;
-            let ((c, r), basis) = (&all[at][*joint], &self.bases[usize::from(*kind == "torque")]);
             let scale = bounds.iter().filter(|b| b.is_finite()).fold(0.0_f64, |scale, b| scale.max(b.abs()));
-            let reserve = claim * if scale > 0.0 { scale } else { 1.0 };
-            let negative: Vec<f64> = c.iter().map(|c| -c).collect();
-            let is_above =
-                |c: &[f64], bound: f64| !bound.is_finite() || basis.least(c, *r, bound, 1e-13 * scale) >= bound;
-            let kept = is_above(c, bounds[0] + reserve) && is_above(&negative, reserve - bounds[1]);
-            require(kept, format!("{kind} of joint '{}'", self.robot.joints[*joint].name))?;
+            let scale = if scale > 0.0 { scale } else { 1.0 };
+            let name = format!("{kind} of joint '{}'", self.robot.joints[*joint].name);
+            Ok::<_, String>((*kind, Row { name, value: all[at][*joint].clone(), bounds: *bounds, scale }))
+        };
+        let limits = self.limits.iter().map(limit).collect::<Checked<Vec<_>>>()?;
+        let conditions = kept.into_iter().map(|row| ("keep", row)).chain(foot.into_iter().map(|row| ("stand", row)));
+        let names = self.names();
+        for (promise, row) in limits.into_iter().chain(conditions) {
+            let claim = names.iter().zip(claims).find(|(name, _)| **name == promise).map_or(f64::NAN, |(_, c)| *c);
+            self.prove_row(&row, claim)?;
         }
         if self.clear.is_empty() {
             return Ok(());
         }
-        let (centres, by) = (self.robot.centres(&places), Distances(&self.bases[1]));
+        let (robot, obstacles) = (&self.robot, self.obstacles.as_slice());
+        let (placed, by) = (robot.placed(&state.places), Distances(&self.bases[1]));
+        let clearances = Clearances { robot, obstacles, placed, directions, by };
         let first = claims.len() - self.clear.len();
         for ((name, pairs), claim) in self.clear.iter().zip(&claims[first..]) {
-            require(keeps(*claim, pairs, &self.robot, &self.obstacles, &centres, &by), *name)?;
+            require(clearances.keep(*claim, pairs), *name)?;
         }
         Ok(())
     }
+}
+
+/// A direction and the pair of shapes that it separates.
+fn direction(value: &Value) -> Checked<([usize; 2], [f64; 3])> {
+    let [i, j, n] = array(value)?.as_slice() else {
+        return Err("a direction has three entries".to_owned());
+    };
+    let index = |i: &Value| i.as_u64().map(|i| i as usize).ok_or("a direction is of no pair");
+    Ok(([index(i)?, index(j)?], three(n)?))
 }

@@ -11,6 +11,11 @@ pub(crate) fn option<'a>(value: &'a Value, key: &str) -> Option<&'a Value> {
     value.get(key).filter(|v| !v.is_null())
 }
 
+/// The entries of a list, a value that is no list, or nothing.
+pub(crate) fn entries<'a>(value: &'a Value, key: &str) -> &'a [Value] {
+    option(value, key).map_or(&[], |all| all.as_array().map_or(std::slice::from_ref(all), Vec::as_slice))
+}
+
 pub(crate) fn number(value: &Value) -> Checked<f64> {
     let x = value.as_f64().filter(|x| x.is_finite());
     x.ok_or_else(|| format!("{value} is no finite number"))

@@ -8,10 +8,12 @@ mod intervals;
 mod json;
 mod motion;
 mod robot;
+mod rows;
 mod scenario;
+mod shape;
 
 use intervals::Promised;
-use json::{array, get, number, option, require, text};
+use json::{array, entries, get, number, option, require, text};
 use motion::{Motion, deviations};
 use robot::Robot;
 use scenario::{limits, not_certified, same_limits, unnamed};
@@ -35,7 +37,7 @@ pub fn check(robot: &str, scenario: &str, run: &str, certificate: &str) -> Check
     let certificate = parse(certificate, "certificate")?;
     let scenario = scenario.get("provenance").and_then(|p| p.get("scenario")).unwrap_or(&scenario);
     let given = |key: &str| get(&certificate, key);
-    require(given("format")? == "aghf-certificate-1", "another format")?;
+    require(given("format")? == "aghf-certificate-2", "another format")?;
     require(number(given("tolerance")?)? == TOLERANCE, "another tolerance")?;
     require(*given("robot_xxh64")? == format!("{:016x}", XxHash64::oneshot(0, robot.as_bytes())), "another robot")?;
     let curve = get(&run, "curve")?;
@@ -58,11 +60,14 @@ pub fn check(robot: &str, scenario: &str, run: &str, certificate: &str) -> Check
     deviations(scenario, given("deviations")?, &motion)?;
     let promised = Promised::new(scenario, &certificate, robot, limits, motion)?;
     require(*given("promises")? == Value::from(promised.names()), format!("the promises are {:?}", promised.names()))?;
+    promised.check_places(&certificate)?;
     let intervals = array(given("intervals")?)?;
     promised.check(intervals)?;
     let outcome = if missing.is_empty() { "certified" } else { "certified in part" };
     let count = intervals.len();
-    let proved = ["horizon", "ends"].into_iter().chain(promised.names()).collect::<Vec<_>>().join(", ");
+    let at_places = ["goal", "waypoints"].into_iter().filter(|key| !entries(scenario, key).is_empty());
+    let proved = ["horizon", "ends"].into_iter().chain(at_places).chain(promised.names());
+    let proved = proved.collect::<Vec<_>>().join(", ");
     let not = if missing.is_empty() { String::new() } else { format!("; not certified: {}", missing.join(", ")) };
     let assumed = unnamed(scenario, array(given("may_overlap")?)?);
     Ok(format!("{outcome} at all times, by {count} intervals: {proved}{not}{assumed}"))

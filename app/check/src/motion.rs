@@ -1,8 +1,8 @@
 //! The polynomials of a motion.
 
 use crate::Checked;
-use crate::arithmetic::{Ball, Tm, UP};
-use crate::json::{array, get, list, number, option, require};
+use crate::arithmetic::{Ball, Enclosure, Tm, UP};
+use crate::json::{array, entries, get, list, number, option, require};
 use serde_json::Value;
 
 /// A polynomial in s, and a bound on its error.
@@ -14,7 +14,7 @@ const ACCELERATION: f64 = 1e-6;
 
 /// The piecewise polynomial motion.
 pub(crate) struct Motion {
-    horizon: f64,
+    pub(crate) horizon: f64,
     /// The Chebyshev coefficients per segment and joint.
     coefficients: Vec<Vec<Vec<f64>>>,
 }
@@ -43,6 +43,11 @@ impl Motion {
 
     pub(crate) fn degree(&self) -> usize {
         self.coefficients[0][0].len() - 1
+    }
+
+    /// The time of a place, s, with an error of less than 1e-15 of the horizon.
+    pub(crate) fn time(&self, segment: usize, x: f64) -> f64 {
+        (segment as f64 + 0.5 * (1.0 + x)) * self.horizon / self.segments() as f64
     }
 
     /// Positions, velocities, accelerations and jerks of the joints on |x - m| <= w of a segment.
@@ -93,8 +98,8 @@ fn expand(segment: &[Vec<f64>], rate: Ball, [m, w]: [f64; 2]) -> [Vec<Polynomial
 }
 
 /// The value at s = 0.
-fn middle(polynomial: &Polynomial) -> Ball {
-    Ball::within(polynomial.0[0], polynomial.1)
+pub(crate) fn middle<const N: usize>(polynomial: &Polynomial) -> Enclosure<N> {
+    Enclosure::within(polynomial.0[0], polynomial.1)
 }
 
 pub(crate) fn cut((c, r): &Polynomial) -> Tm {
@@ -110,11 +115,11 @@ pub(crate) fn deviations(scenario: &Value, claims: &Value, motion: &Motion) -> C
     let about = |segment: usize, x: f64| motion.expand(segment, [x, 1.0 / f64::from(1 << 20)]);
     let ends: Vec<_> = (0..motion.segments()).map(|e| [about(e, -1.0), about(e, 1.0)]).collect();
     let (first, last) = (&ends[0][0], &ends[ends.len() - 1][1]);
-    let is_set = option(scenario, "goal").is_some_and(|g| g.as_array().is_none_or(|g| !g.is_empty()));
+    let is_set = !entries(scenario, "goal").is_empty();
     let free = option(scenario, "free_final_velocity").is_some_and(|f| *f == true);
     let smooth = match option(scenario, "continuity") {
         Some(continuity) => continuity == "acceleration",
-        None => option(scenario, "passive").is_none_or(|p| p.as_array().is_some_and(Vec::is_empty)),
+        None => entries(scenario, "passive").is_empty(),
     };
     let zeros = vec![0.0; first[0].len()];
     let wanted = |key: &str| option(scenario, key).map_or(Ok(zeros.clone()), list);

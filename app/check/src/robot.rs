@@ -3,6 +3,7 @@
 use crate::Checked;
 use crate::arithmetic::{Matrix, Tm, Vector, about, add, apply, cross, dot, product, times, transpose, vector};
 use crate::json::{get, list, number, option, require, text, three};
+use crate::shape::{Solid, shape_of, solid_of};
 use roxmltree::{Document, Node};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -44,19 +45,24 @@ impl Joint {
     }
 }
 
-/// A ball of a link.
+/// A shape of a link.
 pub(crate) struct Part {
     pub(crate) body: Option<usize>,
     pub(crate) link: String,
-    pub(crate) centre: Vector,
-    pub(crate) radius: f64,
+    pub(crate) solid: Solid,
 }
 
 pub(crate) struct Robot {
     pub(crate) joints: Vec<Joint>,
+    /// The mass and the first moment of what is fixed to the base.
+    base: (Tm, Vector),
+    /// The body that carries each link, and the placement of the link in it.
+    pub(crate) links: BTreeMap<String, (Option<usize>, Pose)>,
     pub(crate) parts: Vec<Part>,
-    /// False if a shape is no ball: nothing is certified of clearances then.
+    /// True if all shapes are balls.
     pub(crate) has_balls: bool,
+    /// False if a shape is a mesh: nothing is certified of clearances then.
+    pub(crate) is_known: bool,
 }
 
 pub(crate) fn numbers(text: &str) -> Checked<Vec<f64>> {
@@ -89,6 +95,11 @@ pub(crate) fn pose(node: Option<Node>) -> Checked<Pose> {
 pub(crate) fn unit(axis: [f64; 3]) -> Vector {
     let axis = vector(axis);
     times(axis, dot(axis, axis).inverse_sqrt())
+}
+
+/// The placement of a pose.
+pub(crate) fn pose_of(pose: &Value) -> Checked<Pose> {
+    Ok((quaternion(option(pose, "orientation_xyzw"))?, vector(three(get(pose, "position_m")?)?)))
 }
 
 /// The rotation of a quaternion `x y z w`, normalised.
@@ -143,7 +154,9 @@ impl Robot {
         }
         let missing = || "the motion has a joint that the robot has not".to_owned();
         let joints: Option<Vec<Joint>> = joints.into_iter().collect();
-        let mut robot = Self { joints: joints.ok_or_else(missing)?, parts: Vec::new(), has_balls: true };
+        let (joints, base) = (joints.ok_or_else(missing)?, (Tm::new(0.0), vector([0.0; 3])));
+        let (links_of, parts) = (BTreeMap::new(), Vec::new());
+        let mut robot = Self { joints, base, links: links_of, parts, has_balls: true, is_known: true };
         let early = |(i, j): (usize, &Joint)| j.parent.is_none_or(|p| p < i);
         require(robot.joints.iter().enumerate().all(early), "a joint is before its parent")?;
         for (link, (body, at)) in &placed {
@@ -163,14 +176,18 @@ impl Robot {
             robot.add_mass(*body, &compose(at, &center), number(get(load, "mass_kg")?)?, six);
         }
         robot.add_parts(scenario, &links, &placed)?;
+        robot.links = placed;
         Ok(robot)
     }
 
     pub(crate) fn add_mass(&mut self, body: Option<usize>, at: &Pose, mass: f64, six: [f64; 6]) {
-        let Some(joint) = body.map(|body| &mut self.joints[body]) else { return };
+        let (c, mass) = (at.1, Tm::new(mass));
+        let Some(joint) = body.map(|body| &mut self.joints[body]) else {
+            self.base = (self.base.0 + mass, add(self.base.1, times(c, mass)));
+            return;
+        };
         let [xx, xy, xz, yy, yz, zz] = six.map(Tm::new);
         let own = product(product(at.0, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), transpose(at.0));
-        let (c, mass) = (at.1, Tm::new(mass));
         joint.mass = joint.mass + mass;
         joint.first = add(joint.first, times(c, mass));
         for i in 0..3 {
@@ -191,6 +208,7 @@ impl Robot {
         let is_shaped = links.values().any(|n| child(*n, "collision").is_some());
         let default = Value::from(if is_shaped { "collision" } else { "joint_frames" });
         let shape = option(scenario, "robot_shape").unwrap_or(&default);
+        let by_shapes = shape == "collision" || shape.get("collision").is_some();
         if shape == "joint_frames" {
             for body in 0..self.joints.len() {
                 self.add_ball(Some(body), "", vector([0.0; 3]), 0.0);
@@ -219,39 +237,47 @@ impl Robot {
             for (link, (body, at)) in placed {
                 let Some(node) = links.get(link) else { continue };
                 for collision in node.children().filter(|n| n.has_tag_name("collision")) {
-                    let ball = child(collision, "geometry").and_then(|g| child(g, "sphere"));
-                    let Some(ball) = ball else {
-                        self.has_balls = false;
-                        continue;
-                    };
-                    let radius = scalar(Some(ball), "radius")?;
-                    let centre = compose(at, &pose(child(collision, "origin"))?).1;
-                    self.add_ball(*body, link, centre, radius);
+                    let at = compose(at, &pose(child(collision, "origin"))?);
+                    match shape_of(collision)? {
+                        Some((kind, size)) => self.add_part(*body, link, Solid { at, kind, size }),
+                        None => self.is_known = false,
+                    }
                 }
             }
         }
-        let Some(load) = option(scenario, "payload").filter(|l| option(l, "shape").is_some()) else { return Ok(()) };
-        let Some(ball) = option(get(load, "shape")?, "sphere") else {
-            self.has_balls = false;
-            return Ok(());
-        };
-        let link = text(get(load, "link")?)?;
-        let (body, at) = placed.get(link).ok_or("the payload has no link")?;
-        let center = option(load, "center_m").map_or(Ok([0.0; 3]), three)?;
-        let own = option(load, "shape_pose").map_or(Ok(center), |p| three(get(p, "position_m")?))?;
-        let centre = add(apply(at.0, vector(own)), at.1);
-        self.add_ball(*body, link, centre, number(get(ball, "radius_m")?)?);
+        if let Some(shape) = option(scenario, "payload").and_then(|load| option(load, "shape")) {
+            let load = get(scenario, "payload")?;
+            let link = text(get(load, "link")?)?;
+            let (body, at) = placed.get(link).ok_or("the payload has no link")?;
+            let center = option(load, "center_m").map_or(Ok([0.0; 3]), three)?;
+            let own = option(load, "shape_pose").map_or(Ok((identity().0, vector(center))), pose_of)?;
+            let (kind, size) = solid_of(shape)?;
+            self.is_known &= by_shapes || kind == "sphere";
+            self.add_part(*body, link, Solid { at: compose(at, &own), kind, size });
+        }
+        self.has_balls = self.is_known && self.parts.iter().all(|part| part.solid.kind == "sphere");
         Ok(())
     }
 
-    pub(crate) fn add_ball(&mut self, body: Option<usize>, link: &str, centre: Vector, radius: f64) {
-        self.parts.push(Part { body, link: link.to_owned(), centre, radius });
+    fn add_ball(&mut self, body: Option<usize>, link: &str, centre: Vector, radius: f64) {
+        self.add_part(body, link, Solid { at: (identity().0, centre), kind: "sphere", size: [radius, 0.0, 0.0] });
     }
 
-    /// The torques, by the recursive Newton-Euler algorithm in the frames of the joints.
-    pub(crate) fn torques(&self, q: &[Tm], v: &[Tm], a: &[Tm]) -> Vec<Tm> {
+    fn add_part(&mut self, body: Option<usize>, link: &str, solid: Solid) {
+        self.parts.push(Part { body, link: link.to_owned(), solid });
+    }
+
+    /// The weight, N.
+    pub(crate) fn weight(&self) -> f64 {
+        9.81 * self.joints.iter().fold(self.base.0, |sum, joint| sum + joint.mass).c[0]
+    }
+
+    /// The torques, by the recursive Newton-Euler algorithm in the frames of the joints, and the force on the base and
+    /// its moment.
+    pub(crate) fn torques(&self, q: &[Tm], v: &[Tm], a: &[Tm]) -> (Vec<Tm>, [Vector; 2]) {
         let zero = vector([0.0; 3]);
         let gravity = vector([0.0, 0.0, 9.81]);
+        let mut ground = [times(gravity, self.base.0), cross(self.base.1, gravity)];
         let mut places: Vec<Pose> = Vec::new();
         // Angular velocity and acceleration, acceleration of the origin.
         let mut moving: Vec<[Vector; 3]> = Vec::new();
@@ -286,24 +312,27 @@ impl Robot {
             if friction.c[0] > 0.0 {
                 torques[i] = torques[i] + friction * x * (Tm::new(1.0) + x * x).inverse_sqrt();
             }
-            if let Some(parent) = joint.parent {
-                let force = apply(places[i].0, force);
-                let moment = add(apply(places[i].0, moment), cross(places[i].1, force));
-                loads[parent] = [add(loads[parent][0], force), add(loads[parent][1], moment)];
-            }
+            let force = apply(places[i].0, force);
+            let moment = add(apply(places[i].0, moment), cross(places[i].1, force));
+            let below = joint.parent.map_or(&mut ground, |parent| &mut loads[parent]);
+            *below = [add(below[0], force), add(below[1], moment)];
         }
-        torques
+        (torques, ground)
     }
 
-    /// The centres of the balls in the base frame.
-    pub(crate) fn centres(&self, q: &[Tm]) -> Vec<Vector> {
+    /// The placements of the bodies in the base frame.
+    pub(crate) fn places(&self, q: &[Tm]) -> Vec<Pose> {
         let mut places: Vec<Pose> = Vec::new();
         for (joint, q) in self.joints.iter().zip(q) {
             let own = joint.placement(*q);
             places.push(joint.parent.map_or(own, |p| compose(&places[p], &own)));
         }
-        let one = |part: &Part| part.body.map_or(part.centre, |b| add(apply(places[b].0, part.centre), places[b].1));
-        self.parts.iter().map(one).collect()
+        places
+    }
+
+    /// The placements of the shapes in the base frame.
+    pub(crate) fn placed(&self, places: &[Pose]) -> Vec<Pose> {
+        self.parts.iter().map(|part| part.body.map_or(part.solid.at, |b| compose(&places[b], &part.solid.at))).collect()
     }
 }
 

@@ -1,9 +1,9 @@
 //! The promises of a scenario.
 
 use crate::Checked;
-use crate::arithmetic::{Matrix, Vector, transpose, vector};
-use crate::json::{array, get, number, option, require, text, three};
-use crate::robot::{Robot, quaternion};
+use crate::json::{array, entries, get, number, option, require, text};
+use crate::robot::{Robot, pose_of};
+use crate::shape::{Solid, solid_of};
 use serde_json::Value;
 
 /// A limit of a joint: the name of the promise, the joint, and the bounds.
@@ -13,10 +13,7 @@ pub(crate) struct Limit(pub(crate) &'static str, pub(crate) usize, pub(crate) [f
 pub(crate) fn limits(scenario: &Value, robot: &Robot) -> Checked<Vec<Limit>> {
     let none = Value::Null;
     let enforced = option(scenario, "enforced_limits").unwrap_or(&none);
-    let passive: Vec<&str> = match option(scenario, "passive") {
-        Some(names) => array(names)?.iter().map(text).collect::<Checked<_>>()?,
-        None => Vec::new(),
-    };
+    let passive: Vec<&str> = entries(scenario, "passive").iter().map(text).collect::<Checked<_>>()?;
     let share = |key: &str, joint: &str| -> Checked<Option<f64>> {
         Ok(match option(enforced, key) {
             None | Some(Value::Bool(true)) => Some(1.0),
@@ -84,15 +81,13 @@ pub(crate) fn same_limits(limits: &[Limit], listed: &[Value]) -> Checked<()> {
 
 /// The promises of a scenario that no certificate covers, which the certificate has to list.
 pub(crate) fn not_certified(scenario: &Value, robot: &Robot, listed: &Value) -> Checked<Vec<String>> {
-    let some = |key: &str| option(scenario, key).is_some_and(|v| v.as_array().is_none_or(|list| !list.is_empty()));
+    let some = |key: &str| !entries(scenario, key).is_empty();
     let by_shape = option(scenario, "robot_shape").is_none_or(|s| s.get("collision").is_some() || s == "collision");
     let apart = by_shape && option(scenario, "self_collision").is_none_or(|s| s != "off");
     let wanted = [
         ("passive_joints", some("passive")),
-        ("goal", some("goal")),
-        ("obstacles", !robot.has_balls && some("obstacles")),
-        ("self_collision", !robot.has_balls && apart),
-        ("keep", some("keep")),
+        ("obstacles", !robot.is_known && some("obstacles")),
+        ("self_collision", !robot.is_known && apart),
     ];
     let wanted: Vec<&str> = wanted.into_iter().filter(|(_, is_missing)| *is_missing).map(|(name, _)| name).collect();
     let listed = array(listed)?.iter().map(|entry| text(get(entry, "promise")?).map(str::to_owned));
@@ -101,12 +96,9 @@ pub(crate) fn not_certified(scenario: &Value, robot: &Robot, listed: &Value) -> 
     Ok(listed)
 }
 
-/// An obstacle: placement, kind, lengths, and the distance that is kept.
+/// An obstacle, and the distance that is kept.
 pub(crate) struct Obstacle {
-    pub(crate) inverse: Matrix,
-    pub(crate) at: Vector,
-    pub(crate) kind: &'static str,
-    pub(crate) size: [f64; 3],
+    pub(crate) solid: Solid,
     pub(crate) margin: f64,
 }
 
@@ -115,40 +107,22 @@ pub(crate) fn obstacles(scenario: &Value) -> Checked<Vec<Obstacle>> {
     let beside = given
         .map_or(Ok(0.0), |c| if c.is_object() { option(c, "obstacles").map_or(Ok(0.0), number) } else { number(c) })?;
     let mut all = Vec::new();
-    for obstacle in option(scenario, "obstacles").map_or(Ok(&Vec::new()), array)? {
-        let (shape, pose) = (get(obstacle, "shape")?, get(obstacle, "pose")?);
-        let of = |kind: &str, key: &str| number(get(get(shape, kind)?, key)?);
-        let (kind, size) = if shape.get("sphere").is_some() {
-            ("sphere", [of("sphere", "radius_m")?, 0.0, 0.0])
-        } else if let Some(own) = shape.get("box") {
-            ("box", three(get(own, "size_m")?)?.map(|x| 0.5 * x))
-        } else if shape.get("cylinder").is_some() {
-            ("cylinder", [of("cylinder", "radius_m")?, 0.5 * of("cylinder", "length_m")?, 0.0])
-        } else if shape.get("capsule").is_some() {
-            ("capsule", [of("capsule", "radius_m")?, 0.5 * of("capsule", "length_m")?, 0.0])
-        } else {
-            require(shape.get("half_space").is_some(), "an obstacle has an unknown shape")?;
-            ("half_space", [0.0; 3])
-        };
-        all.push(Obstacle {
-            inverse: transpose(quaternion(option(pose, "orientation_xyzw"))?),
-            at: vector(three(get(pose, "position_m")?)?),
-            kind,
-            size,
-            margin: option(obstacle, "clearance_m").map_or(Ok(beside), number)?,
-        });
+    for obstacle in entries(scenario, "obstacles") {
+        let (at, (kind, size)) = (pose_of(get(obstacle, "pose")?)?, solid_of(get(obstacle, "shape")?)?);
+        let margin = option(obstacle, "clearance_m").map_or(Ok(beside), number)?;
+        all.push(Obstacle { solid: Solid { at, kind, size }, margin });
     }
     Ok(all)
 }
 
-/// Two balls, or a ball and an obstacle, and the distance that is kept.
+/// Two shapes of the robot, or one and an obstacle, and the distance that is kept.
 pub(crate) struct Pair {
     pub(crate) part: usize,
     pub(crate) other: Result<usize, usize>,
     pub(crate) margin: f64,
 }
 
-/// The pairs of a ball on a moving body and an obstacle, and those of balls of links that keep clear of each other.
+/// The pairs of a shape on a moving body and an obstacle, and those of shapes of links that keep clear of each other.
 pub(crate) fn pairs(
     scenario: &Value,
     certificate: &Value,
@@ -164,7 +138,7 @@ pub(crate) fn pairs(
         let own = own.into_iter().flatten().find(|p| is_pair(p.get("links"), a, b));
         own.map_or(Ok(itself), |p| number(get(p, "clearance_m")?))
     };
-    if !robot.has_balls {
+    if !robot.is_known {
         return Ok([Vec::new(), Vec::new()]);
     }
     let free = array(get(certificate, "may_overlap")?)?;

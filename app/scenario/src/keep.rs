@@ -48,25 +48,39 @@ pub(super) fn kept_rows(file: &ScenarioFile, model: &Model, path: &str) -> Resul
     let (mut state, mut stage) = KeptRows::default();
     for (i, kept) in file.keep.iter().enumerate() {
         let key = format!("keep[{i}]");
-        let rows = match (&kept.poses, &kept.speed) {
-            (Some(poses), None) => poses.rows(model, &format!("{key}.poses"), path)?,
-            (None, Some(speed)) => vec![speed.row(model, &key, path)?],
-            _ => {
-                let condition = "one of the keys poses and speed is needed, not both";
-                return Err(Error::input(path, key, condition));
-            }
-        };
+        let rows = kept.rows(model, &key, path)?;
         if kept.from_s.is_none() && kept.to_s.is_none() {
             state.extend(rows);
             continue;
         }
-        let from = kept.from_s.unwrap_or(f64::NEG_INFINITY);
-        let to = kept.to_s.unwrap_or(f64::INFINITY);
-        let between = Between::new(model.clone(), rows, [from, to]);
+        let between = Between::new(model.clone(), rows, kept.times());
         let between = between.map_err(|e| Error::input(path, key, e.to_string()))?;
         stage.push(Arc::new(between) as Arc<dyn StageConstraint>);
     }
     Ok((state, stage))
+}
+
+impl Kept {
+    /// The rows of the condition; `key` names it and `path` the scenario in errors.
+    pub(super) fn rows(&self, model: &Model, key: &str, path: &str) -> Result<Vec<AnyConstraint>> {
+        match (&self.poses, &self.speed) {
+            (Some(poses), None) => poses.rows(model, &format!("{key}.poses"), path),
+            (None, Some(speed)) => Ok(vec![speed.row(model, key, path)?]),
+            _ => {
+                let condition = "one of the keys poses and speed is needed, not both";
+                Err(Error::input(path, key, condition))
+            }
+        }
+    }
+
+    /// The times between which it is kept, s.
+    pub(super) fn times(&self) -> [f64; 2] {
+        let [from, to] = [self.from_s, self.to_s];
+        [
+            from.unwrap_or(f64::NEG_INFINITY),
+            to.unwrap_or(f64::INFINITY),
+        ]
+    }
 }
 
 impl PointSpeed {

@@ -49,6 +49,13 @@ impl Payload {
             return Err(refuse("link", condition));
         };
         robot.inertias_mut()[body] += self.inertia(&refuse)?.placed(&frame);
+        self.collision(robot, path)
+    }
+
+    /// The shape on the link of a robot; `path` names the scenario in errors.
+    pub(super) fn collision(&self, robot: &Model, path: &str) -> Result<Option<Collision>> {
+        let refuse =
+            |key: &str, condition: String| Error::input(path, format!("payload.{key}"), condition);
         let Some(shape) = self.shape else {
             return match self.shape_pose {
                 None => Ok(None),

@@ -5,8 +5,8 @@ use super::{CHECK_FAILED, RobotArgs, print};
 use crate::output::{certification_text, refuse_existing, write_json, write_text};
 use aghf::error::{Error, Result};
 use aghf::input::read_text;
-use aghf_scenario::Solved;
 use aghf_scenario::certify::certify;
+use aghf_scenario::{Details, Solved};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -15,8 +15,9 @@ use std::time::Instant;
 
 /// Prove that a motion keeps the promises of its scenario at all times, and write the proof.
 ///
-/// Limits of positions, velocities, accelerations, jerks and torques, clearances, and the states at both ends are
-/// proved for every time, not for samples, with rounding accounted for. The certificate lists intervals and a reserve
+/// Limits of positions, velocities, accelerations, jerks and torques, clearances, conditions along the way and the
+/// force on a standing foot are proved for every time, not for samples, and the states at both ends and at waypoints,
+/// with rounding accounted for. The certificate lists intervals and a reserve
 /// of each promise on each; `aghf-check` and `python -m aghf.check_certificate` check it with code of their own. Exit
 /// code 1, and no file, if a promise is broken or cannot be proved; the message names each row, its time and its
 /// excess. What the scenario asks for and no certificate covers yet is listed in it and printed.
@@ -43,7 +44,11 @@ impl Certify {
         let run = summary_at(&self.run)?;
         let solved = Solved::load(&run)?;
         let begin = Instant::now();
-        let certification = certify(&scenario, &solved.curve)?;
+        let times = match &solved.summary.details {
+            Details::Direct(details) => &details.waypoint_times_s[..],
+            _ => &[],
+        };
+        let certification = certify(&scenario, &solved.curve, times)?;
         let seconds = begin.elapsed().as_secs_f64();
         print(&certification_text(&certification, seconds))?;
         let Some(certificate) = certification.certificate else {

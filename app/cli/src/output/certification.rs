@@ -1,7 +1,7 @@
 //! The result of a certification in words.
 
 use super::table::short;
-use aghf_scenario::certify::{Certification, Promise};
+use aghf_scenario::certify::{Certification, Passage, Promise};
 
 /// Formats the result of a certification, which took this time.
 #[must_use]
@@ -37,11 +37,23 @@ pub fn certification_text(certification: &Certification, seconds: f64) -> String
         let least = reserves.fold(f64::INFINITY, f64::min);
         let unit = match promise {
             Promise::Obstacles | Promise::SelfCollision => "m",
+            Promise::Keep => "m, rad or m/s",
+            Promise::Stand => "of the weight, m or of the ratio of friction",
             _ => "of the limit",
         };
         lines.push(format!(
             "{}: proved, least reserve {least:.2e} {unit}",
             promise.name()
+        ));
+    }
+    if let Some(reserve) = certificate.goal {
+        lines.push(format!(
+            "goal: proved, least reserve {reserve:.2e} m or rad"
+        ));
+    }
+    for (i, Passage(.., reserve)) in certificate.waypoints.iter().enumerate() {
+        lines.push(format!(
+            "waypoint {i}: proved, least reserve {reserve:.2e} m, rad or their rates"
         ));
     }
     for missing in &certificate.not_certified {

@@ -11,31 +11,31 @@ use aghf::spatial::Placement;
 use nalgebra::Vector3;
 
 /// A larger reserve is claimed as this, m: far pairs need no accurate bound.
-const ENOUGH: f64 = 0.05;
+pub(super) const ENOUGH: f64 = 0.05;
 
 /// The accuracy of squared distances, m^2, and what a claim leaves to another arithmetic, m.
 const ACCURACY: f64 = 1e-12;
 const OTHER_ERRORS: f64 = 3.0;
-const LEFT: f64 = 1e-10;
+pub(super) const LEFT: f64 = 1e-10;
 
 /// The largest error of the centre of a ball, m, with which claims are made.
 const LARGEST_ERROR: f64 = 1e-4;
 
 type Model = TaylorModel<ORDER>;
 
-/// Something that a ball of the robot keeps clear of.
+/// Something that a ball or a shape of the robot keeps clear of.
 #[derive(Clone, Copy)]
-enum Beside {
+pub(super) enum Beside {
     Obstacle(usize),
-    Ball(usize),
+    Part(usize),
 }
 
-/// A ball, what it keeps clear of, and the distance that is kept, m.
+/// A ball or a shape, what it keeps clear of, and the distance that is kept, m.
 #[derive(Clone, Copy)]
 pub(super) struct Pair {
-    ball: usize,
-    beside: Beside,
-    margin: f64,
+    pub(super) part: usize,
+    pub(super) beside: Beside,
+    pub(super) margin: f64,
 }
 
 /// The pairs of the promise.
@@ -54,7 +54,7 @@ pub(super) fn pairs(scenario: &Scenario, promise: Promise) -> Vec<Pair> {
         return moving
             .flat_map(|ball| {
                 beside.clone().map(move |(obstacle, margin)| Pair {
-                    ball,
+                    part: ball,
                     beside: Beside::Obstacle(obstacle),
                     margin: *margin,
                 })
@@ -66,8 +66,8 @@ pub(super) fn pairs(scenario: &Scenario, promise: Promise) -> Vec<Pair> {
         let all = balls(*a).flat_map(move |i| balls(*b).map(move |j| (i, j)));
         let margin = *margin;
         all.map(move |(ball, other)| Pair {
-            ball,
-            beside: Beside::Ball(other),
+            part: ball,
+            beside: Beside::Part(other),
             margin,
         })
         .collect::<Vec<_>>()
@@ -96,7 +96,7 @@ pub(super) struct Balls<'a> {
 
 impl<'a> Balls<'a> {
     pub(super) fn new(scenario: &'a Scenario, basis: &'a Bernstein, piece: &Piece) -> Result<Self> {
-        let q: Vec<Model> = piece.q.iter().map(Polynomial::model).collect();
+        let [q, _, _] = piece.models();
         let mut placements = vec![Placement::identity(); q.len()];
         forward_kinematics(&scenario.model, &q, &mut placements)?;
         let centre = |ball: &CollisionSphere| match ball.body {
@@ -139,16 +139,16 @@ impl<'a> Balls<'a> {
     pub(super) fn least(&self, pairs: &[Pair]) -> Least {
         let balls = &self.scenario.scene.robot().balls;
         let rough = |pair: &Pair| {
-            let p = &self.middles[pair.ball];
+            let p = &self.middles[pair.part];
             let (distance, way) = match pair.beside {
                 Beside::Obstacle(i) => (self.solid(i).distance(p), 0.0),
-                Beside::Ball(i) => {
+                Beside::Part(i) => {
                     let gap = (p - self.middles[i]).norm() - balls[i].radius;
                     (gap, self.ways[i])
                 }
             };
-            let middle = distance - balls[pair.ball].radius - pair.margin;
-            (middle, middle - way - self.ways[pair.ball])
+            let middle = distance - balls[pair.part].radius - pair.margin;
+            (middle, middle - way - self.ways[pair.part])
         };
         let mut all: Vec<_> = pairs.iter().map(|pair| (rough(pair), pair)).collect();
         all.retain(|((_, bound), _)| {
@@ -194,25 +194,16 @@ impl<'a> Balls<'a> {
         };
         match pair.beside {
             Beside::Obstacle(i) => {
-                format!("{} and '{}'", ball(pair.ball), scene.obstacles()[i].name)
+                format!("{} and '{}'", ball(pair.part), scene.obstacles()[i].name)
             }
-            Beside::Ball(i) => format!("{} and {}", ball(pair.ball), ball(i)),
+            Beside::Part(i) => format!("{} and {}", ball(pair.part), ball(i)),
         }
-    }
-
-    /// A lower bound on the values of a model, less what another arithmetic may add.
-    fn lower(&self, x: Model) -> f64 {
-        let polynomial = Polynomial {
-            coefficients: x.coefficients().to_vec(),
-            radius: x.radius(),
-        };
-        self.basis.range(&polynomial, ACCURACY).lower - OTHER_ERRORS * x.radius()
     }
 
     /// A lower bound on the length of a vector.
     fn length(&self, of: &[Model]) -> f64 {
         let square = of.iter().map(|x| *x * *x).reduce(|a, b| a + b);
-        let square = square.map_or(0.0, |square| self.lower(square));
+        let square = square.map_or(0.0, |square| lower(self.basis, square));
         // Of a number that is not one, not a number.
         if square < 0.0 {
             0.0
@@ -224,15 +215,15 @@ impl<'a> Balls<'a> {
     /// A lower bound on the reserve of a pair, m.
     fn bound(&self, pair: &Pair) -> f64 {
         let balls = &self.scenario.scene.robot().balls;
-        let p = &self.centres[pair.ball];
+        let p = &self.centres[pair.part];
         let distance = match pair.beside {
             Beside::Obstacle(i) => self.to_solid(self.solid(i), p),
-            Beside::Ball(i) => {
+            Beside::Part(i) => {
                 let off = p - self.centres[i];
                 self.length(off.as_slice()) - balls[i].radius
             }
         };
-        distance - balls[pair.ball].radius - pair.margin
+        distance - balls[pair.part].radius - pair.margin
     }
 
     /// A lower bound on the signed distance from a solid, in its own frame: that from the part of its surface that is
@@ -256,11 +247,11 @@ impl<'a> Balls<'a> {
                 1.0
             };
             let off = p[i].scale(sign) - Model::constant(half);
-            (off, self.lower(off))
+            (off, lower(self.basis, off))
         };
         match solid.shape {
             Shape::Sphere { radius } => self.length(p.as_slice()) - radius,
-            Shape::HalfSpace => self.lower(p.z),
+            Shape::HalfSpace => lower(self.basis, p.z),
             Shape::Cuboid { half_extents } => {
                 let faces: Vec<_> = (0..3).map(|i| beyond(i, half_extents[i])).collect();
                 let out: Vec<_> = faces
@@ -305,4 +296,9 @@ impl<'a> Balls<'a> {
             }
         }
     }
+}
+
+/// A lower bound on the values of a model, less what another arithmetic may add.
+pub(super) fn lower(basis: &Bernstein, x: Model) -> f64 {
+    basis.range(&Polynomial::from(x), ACCURACY).lower - OTHER_ERRORS * x.radius()
 }

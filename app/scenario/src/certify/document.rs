@@ -24,6 +24,10 @@ pub struct Certificate {
     pub may_overlap: Vec<[String; 2]>,
     /// Bounds on deviations at the ends and between segments.
     pub deviations: Deviations,
+    /// The least reserve of one of the sets of poses that are the goal; `None` if it is a configuration.
+    pub goal: Option<f64>,
+    /// The places at which the motion passes the waypoints, in their order.
+    pub waypoints: Vec<Passage>,
     /// The promises of which each interval has a reserve.
     pub promises: Vec<Promise>,
     /// The intervals, which cover each segment from -1 to 1 in order.
@@ -50,6 +54,10 @@ pub enum Promise {
     Jerk,
     /// Limits of torques and forces.
     Torque,
+    /// Poses and speeds along the way.
+    Keep,
+    /// The force of the ground on a standing foot.
+    Stand,
     /// Clearances from obstacles.
     Obstacles,
     /// Clearances between links.
@@ -66,6 +74,8 @@ impl Promise {
             Self::Acceleration => "acceleration limits",
             Self::Jerk => "jerk limits",
             Self::Torque => "torque limits",
+            Self::Keep => "conditions along the way",
+            Self::Stand => "standing foot",
             Self::Obstacles => "clearance from obstacles",
             Self::SelfCollision => "clearance between links",
         }
@@ -116,9 +126,25 @@ pub struct Deviations {
     pub jump_acceleration: Option<f64>,
 }
 
-/// An interval of a segment, on which `x` goes from -1 to 1, and the reserve of each promise there.
+/// An interval of a segment, on which `x` goes from -1 to 1, the reserve of each promise there, and directions that
+/// separate shapes of the robot from others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Interval(pub usize, pub f64, pub f64, pub Vec<f64>);
+pub struct Interval(
+    pub usize,
+    pub f64,
+    pub f64,
+    pub Vec<f64>,
+    pub Vec<Direction>,
+);
+
+/// A direction from one shape to another. The shapes of the robot are sorted by the names of their links, and the
+/// obstacles follow them. Pairs without one are separated in the direction of their centres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Direction(pub usize, pub usize, pub [f64; 3]);
+
+/// A place of the motion: a segment, `x` from -1 to 1, and the least reserve of the conditions there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Passage(pub usize, pub f64, pub f64);
 
 /// A part of the scenario without a proof.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,17 +5,23 @@
 //! mathematics is in [`aghf::certify`], its assumptions are in `proofs/certificate.md` of the repository.
 //!
 //! A [`Certificate`] lists intervals that cover the horizon. On each, for each promise, it claims the least reserve of
-//! all rows: of a limit the distance from its bound relative to the [scale](LimitRow::scale) of the row, of a clearance
-//! the distance beyond the one that is kept, in m. The checkers (the program `aghf-check` and `python -m
+//! all rows: of a limit the distance from its bound relative to the [scale](LimitRow::scale) of the row, of a condition
+//! along the way that in m, rad or m/s, of a foot that in its unit, of a clearance the distance beyond the one that is
+//! kept, in m. The checkers (the program `aghf-check` and `python -m
 //! aghf.check_certificate`) share no code with this library, read robot, scenario and motion by themselves and prove
 //! each claim once more.
 
 mod clearance;
 mod document;
-mod limits;
+mod points;
+mod rows;
+mod scope;
 mod search;
+mod shapes;
 
-pub use document::{Certificate, Deviations, Interval, LimitRow, NotCertified, Promise};
+pub use document::{
+    Certificate, Deviations, Direction, Interval, LimitRow, NotCertified, Passage, Promise,
+};
 pub use search::{Certification, Failure};
 
 use crate::Scenario;
@@ -26,14 +32,23 @@ use aghf::error::{Result, check_length};
 pub const TOLERANCE: f64 = 1e-9;
 
 /// Proves that a motion keeps what a scenario promises. The parts of the scenario that cannot be certified are
-/// listed in the certificate with their reasons.
+/// listed in the certificate with their reasons. The times at which it passes the waypoints, s, are those of the solve.
 ///
 /// Cost per interval: O(N p^2), the dynamics with polynomials of degree eight for numbers, and a distance per ball of
 /// the robot and obstacle or other ball.
 ///
 /// # Errors
-/// The joints of the motion are not those of the robot.
-pub fn certify(scenario: &Scenario, curve: &Curve) -> Result<Certification> {
+/// The joints of the motion are not those of the robot, or there is another number of times than of waypoints.
+pub fn certify(
+    scenario: &Scenario,
+    curve: &Curve,
+    waypoint_times: &[f64],
+) -> Result<Certification> {
     check_length("curve", scenario.model.dof(), curve.dof())?;
-    search::Search::new(scenario, curve).run()
+    check_length(
+        "waypoint_times_s",
+        scenario.waypoints.len(),
+        waypoint_times.len(),
+    )?;
+    search::certification(scenario, curve, waypoint_times)
 }

@@ -1,15 +1,16 @@
 //! Adaptive subdivision of the horizon.
 
-use super::clearance::{Balls, Pair, pairs};
-use super::limits::{Bounds, LIMITS, deviations, rows};
-use super::{Certificate, Deviations, Interval, LimitRow, NotCertified, Promise, TOLERANCE};
-use crate::{ObstacleShape, RobotShape, Scenario};
-use aghf::certify::{Bernstein, Motion, ORDER, Part};
+use super::clearance::{Balls, Least, Pair, pairs};
+use super::points::{Points, deviations};
+use super::rows::{Nearest, Row, Rows, limits};
+use super::scope::{has_balls, may_overlap, not_certified};
+use super::shapes::{self, Part as ShapePart, Shapes};
+use super::{Certificate, Deviations, Direction, Interval, Passage, Promise, TOLERANCE};
+use crate::Scenario;
+use aghf::certify::{Bernstein, Motion, ORDER, Part, Piece};
 use aghf::curve::Curve;
 use aghf::error::Result;
-use aghf::geometry::Shape;
 use aghf::linalg::rows as rows_of;
-use aghf::model::{Collision, CollisionShape};
 
 /// The fewest intervals of a motion.
 const FEWEST: usize = 16;
@@ -24,6 +25,12 @@ const ACCELERATION: f64 = 1e-6;
 
 /// The number of decimals of a claimed reserve.
 const DECIMALS: f64 = 1e9;
+
+/// A larger reserve of a row is claimed as this.
+const ENOUGH: f64 = 1.0;
+
+/// The share of a segment by which intervals reach beyond the times of a condition, more than rounding of times.
+const BEYOND: f64 = 1.0 / (1_u64 << 39) as f64;
 
 /// The result of a certification.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,80 +59,112 @@ pub struct Failure {
 }
 
 /// The proof under construction.
-pub(super) struct Search<'a> {
+struct Search<'a> {
     scenario: &'a Scenario,
-    curve: &'a Curve,
-    motion: Motion,
-    rows: Vec<LimitRow>,
+    motion: &'a Motion,
+    rows: Rows<'a>,
     promises: Vec<Promise>,
     pairs: Vec<Vec<Pair>>,
+    /// The shapes of the robot, unless it consists of balls.
+    shapes: Option<Vec<ShapePart>>,
     failures: Vec<Failure>,
 }
 
+/// The claims on an interval and the directions that separate shapes there.
+type Claims = (Vec<f64>, Vec<Direction>);
+
+/// The least reserve of the pairs of a promise and the directions that separate shapes.
+type Reserve = (Least, Vec<Direction>);
+
+/// Proves what a scenario promises of a motion that passes the waypoints at these times, s.
+pub(super) fn certification(
+    scenario: &Scenario,
+    curve: &Curve,
+    times: &[f64],
+) -> Result<Certification> {
+    let (motion, limits) = (Motion::of_curve(curve), limits(scenario));
+    let mut search = Search::new(scenario, &motion, Rows::new(scenario, &limits, &motion)?)?;
+    let deviations = deviations(scenario, &motion);
+    search.check(&deviations);
+    let (goal, waypoints) = search.points(times)?;
+    let intervals = search.intervals()?;
+    let (promises, failures) = (search.promises, search.failures);
+    if !failures.is_empty() {
+        return Ok(Certification {
+            certificate: None,
+            failures,
+        });
+    }
+    let n = curve.dof();
+    let positions = |e| rows_of(&curve.coefficients(e).rows(0, n).into_owned());
+    let not_certified = not_certified(scenario)?;
+    let joints = scenario.model.joints().iter();
+    let certificate = Certificate {
+        format: "aghf-certificate-2".to_owned(),
+        scenario: scenario.name.clone(),
+        robot_xxh64: scenario.robot_xxh64.clone(),
+        complete: not_certified.is_empty(),
+        not_certified,
+        tolerance: TOLERANCE,
+        limits,
+        may_overlap: may_overlap(scenario),
+        deviations,
+        goal,
+        waypoints,
+        promises,
+        intervals,
+        horizon_s: curve.horizon(),
+        joints: joints.map(|j| j.name().to_owned()).collect(),
+        coefficients: (0..curve.segments()).map(positions).collect(),
+    };
+    Ok(Certification {
+        certificate: Some(certificate),
+        failures,
+    })
+}
+
+/// A claim rounded down to [`DECIMALS`].
+fn floor(claim: f64) -> f64 {
+    (claim * DECIMALS).floor() / DECIMALS
+}
+
+impl Failure {
+    /// A row at a time, s.
+    fn of(promise: String, row: &Row, nearest: &Nearest, at_s: f64, is_broken: bool) -> Self {
+        Self {
+            promise,
+            place: row.place.clone(),
+            at_s,
+            value: nearest.value,
+            bound: nearest.bound,
+            is_broken,
+        }
+    }
+}
+
 impl<'a> Search<'a> {
-    pub(super) fn new(scenario: &'a Scenario, curve: &'a Curve) -> Self {
-        let rows = rows(scenario);
-        let of_limits = LIMITS.iter().map(|(promise, _)| *promise);
-        let mut promises: Vec<_> = of_limits
-            .filter(|p| rows.iter().any(|r| r.promise == *p))
-            .collect();
-        let mut all = Vec::new();
+    fn new(scenario: &'a Scenario, motion: &'a Motion, rows: Rows<'a>) -> Result<Self> {
+        let mut promises: Vec<_> = rows.all.iter().map(|row| row.promise).collect();
+        promises.dedup();
+        let (shapes, mut all) = (shapes::parts(scenario)?, Vec::new());
         for promise in [Promise::Obstacles, Promise::SelfCollision] {
-            let own = pairs(scenario, promise);
-            if has_balls(scenario) && !own.is_empty() {
+            let own = match &shapes {
+                Some(parts) => shapes::pairs(scenario, parts, promise),
+                None if has_balls(scenario) => pairs(scenario, promise),
+                None => Vec::new(),
+            };
+            if !own.is_empty() {
                 promises.push(promise);
                 all.push(own);
             }
         }
-        Self {
+        Ok(Self {
             scenario,
-            curve,
-            motion: Motion::of_curve(curve),
+            motion,
             rows,
             promises,
             pairs: all,
-            failures: Vec::new(),
-        }
-    }
-
-    pub(super) fn run(mut self) -> Result<Certification> {
-        let deviations = deviations(self.scenario, &self.motion);
-        self.check(&deviations);
-        let intervals = self.intervals()?;
-        if !self.failures.is_empty() {
-            return Ok(Certification {
-                certificate: None,
-                failures: self.failures,
-            });
-        }
-        let curve = self.curve;
-        let n = curve.dof();
-        let positions = |e| rows_of(&curve.coefficients(e).rows(0, n).into_owned());
-        let not_certified = not_certified(self.scenario);
-        let certificate = Certificate {
-            format: "aghf-certificate-1".to_owned(),
-            scenario: self.scenario.name.clone(),
-            robot_xxh64: self.scenario.robot_xxh64.clone(),
-            complete: not_certified.is_empty(),
-            not_certified,
-            tolerance: TOLERANCE,
-            limits: self.rows,
-            may_overlap: may_overlap(self.scenario),
-            deviations,
-            promises: self.promises,
-            intervals,
-            horizon_s: curve.horizon(),
-            joints: self
-                .scenario
-                .model
-                .joints()
-                .iter()
-                .map(|j| j.name().to_owned())
-                .collect(),
-            coefficients: (0..curve.segments()).map(positions).collect(),
-        };
-        Ok(Certification {
-            certificate: Some(certificate),
+            shapes,
             failures: Vec::new(),
         })
     }
@@ -206,182 +245,150 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The intervals with the claims on each, those without a failure.
-    fn intervals(&mut self) -> Result<Vec<Interval>> {
-        let mut open: Vec<Part> = (0..self.motion.segments()).rev().map(Part::whole).collect();
-        while open.len() < FEWEST {
-            open = open
+    /// Checks the goal, if it is a set of poses, and the waypoints, which the motion passes at these times, s.
+    fn points(&mut self, times: &[f64]) -> Result<(Option<f64>, Vec<Passage>)> {
+        let points = Points {
+            scenario: self.scenario,
+            motion: self.motion,
+            rows: &self.rows,
+        };
+        let goal = points.goal()?;
+        let mut passages = Vec::new();
+        let mut worst = vec![("goal".to_owned(), goal, self.motion.horizon())];
+        for (k, time) in times.iter().enumerate() {
+            let (Passage(segment, x, reserve), row) = points.waypoint(k, *time)?;
+            passages.push(Passage(segment, x, floor(reserve)));
+            worst.push((format!("waypoints[{k}]"), row, *time));
+        }
+        let reserve = worst[0].1.as_ref().map(|(_, nearest)| floor(nearest.claim));
+        for (promise, worst, at_s) in worst {
+            if let Some((row, nearest)) = worst.filter(|(_, nearest)| !nearest.holds()) {
+                let is_broken = nearest.is_beyond(&row);
+                self.fail(Failure::of(promise, &row, &nearest, at_s, is_broken));
+            }
+        }
+        Ok((reserve, passages))
+    }
+
+    /// The segments, cut at the times between which conditions are kept, and at least [`FEWEST`] parts.
+    fn parts(&self) -> Vec<Part> {
+        let segments = self.motion.segments();
+        let mut parts: Vec<Part> = (0..segments).map(Part::whole).collect();
+        for [from, to] in self.rows.all.iter().map(|row| row.times) {
+            for (time, out) in [(from, -BEYOND), (to, BEYOND)] {
+                let place = time / self.motion.horizon() * segments as f64 + out;
+                let x = 2.0 * place.fract() - 1.0;
+                let cut = |part: Part| {
+                    let [begin, end] = part.ends();
+                    if part.segment as f64 == place.floor() && begin < x && x < end {
+                        part.split(x).to_vec()
+                    } else {
+                        vec![part]
+                    }
+                };
+                parts = parts.into_iter().flat_map(cut).collect();
+            }
+        }
+        while parts.len() < FEWEST {
+            parts = parts
                 .into_iter()
-                .flat_map(|part| part.halves().into_iter().rev())
+                .flat_map(|part| part.split(part.middle))
                 .collect();
         }
-        let (mut bounds, basis) = (
-            Bounds::new(self.scenario, &self.motion),
-            Bernstein::new(ORDER - 1),
-        );
+        parts
+    }
+
+    /// The intervals with the claims on each, those without a failure.
+    fn intervals(&mut self) -> Result<Vec<Interval>> {
+        let mut open = self.parts();
+        open.reverse();
+        let basis = Bernstein::new(ORDER - 1);
         let mut found = Vec::new();
         while let Some(part) = open.pop() {
             let can_halve = part.half > SMALLEST && found.len() + open.len() < MOST;
-            match self.claims(part, &mut bounds, &basis, can_halve)? {
-                Some(claims) => {
+            match self.claims(part, &basis, can_halve)? {
+                Some((claims, directions)) => {
                     let [from, to] = part.ends();
-                    let floor = |claim: &f64| (claim * DECIMALS).floor() / DECIMALS;
-                    found.push(Interval(
-                        part.segment,
-                        from,
-                        to,
-                        claims.iter().map(floor).collect(),
-                    ));
+                    let claims = claims.into_iter().map(floor).collect();
+                    found.push(Interval(part.segment, from, to, claims, directions));
                 }
-                None => open.extend(part.halves().into_iter().rev()),
+                None => open.extend(part.split(part.middle).into_iter().rev()),
             }
         }
         Ok(found)
     }
 
     /// The claims of each promise on a part; `None` if it is to be halved.
-    fn claims(
-        &mut self,
-        part: Part,
-        bounds: &mut Bounds,
-        basis: &Bernstein,
-        can_halve: bool,
-    ) -> Result<Option<Vec<f64>>> {
+    fn claims(&mut self, part: Part, basis: &Bernstein, can_halve: bool) -> Result<Option<Claims>> {
         let piece = self.motion.piece(part);
-        let mut claims = vec![f64::INFINITY; self.promises.len()];
+        let mut claims = vec![ENOUGH; self.promises.len()];
         let mut failures = Vec::new();
-        let nearest = bounds.nearest(self.scenario, &self.rows, &piece)?;
-        for (row, nearest) in self.rows.iter().zip(&nearest) {
-            let of = self
-                .promises
-                .iter()
-                .position(|p| *p == row.promise)
-                .unwrap_or_default();
-            let holds = nearest.claim >= -TOLERANCE && nearest.is_known;
-            let is_broken = !holds && nearest.is_beyond(row);
+        let nearest = self.rows.nearest(&piece)?;
+        for (row, nearest) in self.rows.all.iter().zip(&nearest) {
+            if !row.is_kept(self.motion, part) {
+                continue;
+            }
+            let is_broken = !nearest.holds() && nearest.is_beyond(row);
+            if !nearest.holds() && !is_broken && can_halve {
+                return Ok(None);
+            }
+            if !nearest.holds() {
+                let at_s = self.motion.time(part, nearest.place);
+                let promise = row.promise.name().to_owned();
+                failures.push(Failure::of(promise, row, nearest, at_s, is_broken));
+            }
+            let of = self.promises.iter().position(|p| *p == row.promise);
+            let of = of.unwrap_or_default();
+            claims[of] = claims[of].min(nearest.claim);
+        }
+        let mut directions = Vec::new();
+        let Some(clearances) = self.clearances(&piece, basis, can_halve)? else {
+            return Ok(None);
+        };
+        let first = self.promises.len() - self.pairs.len();
+        for (of, (least, own)) in clearances.into_iter().enumerate() {
+            let holds = least.claim >= -TOLERANCE;
+            // Far beyond the errors of distances in the middle.
+            let is_broken = !holds && least.middle < -2.0 * TOLERANCE;
             if !holds && !is_broken && can_halve {
                 return Ok(None);
             }
             if !holds {
                 failures.push(Failure {
-                    promise: row.promise.name().to_owned(),
-                    place: format!("joint '{}'", self.scenario.model.joints()[row.joint].name()),
-                    at_s: self.motion.time(part, nearest.place),
-                    value: nearest.value,
-                    bound: nearest.bound,
+                    promise: self.promises[first + of].name().to_owned(),
+                    place: least.place,
+                    at_s: self.motion.time(part, 0.0),
+                    value: least.middle,
+                    bound: 0.0,
                     is_broken,
                 });
             }
-            claims[of] = claims[of].min(nearest.claim);
-        }
-        if !self.pairs.is_empty() {
-            let balls = Balls::new(self.scenario, basis, &piece)?;
-            if !balls.are_known() && can_halve {
-                return Ok(None);
-            }
-            let first = self.promises.len() - self.pairs.len();
-            for (of, pairs) in self.pairs.iter().enumerate() {
-                let least = balls.least(pairs);
-                let holds = least.claim >= -TOLERANCE;
-                // Far beyond the errors of distances in the middle.
-                let is_broken = !holds && least.middle < -2.0 * TOLERANCE;
-                if !holds && !is_broken && can_halve {
-                    return Ok(None);
-                }
-                if !holds {
-                    failures.push(Failure {
-                        promise: self.promises[first + of].name().to_owned(),
-                        place: least.place,
-                        at_s: self.motion.time(part, 0.0),
-                        value: least.middle,
-                        bound: 0.0,
-                        is_broken,
-                    });
-                }
-                claims[first + of] = least.claim;
-            }
+            claims[first + of] = least.claim;
+            directions.extend(own);
         }
         for failure in failures {
             self.fail(failure);
         }
-        Ok(Some(claims))
+        Ok(Some((claims, directions)))
     }
-}
 
-/// The parts of a scenario without proofs.
-fn not_certified(scenario: &Scenario) -> Vec<NotCertified> {
-    let mut all = Vec::new();
-    let mut add = |promise: &str, reason: &str| {
-        all.push(NotCertified {
-            promise: promise.to_owned(),
-            reason: reason.to_owned(),
-        });
-    };
-    if !scenario.passive().is_empty() {
-        add(
-            "passive_joints",
-            "a polynomial keeps their torques at zero at finitely many times only",
-        );
-    }
-    if !scenario.file.goal.is_empty() {
-        add("goal", "poses at the end are not bounded yet");
-    }
-    if !has_balls(scenario) {
-        let reason = "a shape of the robot is no ball, and the balls that cover it are not those of the checkers";
-        if !scenario.file.obstacles.is_empty() {
-            add("obstacles", reason);
+    /// The least reserves of the promises of clearances on a piece; `None` if it is to be halved.
+    fn clearances(
+        &self,
+        piece: &Piece,
+        basis: &Bernstein,
+        can_halve: bool,
+    ) -> Result<Option<Vec<Reserve>>> {
+        if self.pairs.is_empty() {
+            return Ok(Some(Vec::new()));
         }
-        if scenario.keeps_links_clear() {
-            add("self_collision", reason);
+        let pairs = self.pairs.iter();
+        if let Some(parts) = &self.shapes {
+            let shapes = Shapes::new(self.scenario, parts, basis, piece)?;
+            return Ok(Some(pairs.map(|pairs| shapes.least(pairs)).collect()));
         }
+        let balls = Balls::new(self.scenario, basis, piece)?;
+        let all = pairs.map(|pairs| (balls.least(pairs), Vec::new()));
+        Ok((balls.are_known() || !can_halve).then(|| all.collect()))
     }
-    if !scenario.file.keep.is_empty() {
-        add("keep", "conditions along the way are not bounded yet");
-    }
-    if !scenario.file.waypoints.is_empty() {
-        add("waypoints", "points on the way are not bounded yet");
-    }
-    all
-}
-
-/// True if the robot and its load consist of balls, or of points or balls along its links.
-fn has_balls(scenario: &Scenario) -> bool {
-    let payload = scenario
-        .file
-        .payload
-        .as_ref()
-        .and_then(|payload| payload.shape);
-    let load = payload.is_none_or(|shape| matches!(shape, ObstacleShape::Sphere { .. }));
-    let by_shapes = matches!(scenario.robot_shape(), RobotShape::Collision { .. });
-    let is_ball = |c: &Collision| matches!(c.shape, CollisionShape::Solid(Shape::Sphere { .. }));
-    load && (!by_shapes || scenario.model.collisions().iter().all(is_ball))
-}
-
-/// The pairs of links on different bodies that do not keep clear of each other.
-fn may_overlap(scenario: &Scenario) -> Vec<[String; 2]> {
-    let scene = &scenario.scene;
-    if scene.tree_pairs().is_empty() {
-        return Vec::new();
-    }
-    let trees = scene.trees();
-    let link = |i: usize| {
-        scene
-            .robot()
-            .link_of(&trees[i])
-            .unwrap_or_default()
-            .to_owned()
-    };
-    let mut all = Vec::new();
-    for i in 0..trees.len() {
-        for j in i + 1..trees.len() {
-            let kept = scene
-                .tree_pairs()
-                .iter()
-                .any(|p| *p == [i, j] || *p == [j, i]);
-            if !kept && trees[i].body != trees[j].body && link(i) != link(j) {
-                all.push([link(i), link(j)]);
-            }
-        }
-    }
-    all
 }

@@ -7,9 +7,11 @@ mod checker;
 mod search;
 
 use aghf::curve::{Chebyshev, Curve};
+use aghf_scenario::Scenario;
 use gantry::{FROM, TO};
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
+use std::path::Path;
 
 /// The curve of a motion, given as positions and velocities of the joints, over `horizon`.
 fn curve(joints: usize, degree: usize, horizon: f64, at: impl Fn(usize, f64) -> [f64; 2]) -> Curve {
@@ -41,4 +43,37 @@ fn run(curve: &Curve, joints: &[&str]) -> Value {
     };
     let coefficients: Vec<_> = (0..curve.segments()).map(segment).collect();
     json!({ "curve": { "horizon_s": curve.horizon(), "joints": joints, "coefficients": coefficients } })
+}
+
+/// A scenario of the gantry with a box, a cylinder and a capsule, a load, and these obstacles.
+fn shaped(test: &str, obstacles: Value) -> Scenario {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join("certify")
+        .join(test);
+    std::fs::create_dir_all(&folder).expect("the folder is writable");
+    let keys = json!({ "self_collision": { "ignored_pairs": [] },
+        "payload": { "link": "fore", "mass_kg": 0.1, "shape": { "cylinder": { "radius_m": 0.01, "length_m": 0.04 } },
+            "shape_pose": { "position_m": [0.45, 0.0, 0.02], "orientation_xyzw": [0.0, 0.6, 0.0, 0.8] } } });
+    let balls = gantry::scenario(test, keys);
+    let along = r#"rpy="0 1.5707963267948966 0"/><geometry>"#;
+    let cylinder = format!(
+        r#"<link name="upper"><collision><origin xyz="0.25 0 0" {along}<cylinder radius="0.02" length="0.3"/></geometry>
+           </collision>"#
+    );
+    let capsule = format!(
+        r#"<link name="fore"><collision><origin xyz="0.2 0 0" {along}<capsule radius="0.015" length="0.2"/></geometry>
+           </collision>"#
+    );
+    let urdf = (balls.source.text)
+        .replacen(
+            r#"<sphere radius="0.01"/>"#,
+            r#"<box size="0.1 0.06 0.04"/>"#,
+            1,
+        )
+        .replace(r#"<link name="upper">"#, &cylinder)
+        .replace(r#"<link name="fore">"#, &capsule);
+    std::fs::write(folder.join("gantry.urdf"), urdf).expect("the folder is writable");
+    let mut file = balls.file;
+    file.obstacles = serde_json::from_value(obstacles).expect("they are known");
+    Scenario::new(file, "gantry", &folder).expect("it is good")
 }

@@ -1,7 +1,7 @@
 //! Promises are proved where they hold, and refused where they are broken for a moment.
 
 use crate::gantry::scenario;
-use crate::{curve, smooth};
+use crate::{curve, shaped, smooth};
 use aghf::curve::Curve;
 use aghf::motion::samples_at;
 use aghf_scenario::Scenario;
@@ -38,7 +38,7 @@ fn a_good_motion_is_certified() {
     let keys = json!({ "obstacles": obstacles, "self_collision": { "ignored_pairs": [] },
         "enforced_limits": { "acceleration": 30.0, "jerk": 300.0 } });
     let certification =
-        certify(&scenario("certified", keys), &smooth()).expect("it is of this robot");
+        certify(&scenario("certified", keys), &smooth(), &[]).expect("it is of this robot");
     assert_eq!(proved(&certification).len(), 7);
 }
 
@@ -69,7 +69,7 @@ fn a_torque_beyond_its_limit_between_samples_is_refused() {
     for sample in samples_at(&scenario.model, &motion, times) {
         assert!(sample.expect("one joint").u[0].abs() <= top - 1e-6);
     }
-    let certification = certify(&scenario, &motion).expect("one joint");
+    let certification = certify(&scenario, &motion, &[]).expect("one joint");
     assert_eq!(certification.certificate, None);
     let [failure] = &certification.failures[..] else {
         panic!("{:?}", certification.failures);
@@ -80,7 +80,7 @@ fn a_torque_beyond_its_limit_between_samples_is_refused() {
     assert!((failure.value - top).abs() < 1e-7 && (failure.at_s - 1.0).abs() < 1e-3);
     // A little above, and it holds.
     assert_eq!(
-        proved(&certify(&limited(top + 1e-6), &motion).expect("one joint")).len(),
+        proved(&certify(&limited(top + 1e-6), &motion, &[]).expect("one joint")).len(),
         3
     );
 }
@@ -100,7 +100,8 @@ fn slider(effort: f64, motion: &Curve) -> Scenario {
 
 fn refused(keys: Value, promise: &str, place: &str) {
     let test = format!("refused {promise}");
-    let certification = certify(&scenario(&test, keys), &smooth()).expect("it is of this robot");
+    let certification =
+        certify(&scenario(&test, keys), &smooth(), &[]).expect("it is of this robot");
     assert_eq!(certification.certificate, None);
     let found = certification
         .failures
@@ -146,19 +147,153 @@ fn broken_promises_are_refused() {
     );
 }
 
+/// The box on the carriage is 40 mm high and begins 10 mm below a ball.
+#[test]
+fn shapes_that_come_too_close_are_refused() {
+    let ball = |z: f64| {
+        json!([{ "shape": { "sphere": { "radius_m": 0.02 } }, "clearance_m": 0.01,
+            "pose": { "position_m": [-0.5, 0.0, z] } }])
+    };
+    for (z, holds) in [(0.050_001, true), (0.049_999, false)] {
+        let certification =
+            certify(&shaped("close", ball(z)), &smooth(), &[]).expect("it is of this robot");
+        assert_eq!(
+            certification.certificate.is_some(),
+            holds,
+            "{:?}",
+            certification.failures
+        );
+        if let [failure] = &certification.failures[..] {
+            assert!(
+                failure.is_broken && failure.place.contains("'carriage'"),
+                "{failure:?}"
+            );
+        }
+    }
+}
+
+/// Conditions along the way hold on intervals that reach beyond their times by rounding alone.
+#[test]
+fn broken_conditions_are_refused() {
+    let kept = |condition: Value| json!({ "keep": [condition] });
+    let speed = |most: f64, from: f64| {
+        kept(json!({ "speed": { "frame": "carriage", "most_m_s": most }, "from_s": from }))
+    };
+    let promise = "conditions along the way";
+    // The carriage has 15/8 m/s at most, and 0.768 m/s at 0.8 s.
+    refused(speed(1.874_999, 0.0), promise, "speed of frame 'carriage'");
+    refused(speed(0.767_999, 0.8), promise, "speed of frame 'carriage'");
+    for good in [speed(1.875, 0.0), speed(0.768, 0.8)] {
+        let certification =
+            certify(&scenario("kept", good), &smooth(), &[]).expect("it is of this robot");
+        assert!(proved(&certification).contains(&Promise::Keep));
+    }
+    let poses = |keys: Value| {
+        let mut poses = json!({ "frame": "upper" });
+        for (key, value) in keys.as_object().expect("an object") {
+            poses[key] = value.clone();
+        }
+        kept(json!({ "poses": poses }))
+    };
+    // The shoulder turns from 0.2 to -0.3 rad.
+    let tilt = json!({ "axis": { "of_frame": [1, 0, 0], "direction": [1, 0, 0] }, "tolerance_rad": 0.299_999 });
+    refused(poses(tilt), promise, "tilt of the axis");
+    let turn = json!({ "orientation_xyzw": [0, 0, 0, 1], "tolerance_rad": 0.299_999 });
+    refused(poses(turn), promise, "angle of frame 'upper'");
+    refused(
+        poses(json!({ "position_m": [0, 0, 0], "tolerance_m": 0.499_999 })),
+        promise,
+        "distance",
+    );
+    let within = |size: f64, y: f64| {
+        json!({ "box":
+        { "size_m": [size, null, 0], "pose": { "position_m": [0, y, 0] } } })
+    };
+    refused(
+        poses(within(0.999_998, 0.0)),
+        promise,
+        "bound of the position along x",
+    );
+    let stand = |friction: f64| {
+        json!({ "stand":
+        { "frame": "rail", "half_length_m": 2.0, "half_width_m": 1.5, "friction": friction } })
+    };
+    refused(stand(0.1), "standing foot", "friction of foot 'rail'");
+}
+
+/// The end is in a set of poses, and the motion passes points at the times that are given.
+#[test]
+fn goals_and_waypoints_off_their_places_are_refused() {
+    // The fore arm is turned by 1.1 rad about z, half a metre along the upper one from (0.5, 0).
+    let (sin, cos) = (0.3_f64.sin(), 0.3_f64.cos());
+    let goal = |y: f64, tolerance: f64| {
+        json!({ "frame": "fore", "position_m": [0.5 + 0.5 * cos, y - 0.5 * sin, 0.0],
+        "axis": { "of_frame": [1, 0, 0], "direction": [1.1_f64.cos(), 1.1_f64.sin(), 0] }, "tolerance_rad": tolerance })
+    };
+    let of = |goals: Value, points: Value, times: &[f64]| {
+        let scenario = scenario("placed", json!({ "goal": goals, "waypoints": points }));
+        certify(&scenario, &smooth(), times).expect("it is of this robot")
+    };
+    let middle = json!({ "q": [0.0, -0.05, 0.9] });
+    let along = json!({ "poses": { "frame": "carriage", "position_m": [0.0, 0.0, 0.0] } });
+    let good = of(
+        json!([goal(0.0, 1e-3), goal(1e-3, 0.1)]),
+        json!([middle, along]),
+        &[0.5, 0.5],
+    );
+    let certificate = good.certificate.expect("it is proved");
+    assert!(
+        certificate
+            .goal
+            .is_some_and(|reserve| reserve > 6e-7 && reserve < 7e-7)
+    );
+    assert!(certificate.complete && certificate.waypoints.len() == 2);
+    let still = json!({ "q": [0.0, -0.05, 0.9], "stop": true });
+    for (goals, points, times, promise, at_s) in [
+        (json!(goal(1e-6, 0.1)), json!([]), vec![], "goal", 1.0),
+        (
+            json!(goal(0.0, 1e-3)),
+            json!([middle]),
+            vec![0.500_001],
+            "waypoints[0]",
+            0.500_001,
+        ),
+        (
+            json!(goal(0.0, 1e-3)),
+            json!([middle, still]),
+            vec![0.5, 0.5],
+            "waypoints[1]",
+            0.5,
+        ),
+    ] {
+        let failed = of(goals, points, &times);
+        let [failure] = &failed.failures[..] else {
+            panic!("{promise}: {:?}", failed.failures);
+        };
+        assert!(
+            failure.is_broken && failure.promise == promise && failure.at_s == at_s,
+            "{failure:?}"
+        );
+    }
+    let scenario = scenario("untimed", json!({ "waypoints": [middle] }));
+    let error = certify(&scenario, &smooth(), &[]).expect_err("no time is given");
+    assert!(error.to_string().contains("waypoint_times_s"), "{error}");
+}
+
 /// A certificate names the parts that no proof covers.
 #[test]
 fn parts_without_proofs_are_listed() {
-    let keys = json!({ "goal": { "frame": "fore", "box": { "size_m": [9, 9, 9], "pose": { "position_m": [0, 0, 0] } } },
-        "keep": [{ "speed": { "frame": "fore", "most_m_s": 9.0 } }], "passive": ["elbow"],
-        "continuity": "velocity" });
-    let certification = certify(&scenario("listed", keys), &smooth()).expect("it is of this robot");
+    let keys = json!({ "passive": ["elbow"], "continuity": "velocity", "robot_shape": "joint_frames",
+        "payload": { "link": "fore", "mass_kg": 0.1, "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } } },
+        "obstacles": [{ "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [0.0, 5.0, 0.0] } }] });
+    let certification =
+        certify(&scenario("listed", keys), &smooth(), &[]).expect("it is of this robot");
     let certificate = certification.certificate.expect("the rest is proved");
     let listed: Vec<_> = certificate
         .not_certified
         .iter()
         .map(|n| n.promise.as_str())
         .collect();
-    assert_eq!(listed, ["passive_joints", "goal", "keep"]);
+    assert_eq!(listed, ["passive_joints", "obstacles"]);
     assert!(!certificate.complete);
 }

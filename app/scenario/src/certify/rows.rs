@@ -1,0 +1,283 @@
+//! Rows: quantities of a motion with their bounds.
+
+use super::{LimitRow, Promise, TOLERANCE};
+use crate::{Limit, Scenario};
+use aghf::certify::{Bernstein, Motion, ORDER, Part, Piece, Polynomial, Range};
+use aghf::constraint::{AnyConstraint, Constraint, PlacedState};
+use aghf::dynamics::{Data, forward_kinematics};
+use aghf::error::Result;
+use aghf::model::Model;
+use aghf::scalar::{TaylorModel, Zero};
+use aghf::spatial::Placement;
+
+/// The relative reserve below which a bound is computed accurately, and the two accuracies.
+const NEAR: f64 = 0.05;
+const COARSE: f64 = 0.02;
+const FINE: f64 = 1e-10;
+
+/// The multiple of the bound on the errors that a claim leaves to the arithmetic of another checker.
+const OTHER_ERRORS: f64 = 3.0;
+
+/// The largest error, relative to the scale of a row, with which claims are made.
+const LARGEST_ERROR: f64 = 1e-3;
+
+/// The largest deviation of a row that is zero, in its unit. Of two rows across a direction both are small enough for
+/// the 1e-6 by which the checkers bound the sine of the angle from it.
+pub(super) const EQUALITY: f64 = 0.7e-6;
+
+/// The kinds of limits, in the order of the quantities of a piece.
+const LIMITS: [(Promise, Limit); 5] = [
+    (Promise::Position, Limit::Position),
+    (Promise::Velocity, Limit::Velocity),
+    (Promise::Acceleration, Limit::Acceleration),
+    (Promise::Jerk, Limit::Jerk),
+    (Promise::Torque, Limit::Torque),
+];
+
+/// A quantity with its bounds.
+#[derive(Clone, Debug)]
+pub(super) struct Row {
+    pub(super) promise: Promise,
+    /// The joint, the frame or the foot.
+    pub(super) place: String,
+    /// The bounds; infinite without one.
+    pub(super) bounds: [f64; 2],
+    /// The unit of reserves.
+    pub(super) scale: f64,
+    /// The times between which it is kept, s.
+    pub(super) times: [f64; 2],
+}
+
+impl Row {
+    /// A row of scale one that is kept throughout.
+    pub(super) fn new(promise: Promise, place: String, bounds: [f64; 2]) -> Self {
+        Self {
+            promise,
+            place,
+            bounds,
+            scale: 1.0,
+            times: [f64::NEG_INFINITY, f64::INFINITY],
+        }
+    }
+
+    /// True if it is kept at some time of a part.
+    pub(super) fn is_kept(&self, motion: &Motion, part: Part) -> bool {
+        let [from, to] = [-1.0, 1.0].map(|s| motion.time(part, s));
+        from < self.times[1] && to > self.times[0]
+    }
+}
+
+/// The limits that a scenario enforces, without the zero torques of passive joints.
+pub(super) fn limits(scenario: &Scenario) -> Vec<LimitRow> {
+    let passive = scenario.passive();
+    let mut rows = Vec::new();
+    for (promise, limit) in LIMITS {
+        for joint in 0..scenario.model.dof() {
+            if promise == Promise::Torque && passive.contains(&joint) {
+                continue;
+            }
+            if let Some([lower, upper]) = scenario.bound(limit, joint) {
+                rows.push(LimitRow {
+                    promise,
+                    joint,
+                    at_least: lower.is_finite().then_some(lower),
+                    at_most: upper.is_finite().then_some(upper),
+                });
+            }
+        }
+    }
+    rows
+}
+
+/// The rows of constraints on the state, an equality to within [`EQUALITY`].
+pub(super) fn rows_of(promise: Promise, constraints: &[AnyConstraint], model: &Model) -> Vec<Row> {
+    let mut scales = vec![1.0; constraints.dim()];
+    constraints.row_scales(&mut scales);
+    let row = |(i, scale): (usize, &f64)| {
+        let bounds = match constraints.is_equality(i) {
+            true => [-EQUALITY * scale, EQUALITY * scale],
+            false => [f64::NEG_INFINITY, 0.0],
+        };
+        Row {
+            scale: *scale,
+            ..Row::new(promise, constraints.label(i, model).name, bounds)
+        }
+    };
+    scales.iter().enumerate().map(row).collect()
+}
+
+/// Encloses the rows of constraints in states $(q, v)$.
+pub(super) fn values_of<const N: usize>(
+    constraints: &[AnyConstraint],
+    model: &Model,
+    [q, v]: [Vec<TaylorModel<N>>; 2],
+) -> Result<Vec<Polynomial>> {
+    let mut placements = vec![Placement::identity(); q.len()];
+    forward_kinematics(model, &q, &mut placements)?;
+    let at = PlacedState {
+        model,
+        x: &[q, v].concat(),
+        placements: &placements,
+    };
+    let mut values = vec![TaylorModel::zero(); constraints.dim()];
+    constraints.value(&at, &mut values)?;
+    Ok(values.into_iter().map(Polynomial::from).collect())
+}
+
+/// The value of a row that is nearest to a bound, or beyond one.
+pub(super) struct Nearest {
+    /// The proved reserve relative to the scale of the row, less what is left to another arithmetic.
+    pub(super) claim: f64,
+    /// True if the error is small enough for a claim.
+    pub(super) is_known: bool,
+    /// A value that is taken, rounded outward, the bound that it is nearest to, and its place.
+    pub(super) value: f64,
+    pub(super) bound: f64,
+    pub(super) place: f64,
+}
+
+impl Nearest {
+    /// True if the claim is proved and accepted.
+    pub(super) fn holds(&self) -> bool {
+        self.claim >= -TOLERANCE && self.is_known
+    }
+
+    /// True if the value is beyond the bound by more than what is accepted.
+    pub(super) fn is_beyond(&self, row: &Row) -> bool {
+        let beyond = (self.value - self.bound).abs();
+        let out = match self.bound == row.bounds[1] {
+            true => self.value > self.bound,
+            false => self.value < self.bound,
+        };
+        out && beyond > TOLERANCE * row.scale
+    }
+}
+
+/// All rows of a scenario that are kept along the way, with the bases and the scratch for their bounds.
+pub(super) struct Rows<'a> {
+    scenario: &'a Scenario,
+    limits: &'a [LimitRow],
+    kept: Vec<AnyConstraint>,
+    pub(super) all: Vec<Row>,
+    of_motion: Bernstein,
+    of_models: Bernstein,
+    data: Data<TaylorModel<ORDER>>,
+}
+
+impl<'a> Rows<'a> {
+    pub(super) fn new(
+        scenario: &'a Scenario,
+        limits: &'a [LimitRow],
+        motion: &Motion,
+    ) -> Result<Self> {
+        let model = &scenario.model;
+        let of_limit = |row: &LimitRow| {
+            let place = format!("joint '{}'", model.joints()[row.joint].name());
+            let bounds = [
+                row.at_least.unwrap_or(f64::NEG_INFINITY),
+                row.at_most.unwrap_or(f64::INFINITY),
+            ];
+            Row {
+                scale: row.scale(),
+                ..Row::new(row.promise, place, bounds)
+            }
+        };
+        let mut all: Vec<Row> = limits.iter().map(of_limit).collect();
+        let mut kept = Vec::new();
+        for (i, condition) in scenario.file.keep.iter().enumerate() {
+            let rows = condition.rows(model, &format!("keep[{i}]"), &scenario.name)?;
+            let times = condition.times();
+            let own = rows_of(Promise::Keep, &rows, model).into_iter();
+            all.extend(own.map(|row| Row { times, ..row }));
+            kept.extend(rows);
+        }
+        if let Some(foot) = scenario.foot() {
+            let row = |i| {
+                let (place, bounds) = (foot.label(i).name, [f64::NEG_INFINITY, 0.0]);
+                Row::new(Promise::Stand, place, bounds)
+            };
+            all.extend((0..foot.dim()).map(row));
+        }
+        Ok(Self {
+            scenario,
+            limits,
+            kept,
+            all,
+            of_motion: Bernstein::new(motion.degree()),
+            of_models: Bernstein::new(ORDER - 1),
+            data: Data::new(model),
+        })
+    }
+
+    /// The nearest values of all rows on a piece.
+    pub(super) fn nearest(&mut self, piece: &Piece) -> Result<Vec<Nearest>> {
+        let model = &self.scenario.model;
+        let mut torques = Vec::new();
+        if self.limits.iter().any(|row| row.promise == Promise::Torque) {
+            let all = piece.torques(model, &mut self.data)?;
+            torques.extend(all.into_iter().map(Polynomial::from));
+        }
+        let of_joints = [&piece.q, &piece.v, &piece.a, &piece.jerk, &torques];
+        let of_limit = |row: &LimitRow| {
+            let order = LIMITS
+                .iter()
+                .position(|(promise, _)| *promise == row.promise);
+            of_joints[order.unwrap_or_default()][row.joint].clone()
+        };
+        let mut values: Vec<Polynomial> = self.limits.iter().map(of_limit).collect();
+        let [q, v, a] = piece.models();
+        if !self.kept.is_empty() {
+            values.extend(values_of(&self.kept, model, [q.clone(), v.clone()])?);
+        }
+        if let Some(foot) = self.scenario.foot() {
+            let mut g = vec![TaylorModel::zero(); foot.dim()];
+            foot.value(model, &mut self.data, [&q, &v, &a], &mut g)?;
+            values.extend(g.into_iter().map(Polynomial::from));
+        }
+        let rows = self.all.iter().zip(&values);
+        Ok(rows
+            .map(|(row, value)| self.nearest_of(row, value))
+            .collect())
+    }
+
+    /// The nearest value of a row whose values are those of a polynomial.
+    pub(super) fn nearest_of(&self, row: &Row, polynomial: &Polynomial) -> Nearest {
+        let basis = match polynomial.coefficients.len() <= ORDER {
+            true => &self.of_models,
+            false => &self.of_motion,
+        };
+        let (scale, [least, most]) = (row.scale, row.bounds);
+        let of = |range: Range| {
+            let below = (
+                (range.lower - least) / scale,
+                range.least_at_most,
+                least,
+                range.places[0],
+            );
+            let above = (
+                (most - range.upper) / scale,
+                range.most_at_least,
+                most,
+                range.places[1],
+            );
+            // A reserve that is not a number is none.
+            if below.0 <= above.0 || below.0.is_nan() {
+                below
+            } else {
+                above
+            }
+        };
+        let mut found = of(basis.range(polynomial, COARSE * scale));
+        if found.0 < NEAR {
+            found = of(basis.range(polynomial, FINE * scale));
+        }
+        let (reserve, value, bound, place) = found;
+        Nearest {
+            is_known: polynomial.radius <= LARGEST_ERROR * scale,
+            claim: reserve - OTHER_ERRORS * polynomial.radius / scale - FINE,
+            value,
+            bound,
+            place,
+        }
+    }
+}
