@@ -1,6 +1,6 @@
 //! The barrier parameter and its update.
 
-use super::{Options, State};
+use super::{Options, Progress, State};
 use std::fmt::Debug;
 
 /// The parameters of the barrier function.
@@ -20,7 +20,9 @@ pub struct BarrierState {
     pub mu: f64,
     /// The complementarity $\sum_j w_j s_j z_j$ of slacks and multipliers, which is `mu` on the central path.
     pub complementarity: f64,
-    /// The decrease of the barrier function that the last step predicted.
+    /// The decrease of the barrier function that the direction of the last step predicts, without the multiple of the
+    /// norm in the Hessian and at most up to the [longest step](Options::longest_step): a short step does not show that
+    /// the minimum is near.
     pub decrease: f64,
     /// The fraction of that step that was taken.
     pub alpha: f64,
@@ -30,7 +32,25 @@ pub struct BarrierState {
 
 impl BarrierState {
     /// The state after a step that predicted this decrease.
-    pub(super) fn after(state: &State, decrease: f64) -> Self {
+    pub(super) fn after(state: &State, decrease: f64, options: &Options) -> Self {
+        let Progress {
+            regularisation,
+            step,
+            stationarity,
+            ..
+        } = state.progress;
+        // The curvature along the step without the multiple, relative to that with it.
+        let curvature = 1.0 - regularisation * (step / stationarity).powi(2);
+        let longest = options.longest_step / step;
+        let further = if longest.is_finite() && curvature * longest < 1.0 {
+            longest
+        } else {
+            1.0 / curvature
+        };
+        let decrease = match regularisation > 0.0 && further > 1.0 {
+            true => further * decrease,
+            false => decrease,
+        };
         let scale = state.scale();
         Self {
             mu: state.complementarity(),

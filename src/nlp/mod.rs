@@ -185,7 +185,7 @@ pub(crate) fn iterate<P: Nlp>(
     observe(&state.progress);
     let (alpha, used) = (state.progress.alpha, state.progress.regularisation);
     state.kkt.adapt(alpha, used, options);
-    let at = BarrierState::after(state, taken.unwrap_or_default());
+    let at = BarrierState::after(state, taken.unwrap_or_default(), options);
     let solved = taken.is_none() || options.barrier.is_solved(&at);
     if solved && !state.is_last_barrier(options) {
         let before = state.iterate.barrier.mu;
