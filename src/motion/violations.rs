@@ -40,6 +40,30 @@ pub fn violations<K: Constraint>(
     constraints: &Constraints<K>,
     intervals: usize,
 ) -> Result<Vec<Violation>> {
+    largest_rows(model, curve, constraints, intervals, |part| part)
+}
+
+/// The same with times that are dense near the ends of each segment, $T (1 - \cos \pi k / K) / 2$. In `k` a polynomial
+/// in time is a sum of cosines with as many half-waves as its degree, so that a few times the degree resolve it, close to
+/// an end at which the state is fixed too.
+pub(crate) fn violations_near_ends<K: Constraint>(
+    model: &Model,
+    curve: &Curve,
+    constraints: &Constraints<K>,
+    intervals: usize,
+) -> Result<Vec<Violation>> {
+    let part = |part: f64| 0.5 - 0.5 * (std::f64::consts::PI * part).cos();
+    largest_rows(model, curve, constraints, intervals, part)
+}
+
+/// The [`violations`] at the times to which `part` takes equal parts of a segment.
+fn largest_rows<K: Constraint>(
+    model: &Model,
+    curve: &Curve,
+    constraints: &Constraints<K>,
+    intervals: usize,
+    part: impl Fn(f64) -> f64,
+) -> Result<Vec<Violation>> {
     model.check("curve", curve.dof())?;
     constraints.check(model)?;
     if intervals == 0 {
@@ -57,9 +81,9 @@ pub fn violations<K: Constraint>(
             at_s: 0.0,
         })
         .collect();
-    let interval = curve.chebyshev().horizon() / intervals as f64;
-    let table = interpolation(curve.chebyshev(), intervals);
-    let own_times: Vec<f64> = (0..=intervals).map(|k| k as f64 * interval).collect();
+    let time = |k: f64| curve.chebyshev().horizon() * part(k / intervals as f64);
+    let own_times: Vec<f64> = (0..=intervals).map(|k| time(k as f64)).collect();
+    let table = interpolation(curve.chebyshev(), &own_times);
     let mut rows = Rows::new(model, constraints, intervals + 1);
     let mut uncertain: Vec<Option<(usize, Bracket)>> = vec![None; scales.len()];
     for (segment, begin) in curve.breakpoints()[..curve.segments()].iter().enumerate() {
@@ -69,10 +93,10 @@ pub fn violations<K: Constraint>(
             let (by, position) = peak(&values[..=intervals], *equality);
             if by > largest.by {
                 largest.by = by;
-                largest.at_s = begin + position * interval;
+                largest.at_s = begin + time(position);
                 let middle = (position.round() as usize).clamp(1, (intervals - 1).max(1));
                 let bracket = Bracket {
-                    times: [middle - 1, middle, middle + 1].map(|k| k as f64 * interval),
+                    times: [middle - 1, middle, middle + 1].map(|k| time(k as f64)),
                     values: [middle - 1, middle, middle + 1].map(|k| values[k]),
                 };
                 let inside = intervals > 1 && !equality && bracket.is_valid();
@@ -151,13 +175,12 @@ pub fn passive_share(
     Ok(passive.fold(0.0_f64, |most, (_, torque)| most.max(*torque)) / largest)
 }
 
-/// The weights of the nodes of a segment at equally spaced times in it, one column per time.
-fn interpolation(chebyshev: &Chebyshev, intervals: usize) -> DMatrix<f64> {
+/// The weights of the nodes of a segment at times in it, one column per time.
+fn interpolation(chebyshev: &Chebyshev, times: &[f64]) -> DMatrix<f64> {
     let nodes = chebyshev.degree() + 1;
-    let (mut table, mut weights) = (DMatrix::zeros(nodes, intervals + 1), DVector::zeros(nodes));
-    for k in 0..=intervals {
-        let part = k as f64 / intervals as f64;
-        chebyshev.interpolation(chebyshev.horizon() * part, &mut weights);
+    let (mut table, mut weights) = (DMatrix::zeros(nodes, times.len()), DVector::zeros(nodes));
+    for (k, time) in times.iter().enumerate() {
+        chebyshev.interpolation(*time, &mut weights);
         table.set_column(k, &weights);
     }
     table

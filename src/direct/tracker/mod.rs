@@ -203,6 +203,12 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Tracker<'a, K, P> {
         Ok(())
     }
 
+    /// The constraints that the next step keeps.
+    #[must_use]
+    pub fn constraints(&self) -> &Constraints<K> {
+        &self.constraints
+    }
+
     /// Changes the [deadline](TrackerOptions::deadline) of the next steps.
     pub fn set_deadline(&mut self, deadline: Option<Duration>) {
         self.options.deadline = deadline;
