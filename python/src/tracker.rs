@@ -29,7 +29,14 @@ type Found<'py> = (
 
 /// The arrays of a command.
 fn arrays<'py>(py: Python<'py>, command: &Command) -> PyResult<[Array<'py>; 6]> {
-    let Command { q, v, a, tau, gain, u } = command;
+    let Command {
+        q,
+        v,
+        a,
+        tau,
+        gain,
+        u,
+    } = command;
     let n = q.len();
     let array = |x: &[f64], shape| PyArray1::from_slice(py, x).reshape(shape);
     // The gain is stored column by column.
@@ -52,11 +59,7 @@ fn json<T: serde::de::DeserializeOwned>(what: &str, text: &str) -> PyResult<T> {
 impl PyTracker {
     /// Searches the first plan; the scenario is named, or has a text in JSON.
     #[new]
-    fn new(
-        py: Python<'_>,
-        named: (String, Option<String>),
-        options: &str,
-    ) -> PyResult<Self> {
+    fn new(py: Python<'_>, named: (String, Option<String>), options: &str) -> PyResult<Self> {
         let scenario = read_scenario(&named.0, named.1.as_deref())?;
         let options: ScenarioTrackerOptions = json("options", options)?;
         let interrupt = Interrupt::default();
@@ -88,7 +91,9 @@ impl PyTracker {
             Safety::Kept | Safety::Left => None,
         };
         let left = safety == Safety::Left;
-        Ok((finished, command, violation, left, deviation, iterations, flags))
+        Ok((
+            finished, command, violation, left, deviation, iterations, flags,
+        ))
     }
 
     /// Changes the goal.

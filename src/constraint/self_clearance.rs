@@ -22,7 +22,7 @@ impl<C: Scalar> SelfClearance<C> {
     /// The balls of a pair.
     fn pair(&self, [i, j]: [usize; 2]) -> Result<[&CollisionSphere<C>; 2]> {
         let ball = |i: usize| {
-            self.balls.get(i).ok_or(Error::Length {
+            self.balls.get(i).ok_or_else(|| Error::Length {
                 what: "balls of the pairs of a constraint",
                 expected: i + 1,
                 found: self.balls.len(),

@@ -118,22 +118,27 @@ fn refine<K: Constraint>(
     largest: &mut [Violation],
 ) -> Result<()> {
     let (chebyshev, scales) = (curve.chebyshev(), constraints.row_scales());
-    let mut rows = Rows::new(model, constraints, 1);
-    let mut weights = DVector::zeros(chebyshev.degree() + 1);
-    for (largest, uncertain) in largest.iter_mut().zip(uncertain) {
-        let Some((segment, mut bracket)) = *uncertain else {
+    for (segment, begin) in curve.breakpoints()[..curve.segments()].iter().enumerate() {
+        let own = uncertain.iter().enumerate();
+        let own =
+            own.filter_map(|(row, of)| of.filter(|(at, _)| *at == segment).map(|of| (row, of.1)));
+        let mut own: Vec<(usize, Bracket)> = own.collect();
+        if own.is_empty() {
             continue;
-        };
-        for _ in 0..Bracket::REFINEMENTS {
-            let time = bracket.next();
-            chebyshev.interpolation(time, &mut weights);
-            let table = DMatrix::from_columns(std::slice::from_ref(&weights));
-            rows.evaluate(curve, segment, (&[time], &table), &scales)?;
-            bracket.narrow(time, rows.values[largest.row * rows.stride]);
         }
-        let (time, height) = bracket.vertex();
-        largest.at_s = curve.breakpoints()[segment] + time;
-        largest.by = height;
+        let mut rows = Rows::new(model, constraints, own.len());
+        for _ in 0..Bracket::REFINEMENTS {
+            let times: Vec<f64> = own.iter().map(|(_, bracket)| bracket.next()).collect();
+            let table = interpolation(chebyshev, &times);
+            rows.evaluate(curve, segment, (&times, &table), &scales)?;
+            for (k, (row, bracket)) in own.iter_mut().enumerate() {
+                bracket.narrow(times[k], rows.values[*row * rows.stride + k]);
+            }
+        }
+        for (row, bracket) in own {
+            let (time, height) = bracket.vertex();
+            (largest[row].at_s, largest[row].by) = (begin + time, height);
+        }
     }
     Ok(())
 }
@@ -305,25 +310,29 @@ impl<'a, K: Constraint> Rows<'a, K> {
 /// at the first and last three.
 fn peak(values: &[f64], equality: bool) -> (f64, f64) {
     let (mut largest, mut position) = (f64::NEG_INFINITY, 0.0);
-    let mut take = |height: f64, at: f64| {
-        if height > largest {
-            (largest, position) = (height, at);
-        }
-    };
     for (k, value) in values.iter().enumerate() {
         let height = if equality { value.abs() } else { *value };
-        take(height, k as f64);
+        if height > largest {
+            (largest, position) = (height, k as f64);
+        }
     }
     let last = values.len().saturating_sub(3);
     for (k, window) in values.windows(3).enumerate() {
         let sign = if equality { window[1].signum() } else { 1.0 };
         let [a, b, c] = [window[0], window[1], window[2]].map(|value| sign * value);
         let (slope, bend) = (0.5 * (c - a), 2.0 * b - a - c);
+        // Within an interval from the middle a parabola is higher by half its bend at most.
+        if b + 0.5 * bend <= largest {
+            continue;
+        }
         let from = if k == 0 { -1.0 } else { -0.5 };
         let to = if k == last { 1.0 } else { 0.5 };
         if bend > 0.0 && slope >= from * bend && slope <= to * bend {
             let shift = slope / bend;
-            take(b + 0.5 * slope * shift, (k + 1) as f64 + shift);
+            let height = b + 0.5 * slope * shift;
+            if height > largest {
+                (largest, position) = (height, (k + 1) as f64 + shift);
+            }
         }
     }
     (largest, position)

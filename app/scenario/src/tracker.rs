@@ -111,9 +111,8 @@ impl ScenarioTracker {
     /// The label of a row of the current constraints.
     #[must_use]
     pub fn label(&self, row: usize) -> RowLabel {
-        self.0.with_dependent(|scenario, tracker| {
-            tracker.constraints().label(row, &scenario.model)
-        })
+        self.0
+            .with_dependent(|scenario, tracker| tracker.constraints().label(row, &scenario.model))
     }
 }
 
@@ -123,7 +122,8 @@ impl ScenarioTrackerOptions {
         if let Some(preset) = scenario.file.objective.preset()
             && preset != Preset::LeastEffort
         {
-            let condition = format!("it is '{preset}', a tracker minimises least-effort or weights");
+            let condition =
+                format!("it is '{preset}', a tracker minimises least-effort or weights");
             return Err(Error::input(&scenario.name, "objective", condition));
         }
         let mut search = self.search.clone();
@@ -132,7 +132,8 @@ impl ScenarioTrackerOptions {
         settings.waypoints = scenario.waypoints.clone();
         let deadline = match self.deadline_s {
             Some(s) if !(0.0..=LONGEST_DEADLINE_S).contains(&s) => {
-                let condition = format!("it is {s}, at least 0 and at most {LONGEST_DEADLINE_S} s is needed");
+                let condition =
+                    format!("it is {s}, at least 0 and at most {LONGEST_DEADLINE_S} s is needed");
                 return Err(Error::input("options", "deadline_s", condition));
             }
             seconds => seconds.map(Duration::from_secs_f64),

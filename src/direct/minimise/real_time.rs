@@ -5,7 +5,7 @@ use super::{Candidate, Context, Multipliers, Stage};
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::error::{Error, Result};
-use crate::nlp::{Barrier, Iterate, Nlp, Options, State, iterate};
+use crate::nlp::{Iterate, Nlp, Options, State, iterate};
 use nalgebra::DVector;
 
 /// The result of a few iterations.
@@ -72,10 +72,11 @@ pub(in crate::direct) fn improve<K: Constraint, P: CostWithControl>(
     let all = state.iterate.multipliers(program.margins.len());
     candidate.multipliers = Multipliers::new(&grid, rows, &all, Vec::new());
     candidate.penalty = Some(options.penalty);
-    let barrier = state.iterate.barrier;
     let other = program.unknowns(reference);
-    let before = barrier_function(&mut program, &other, barrier)?;
-    let after = barrier_function(&mut program, &state.x, barrier)?;
+    let mut h = Vec::new();
+    let f = program.value(&other, &mut h)?;
+    let before = barrier_function(&mut program, (&other, f, &h), &state);
+    let after = barrier_function(&mut program, (&state.x, state.f, &state.h), &state);
     (candidate.path.coefficients, candidate.horizon, _) = program.curve(&state.x);
     Ok(Iterations {
         count,
@@ -84,11 +85,13 @@ pub(in crate::direct) fn improve<K: Constraint, P: CostWithControl>(
     })
 }
 
-/// The barrier function with the best slacks.
-fn barrier_function<P: Nlp>(program: &mut P, x: &DVector<f64>, barrier: Barrier) -> Result<f64> {
-    let mut h = Vec::new();
-    let f = program.value(x, &mut h)?;
-    let mut iterate = Iterate::new(barrier, Vec::new());
-    iterate.set_working(&program.working_set(&h), &h);
-    Ok(f + program.measure(x) * iterate.barrier_terms(&h))
+/// The barrier function of a state at unknowns with an objective and rows, with the best slacks.
+fn barrier_function<P: Nlp>(
+    program: &mut P,
+    (x, f, h): (&DVector<f64>, f64, &[f64]),
+    state: &State,
+) -> f64 {
+    let mut iterate = Iterate::new(state.iterate.barrier, Vec::new());
+    iterate.set_working(&program.working_set(h), h);
+    f + program.measure(x) * iterate.barrier_terms(h)
 }

@@ -24,6 +24,9 @@ use plan::{Commander, Plan};
 use search::Searched;
 use std::time::Duration;
 
+/// The number of intervals per quadrature point at which rows are scanned after the first search: the look is finer.
+const SCAN: usize = 2;
+
 /// A motion to a goal that is followed and replanned at the same time, as the goal and the obstacles move.
 ///
 /// The tracker has one plan that it follows, a polynomial that ends at rest, and at most one other that it improves: by
@@ -117,6 +120,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Tracker<'a, K, P> {
         options.settings.degree = found.curve.chebyshev().degree();
         (options.settings.start, options.settings.multipliers) = (None, None);
         (options.settings.time_limit, options.settings.interrupt) = (None, Interrupt::default());
+        options.settings.search.scan = SCAN;
         let continuity = Continuity {
             rest: [false, true],
             ..options.settings.continuity(problem)

@@ -46,7 +46,7 @@ impl Default for TrackerOptions {
             barrier: 1e-2,
             iterations_per_step: 1,
             least_gain: 1e-3,
-            look: 160,
+            look: 120,
             deadline: None,
             bandwidth: 30.0,
             shortest_horizon: 0.1,
