@@ -129,6 +129,7 @@ impl ScenarioTrackerOptions {
         let mut search = self.search.clone();
         search.degree = search.degree.or(Some(DEGREE));
         let mut settings = search.settings(scenario)?;
+        settings.search.points = TrackerOptions::default().settings.search.points;
         settings.waypoints = scenario.waypoints.clone();
         let deadline = match self.deadline_s {
             Some(s) if !(0.0..=LONGEST_DEADLINE_S).contains(&s) => {

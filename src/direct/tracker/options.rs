@@ -41,8 +41,10 @@ pub struct TrackerOptions {
 
 impl Default for TrackerOptions {
     fn default() -> Self {
+        let mut settings = DirectSettings::constrained();
+        settings.search.points = settings.search.points_of_segments;
         Self {
-            settings: DirectSettings::constrained(),
+            settings,
             barrier: 1e-2,
             iterations_per_step: 1,
             least_gain: 1e-3,
