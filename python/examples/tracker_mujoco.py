@@ -21,7 +21,7 @@ from mujoco_replay import order_of, specification_of
 import aghf
 
 PERIOD, SUBSTEPS, HORIZON, SPEED = 0.002, 4, 0.5, 0.3
-HEAVIER, CLEARANCE = 1.2, 0.02
+HEAVIER, CLEARANCE, BESIDE = 1.2, 0.02, 0.15
 # Friction of 1 % of the largest torque, and as much from damping at the largest velocity.
 LOSSES = 0.01
 START = {
@@ -45,13 +45,14 @@ def obstacles(ball: np.ndarray) -> list[dict]:
     return [{"shape": shape, "pose": {"position_m": list(p)}} for shape, p in zip(shapes, places, strict=True)]
 
 
-def ball_at(now: float) -> np.ndarray:
-    """It crosses in front of the robot and back, at up to 0.25 m/s."""
-    return np.array([0.75, 0.6 * np.cos(0.25 / 0.6 * now), 0.55])
-
-
 def tool(model: aghf.Model, q: np.ndarray) -> np.ndarray:
-    return aghf.frame_placement(model, q, model.frame_names[-1])[:, 3]
+    return aghf.frame_placement(model, q, model.frame_names[-1])[:3, 3]
+
+
+def ball_of(model: aghf.Model, start: np.ndarray):
+    """A ball that crosses close in front of the robot and back, at up to 0.25 m/s, as a function of time."""
+    x, _, z = tool(model, start)
+    return lambda now: np.array([x + BESIDE, 0.6 * np.cos(0.25 / 0.6 * now), z])
 
 
 def target_of(model: aghf.Model, start: np.ndarray):
@@ -86,7 +87,8 @@ def simulation(model: aghf.Model) -> tuple[mujoco.MjModel, list[tuple[int, int]]
 
 def run(robot: str, seconds: float) -> bool:
     """Prints the figures of a closed loop; returns true without contact and violated limits."""
-    start = np.array(START[robot])
+    model, start = aghf.Model.builtin(robot), np.array(START[robot])
+    ball_at, target = ball_of(model, start), target_of(model, start)
     scenario = {
         "robot": robot,
         "horizon_s": HORIZON,
@@ -99,8 +101,7 @@ def run(robot: str, seconds: float) -> bool:
         "robot_shape": {"collision": {"excess_m": 0.025}},
         "clearance_m": {"obstacles": CLEARANCE},
     }
-    model, tracker = aghf.Model.builtin(robot), aghf.Tracker(scenario)
-    target, (world, pairs) = target_of(model, start), simulation(model)
+    tracker, (world, pairs) = aghf.Tracker(scenario), simulation(model)
     data, order = mujoco.MjData(world), order_of(model, world)
     data.qpos[order] = start
     latencies, processor, errors, deviations, closest = [], [], [], [], np.inf
@@ -130,9 +131,10 @@ def run(robot: str, seconds: float) -> bool:
         worst = {limit: max(worst[limit], by.max()) for limit, by in beyond.items()}
         if k % 10 == 0:
             closest = min(closest, *(mujoco.mj_geomDistance(world, data, i, j, 1.0, None) for i, j in pairs))
-    quantiles = " / ".join(f"{1e3 * np.quantile(latencies, share):.2f}" for share in (0.5, 0.99, 0.999))
     print(f"{robot}: {len(errors)} steps at {1 / np.mean(latencies):.0f} Hz, {iterations} iterations, {replaced} plans")
-    print(f"  latency, ms: {quantiles} (median / 99 % / 99.9 %), processor {1e3 * np.median(processor):.2f}")
+    for name, times in (("latency", latencies), ("processor time", processor)):
+        quantiles = " / ".join(f"{1e3 * np.quantile(times, share):.2f}" for share in (0.5, 0.99, 0.999))
+        print(f"  {name}, ms: {quantiles} (median / 99 % / 99.9 %)")
     edges = [0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0, np.inf]
     counts, _ = np.histogram(1e3 * np.array(latencies), edges)
     print("  " + ", ".join(f"below {high:g} ms: {count}" for high, count in zip(edges[1:], counts, strict=True)))

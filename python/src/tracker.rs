@@ -4,6 +4,7 @@ use crate::batch::{Array, Numbers};
 use crate::error::raised;
 use crate::signals::until_signalled;
 use crate::solve::read_scenario;
+use aghf::Error;
 use aghf::direct::{Command, Outcome, Safety};
 use aghf::motion::Interrupt;
 use aghf_scenario::{Obstacle, ScenarioTracker, ScenarioTrackerOptions};
@@ -77,7 +78,7 @@ impl PyTracker {
         v: Numbers<'py>,
         now: f64,
     ) -> PyResult<Found<'py>> {
-        let state = [numbers("q", &q)?, numbers("v", &v)?].concat();
+        let state = [self.numbers("q", &q)?, self.numbers("v", &v)?].concat();
         let step = py.detach(|| self.0.step(&state, now)).map_err(raised)?;
         let command = arrays(py, step.command)?;
         let finished = step.outcome == Outcome::Finished;
@@ -98,7 +99,8 @@ impl PyTracker {
 
     /// Changes the goal.
     fn set_goal(&mut self, q: Numbers<'_>, horizon: f64) -> PyResult<()> {
-        self.0.set_goal(numbers("q", &q)?, horizon).map_err(raised)
+        let q = self.numbers("q", &q)?.to_vec();
+        self.0.set_goal(&q, horizon).map_err(raised)
     }
 
     /// Replaces the obstacles, a list in JSON.
@@ -108,7 +110,19 @@ impl PyTracker {
     }
 }
 
-fn numbers<'n>(name: &str, given: &'n Numbers<'_>) -> PyResult<&'n [f64]> {
-    let refuse = |error| PyValueError::new_err(format!("{name}: {error}"));
-    given.as_slice().map_err(refuse)
+impl PyTracker {
+    /// The numbers of an argument, one per joint.
+    fn numbers<'n>(&self, name: &'static str, given: &'n Numbers<'_>) -> PyResult<&'n [f64]> {
+        let refuse = |error| PyValueError::new_err(format!("{name}: {error}"));
+        let numbers = given.as_slice().map_err(refuse)?;
+        let (expected, found) = (self.0.scenario().model.dof(), numbers.len());
+        match found == expected {
+            true => Ok(numbers),
+            false => Err(raised(Error::Length {
+                what: name,
+                expected,
+                found,
+            })),
+        }
+    }
 }

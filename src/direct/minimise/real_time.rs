@@ -62,6 +62,9 @@ pub(in crate::direct) fn improve<K: Constraint, P: CostWithControl>(
     // A row with a multiplier of more than half the penalty is violated.
     options.penalty = penalty.max(2.0 * largest / density.max(f64::MIN_POSITIVE));
     let mut state = State::new(&mut program, x, known.as_deref(), kkt, &options)?;
+    let other = program.unknowns(reference);
+    // A search often begins at the reference, where all is known.
+    let known = (other == state.x).then(|| (state.f, state.h.clone()));
     let (mut count, mut converged) = (0, false);
     while !converged && goes_on(count) {
         let over = iterate(&mut program, &mut state, &options, &mut |_| {})?;
@@ -72,9 +75,13 @@ pub(in crate::direct) fn improve<K: Constraint, P: CostWithControl>(
     let all = state.iterate.multipliers(program.margins.len());
     candidate.multipliers = Multipliers::new(&grid, rows, &all, Vec::new());
     candidate.penalty = Some(options.penalty);
-    let other = program.unknowns(reference);
-    let mut h = Vec::new();
-    let f = program.value(&other, &mut h)?;
+    let (f, h) = match known {
+        Some(known) => known,
+        None => {
+            let mut h = Vec::new();
+            (program.value(&other, &mut h)?, h)
+        }
+    };
     let before = barrier_function(&mut program, (&other, f, &h), &state);
     let after = barrier_function(&mut program, (&state.x, state.f, &state.h), &state);
     (candidate.path.coefficients, candidate.horizon, _) = program.curve(&state.x);

@@ -25,7 +25,7 @@ use search::Searched;
 use std::time::Duration;
 
 /// The number of intervals per quadrature point at which rows are scanned after the first search: the look is finer.
-const SCAN: usize = 2;
+const SCAN: usize = 3;
 
 /// A motion to a goal that is followed and replanned at the same time, as the goal and the obstacles move.
 ///
@@ -171,6 +171,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Tracker<'a, K, P> {
     /// `q` does not have `N` finite entries, or the horizon is shorter than the [shortest
     /// one](TrackerOptions::shortest_horizon) or out of range.
     pub fn set_goal(&mut self, q: &[f64], horizon: f64) -> Result<()> {
+        check_length("q", self.model.dof(), q.len())?;
         let goal = [q, &vec![0.0; self.model.dof()]].concat();
         Problem::new(self.model, goal.clone(), goal.clone(), horizon)?;
         if horizon < self.options.shortest_horizon {
