@@ -317,6 +317,10 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
         clearance(format!("distance of {} from {}", names[0], names[1]))
     }
 
+    fn is_clearance(&self, _: usize, _: &Model<C>) -> bool {
+        true
+    }
+
     fn cutoff(&self, _: usize) -> Option<C> {
         Some(self.far)
     }

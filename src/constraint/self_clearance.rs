@@ -71,6 +71,10 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         clearance(format!("distance of {first} from {second}"))
     }
 
+    fn is_clearance(&self, _: usize, _: &Model<C>) -> bool {
+        true
+    }
+
     /// As a function of $s = |p_1 - p_2|^2 / 2$ the row is linear with slope $-2$. Pairs with zero weights are skipped.
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,
