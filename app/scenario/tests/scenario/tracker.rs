@@ -31,7 +31,8 @@ fn obstacles(list: Value) -> Vec<Obstacle> {
 
 fn tracker(file: &Value, options: Value) -> aghf::Result<ScenarioTracker> {
     let options: ScenarioTrackerOptions = serde_json::from_value(options).expect("options");
-    ScenarioTracker::new(load("arm", file)?, &options, Interrupt::default())
+    let scenario = load("arm", file).expect("it is a scenario");
+    ScenarioTracker::new(scenario, &options, Interrupt::default())
 }
 
 #[test]
@@ -99,8 +100,6 @@ fn a_scenario_that_cannot_be_tracked_is_refused() {
     assert_refused(new(&moving, none()), "joint 1 is not at rest");
     let point = |file: &mut Value| file["waypoints"] = json!([{ "q": file["q_start"] }]);
     assert_refused(new(&point, none()), "waypoints");
-    let passive = |file: &mut Value| file["passive"] = json!(["joint_7"]);
-    assert_refused(new(&passive, none()), "");
     assert_refused(
         new(&|_| {}, json!({ "deadline_s": -1.0 })),
         "deadline_s: it is -1",
