@@ -127,7 +127,10 @@ def run(robot: str, seconds: float) -> bool:
         iterations, replaced = iterations + step.iterations, replaced + step.replaced
         errors.append(np.linalg.norm(tool(model, q) - tool(model, target(now))))
         deviations.append(step.deviation)
-        beyond = {"position": np.maximum(q - model.upper, model.lower - q), "velocity": np.abs(v) - model.velocity_limits}
+        beyond = {
+            "position": np.maximum(q - model.upper, model.lower - q),
+            "velocity": np.abs(v) - model.velocity_limits,
+        }
         worst = {limit: max(worst[limit], by.max()) for limit, by in beyond.items()}
         if k % 10 == 0:
             closest = min(closest, *(mujoco.mj_geomDistance(world, data, i, j, 1.0, None) for i, j in pairs))

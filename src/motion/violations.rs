@@ -44,8 +44,8 @@ pub fn violations<K: Constraint>(
 }
 
 /// The same with times that are dense near the ends of each segment, $T (1 - \cos \pi k / K) / 2$. In `k` a polynomial
-/// in time is a sum of cosines with as many half-waves as its degree, so that a few times the degree resolve it, close to
-/// an end at which the state is fixed too.
+/// in time is a sum of cosines with as many half-waves as its degree at most, so that a few times the degree resolve
+/// it, near an end at which the state is fixed too.
 pub(crate) fn violations_near_ends<K: Constraint>(
     model: &Model,
     curve: &Curve,
