@@ -101,7 +101,7 @@ def run(robot: str, seconds: float) -> bool:
         "robot_shape": {"collision": {"excess_m": 0.025}},
         "clearance_m": {"obstacles": CLEARANCE},
     }
-    tracker, (world, pairs) = aghf.Tracker(scenario), simulation(model)
+    tracker, (world, pairs) = aghf.Tracker(scenario, search={"degree": 8}), simulation(model)
     data, order = mujoco.MjData(world), order_of(model, world)
     data.qpos[order] = start
     latencies, processor, errors, deviations, closest = [], [], [], [], np.inf
