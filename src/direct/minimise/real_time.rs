@@ -59,8 +59,7 @@ pub(in crate::direct) fn improve<K: Constraint, P: CostWithControl>(
         .flatten()
         .fold(0.0, |most: f64, z| most.max(z.abs()));
     let density = program.finer_cost[0].abs() / candidate.horizon;
-    // A row with a multiplier of more than half the penalty is violated. It is raised for these iterations alone: the
-    // objective, to which it is relative, may be far smaller now than later.
+    // A row with a multiplier of more than half the penalty is violated.
     options.penalty = penalty.max(2.0 * largest / density.max(f64::MIN_POSITIVE));
     let mut state = State::new(&mut program, x, known.as_deref(), kkt, &options)?;
     let other = program.unknowns(reference);
@@ -75,6 +74,7 @@ pub(in crate::direct) fn improve<K: Constraint, P: CostWithControl>(
     }
     let all = state.iterate.multipliers(program.margins.len());
     candidate.multipliers = Multipliers::new(&grid, rows, &all, Vec::new());
+    candidate.penalty = Some(options.penalty);
     let (f, h) = match known {
         Some(known) => known,
         None => {

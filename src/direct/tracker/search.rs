@@ -67,7 +67,10 @@ impl<K: Constraint + Sync, P: CostWithControl> Tracker<'_, K, P> {
         }
         if replaced {
             (self.plan, self.asked, self.aims, self.violated) = (plan, None, true, None);
-        } else if !found.converged {
+        } else if found.converged {
+            // It may have been raised when the objective, to which it is relative, was far smaller.
+            self.plan.motion.penalty = None;
+        } else {
             self.attempt = Some((plan, is_current));
         }
         Ok(Searched {
