@@ -28,6 +28,7 @@ from ._native import _aghf
 from ._pinocchio import pinocchio_configuration
 from ._solve import Samples, Solution, Tradeoff, solve, solve_many, sweep, tradeoff
 from ._table import Table
+from ._tracker import Command, Step, Tracker, Violation
 from ._verify import Constraint, RunningCost, check, check_constraint, check_cost
 
 InputError = _aghf.InputError
@@ -35,6 +36,7 @@ builtin_robots = _aghf.builtin_robots
 jacobians = _aghf.jacobians
 
 __all__ = [
+    "Command",
     "Constraint",
     "Goal",
     "InputError",
@@ -42,8 +44,11 @@ __all__ = [
     "RunningCost",
     "Samples",
     "Solution",
+    "Step",
     "Table",
+    "Tracker",
     "Tradeoff",
+    "Violation",
     "aba",
     "aba_derivatives",
     "aba_second_derivatives",

@@ -18,7 +18,7 @@ STEP = 5e-4
 KP, KV = 100.0, 20.0
 
 
-def simulated(model: aghf.Model) -> mujoco.MjModel:
+def specification_of(model: aghf.Model) -> mujoco.MjSpec:
     """The robot in MuJoCo: masses and joints of the URDF, no contacts and no losses, integrated by Runge and Kutta."""
     specification = mujoco.MjSpec.from_string(model.to_urdf())
     specification.compiler.discardvisual = True
@@ -31,15 +31,20 @@ def simulated(model: aghf.Model) -> mujoco.MjModel:
     specification.option.timestep = STEP
     specification.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
     specification.option.gravity = model.gravity
-    return specification.compile()
+    return specification
+
+
+def order_of(model: aghf.Model, world: mujoco.MjModel) -> list[int]:
+    """The places of the joints of a model among those of MuJoCo."""
+    names = [mujoco.mj_id2name(world, mujoco.mjtObj.mjOBJ_JOINT, i) for i in range(world.njnt)]
+    return [names.index(name) for name in model.joint_names]
 
 
 def replay(solution: aghf.Solution) -> tuple[float, float]:
     """The error at the end, rad or rad/s, and the largest on the way, rad."""
     model = solution.model
-    world = simulated(model)
-    names = [mujoco.mj_id2name(world, mujoco.mjtObj.mjOBJ_JOINT, i) for i in range(world.njnt)]
-    order = [names.index(name) for name in model.joint_names]
+    world = specification_of(model).compile()
+    order = order_of(model, world)
     data = mujoco.MjData(world)
     steps = int(np.ceil(solution.horizon / STEP))
     world.opt.timestep = solution.horizon / steps

@@ -10,6 +10,7 @@ mod model;
 mod own_terms;
 mod signals;
 mod solve;
+mod tracker;
 
 use pyo3::prelude::*;
 
@@ -18,6 +19,7 @@ fn _aghf(module: &Bound<'_, PyModule>) -> PyResult<()> {
     error::add_to(module)?;
     module.add_class::<model::PyModel>()?;
     module.add_class::<solve::PySolution>()?;
+    module.add_class::<tracker::PyTracker>()?;
     module.add_function(wrap_pyfunction!(model::builtin_robots, module)?)?;
     dynamics::add_to(module)?;
     flow::add_to(module)?;

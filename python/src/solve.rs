@@ -102,13 +102,19 @@ fn solve<'py>(
 
 /// The scenario and the options of a solve.
 fn read(name: &str, text: Option<&str>, options: &str) -> PyResult<(Scenario, SolveOptions)> {
+    let scenario = read_scenario(name, text)?;
+    let options: SolveOptions = serde_json::from_str(options)
+        .map_err(|error| PyValueError::new_err(format!("options: {error}")))?;
+    Ok((scenario, options))
+}
+
+/// The scenario with this name or this text in JSON.
+pub fn read_scenario(name: &str, text: Option<&str>) -> PyResult<Scenario> {
     let scenario = match text {
         Some(text) => Scenario::parse(text, name, Path::new("")),
         None => Scenario::load(name),
     };
-    let options: SolveOptions = serde_json::from_str(options)
-        .map_err(|error| PyValueError::new_err(format!("options: {error}")))?;
-    Ok((scenario.map_err(raised)?, options))
+    scenario.map_err(raised)
 }
 
 /// Calls a function with a record as keyword arguments.

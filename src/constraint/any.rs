@@ -135,6 +135,10 @@ impl<C: Scalar> Constraint<C> for AnyConstraint<C> {
         each!(self, it => it.label(row, model))
     }
 
+    fn is_clearance(&self, row: usize, model: &Model<C>) -> bool {
+        each!(self, it => it.is_clearance(row, model))
+    }
+
     fn is_equality(&self, row: usize) -> bool {
         each!(self, it => it.is_equality(row))
     }

@@ -59,6 +59,10 @@ impl<C: Scalar> Constraint<C> for SphereClearance<C> {
         clearance(format!("distance of {body} from sphere {sphere}"))
     }
 
+    fn is_clearance(&self, _: usize, _: &Model<C>) -> bool {
+        true
+    }
+
     /// With $d = p - c$ the gradient in `p` is $-2 d$ and the Hessian $-2 I$.
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
         &self,

@@ -41,6 +41,13 @@ impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
         }
     }
 
+    fn is_clearance(&self, row: usize, model: &Model<C>) -> bool {
+        match row.checked_sub(self.0.dim()) {
+            None => self.0.is_clearance(row, model),
+            Some(row) => self.1.is_clearance(row, model),
+        }
+    }
+
     fn is_equality(&self, row: usize) -> bool {
         match row.checked_sub(self.0.dim()) {
             None => self.0.is_equality(row),
@@ -100,6 +107,10 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
             Some((constraint, own)) => constraint.label(own, model),
             None => RowLabel::numbered(row),
         }
+    }
+
+    fn is_clearance(&self, row: usize, model: &Model<C>) -> bool {
+        owner(self, row).is_some_and(|(constraint, own)| constraint.is_clearance(own, model))
     }
 
     fn is_equality(&self, row: usize) -> bool {
@@ -165,6 +176,11 @@ macro_rules! delegate {
             fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
                 let $it = self;
                 $inner.label(row, model)
+            }
+
+            fn is_clearance(&self, row: usize, model: &Model<C>) -> bool {
+                let $it = self;
+                $inner.is_clearance(row, model)
             }
 
             fn is_equality(&self, row: usize) -> bool {

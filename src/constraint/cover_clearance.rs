@@ -107,7 +107,10 @@ pub(crate) fn place<C: Scalar, S: AlgebraOver<C>>(
 
 /// The rows of a pair.
 struct Rows<S: Scalar> {
+    /// None while all are far.
     all: Vec<Nearest<S>>,
+    count: usize,
+    far: S,
     /// The least of the rows: balls further than this need no look.
     least: S,
 }
@@ -115,6 +118,7 @@ struct Rows<S: Scalar> {
 impl<S: Scalar> Rows<S> {
     /// Takes the distance of two balls for a row.
     fn take(&mut self, row: usize, g: S, points: [&Vector3<S>; 2]) {
+        self.all.resize(self.count, Nearest::none(self.far));
         self.all[row].take(g, points);
         let smaller = |a: S, b: S| (a - b).if_negative(a, b);
         let rows = self.all.iter().map(|row| row.g);
@@ -223,7 +227,7 @@ impl<C: Scalar> CoverClearance<C> {
         rows: &mut Rows<S>,
     ) {
         let (tree, other, margin) = (&self.links[i], &self.links[j], self.margins[1]);
-        let count = rows.all.len();
+        let count = rows.count;
         let bound = |[k, l]: [usize; 2]| {
             let (a, b) = (&tree.nodes[k].bound, &other.nodes[l].bound);
             let (p, q) = (place(places[i], &a.centre), place(places[j], &b.centre));
@@ -243,7 +247,7 @@ impl<C: Scalar> CoverClearance<C> {
     }
 
     /// Calls `visit` with the index of each pair that has a row that is needed, those of solids first, and with its
-    /// first row and its rows.
+    /// first row and its rows, none if all are far.
     fn visit<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
@@ -251,17 +255,19 @@ impl<C: Scalar> CoverClearance<C> {
         mut visit: impl FnMut(usize, usize, &[Nearest<S>]) -> Result<()>,
     ) -> Result<()> {
         let places = self.places(at)?;
+        let far = S::lift(-self.far);
         let mut rows = Rows {
             all: Vec::new(),
-            least: S::zero(),
+            count: 0,
+            far,
+            least: far,
         };
         let mut first = 0;
         for (k, count) in self.counts().enumerate() {
             if (first..first + count).any(&is_needed) {
                 let solid = self.solid_pairs.get(k);
-                rows.least = S::lift(-self.far);
+                (rows.count, rows.least) = (count, far);
                 rows.all.clear();
-                rows.all.resize(count, Nearest::none(rows.least));
                 match solid {
                     Some(pair) => self.of_solid(&places, *pair, &mut rows),
                     None => {
@@ -285,6 +291,7 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
     /// In newly allocated memory.
     fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
         let all = |_| true;
+        g.fill(S::lift(-self.far));
         self.visit(at, all, |_, first, rows| {
             for (g, row) in g[first..].iter_mut().zip(rows) {
                 *g = row.g;
@@ -308,6 +315,10 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
             None => self.pairs[k - self.solid_pairs.len()].map(name),
         };
         clearance(format!("distance of {} from {}", names[0], names[1]))
+    }
+
+    fn is_clearance(&self, _: usize, _: &Model<C>) -> bool {
+        true
     }
 
     fn cutoff(&self, _: usize) -> Option<C> {

@@ -89,6 +89,12 @@ pub trait Constraint<C: Scalar = f64> {
         RowLabel::numbered(row)
     }
 
+    /// Returns true if row `row` is a [clearance](RowKind::Clearance), without its name. By default that of the
+    /// [label](Self::label).
+    fn is_clearance(&self, row: usize, model: &Model<C>) -> bool {
+        self.label(row, model).kind == RowKind::Clearance
+    }
+
     /// Returns true if row `row` is an equality $g_j(x) = 0$, violated by $|g_j|$, and not an inequality
     /// $g_j(x) \le 0$. False by default.
     fn is_equality(&self, row: usize) -> bool {

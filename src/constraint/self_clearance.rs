@@ -22,7 +22,7 @@ impl<C: Scalar> SelfClearance<C> {
     /// The balls of a pair.
     fn pair(&self, [i, j]: [usize; 2]) -> Result<[&CollisionSphere<C>; 2]> {
         let ball = |i: usize| {
-            self.balls.get(i).ok_or(Error::Length {
+            self.balls.get(i).ok_or_else(|| Error::Length {
                 what: "balls of the pairs of a constraint",
                 expected: i + 1,
                 found: self.balls.len(),
@@ -69,6 +69,10 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         };
         let [first, second] = pair.map(|ball| name_of(ball.body, model));
         clearance(format!("distance of {first} from {second}"))
+    }
+
+    fn is_clearance(&self, _: usize, _: &Model<C>) -> bool {
+        true
     }
 
     /// As a function of $s = |p_1 - p_2|^2 / 2$ the row is linear with slope $-2$. Pairs with zero weights are skipped.

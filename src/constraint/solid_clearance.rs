@@ -66,6 +66,10 @@ impl<C: Scalar> Constraint<C> for SolidClearance<C> {
         clearance(format!("distance of {body} from {solid}"))
     }
 
+    fn is_clearance(&self, _: usize, _: &Model<C>) -> bool {
+        true
+    }
+
     /// The gradient in `p` is $-n$ and the Hessian is minus the curvature. Balls and rows with zero weights are
     /// skipped.
     fn add_weighted_derivatives<S: AlgebraOver<C>>(

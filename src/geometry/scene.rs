@@ -100,6 +100,14 @@ impl Scene {
         self
     }
 
+    /// The same with other obstacles, from which the robot keeps no distance yet.
+    #[must_use]
+    pub fn with_obstacles(mut self, obstacles: Vec<Obstacle>) -> Self {
+        self.obstacle_margins = vec![0.0; obstacles.len()];
+        self.obstacles = obstacles;
+        self
+    }
+
     /// The distances that the robot keeps from each obstacle, m.
     #[must_use]
     pub fn obstacle_margins(&self) -> &[f64] {

@@ -21,4 +21,5 @@ pub use problem::{Guess, Problem};
 pub use simulate::{Feedback, Simulation, replay_error, simulate, simulate_with};
 pub use violations::largest_torques;
 pub use violations::passive_share;
+pub(crate) use violations::violations_near_ends;
 pub use violations::{Violation, violations};

@@ -40,6 +40,30 @@ pub fn violations<K: Constraint>(
     constraints: &Constraints<K>,
     intervals: usize,
 ) -> Result<Vec<Violation>> {
+    largest_rows(model, curve, constraints, intervals, |part| part)
+}
+
+/// The same with times that are dense near the ends of each segment, $T (1 - \cos \pi k / K) / 2$. In `k` a polynomial
+/// in time is a sum of cosines with as many half-waves as its degree at most, so that a few times the degree resolve
+/// it, near an end at which the state is fixed too.
+pub(crate) fn violations_near_ends<K: Constraint>(
+    model: &Model,
+    curve: &Curve,
+    constraints: &Constraints<K>,
+    intervals: usize,
+) -> Result<Vec<Violation>> {
+    let part = |part: f64| 0.5 - 0.5 * (std::f64::consts::PI * part).cos();
+    largest_rows(model, curve, constraints, intervals, part)
+}
+
+/// The [`violations`] at the times to which `part` takes equal parts of a segment.
+fn largest_rows<K: Constraint>(
+    model: &Model,
+    curve: &Curve,
+    constraints: &Constraints<K>,
+    intervals: usize,
+    part: impl Fn(f64) -> f64,
+) -> Result<Vec<Violation>> {
     model.check("curve", curve.dof())?;
     constraints.check(model)?;
     if intervals == 0 {
@@ -57,9 +81,9 @@ pub fn violations<K: Constraint>(
             at_s: 0.0,
         })
         .collect();
-    let interval = curve.chebyshev().horizon() / intervals as f64;
-    let table = interpolation(curve.chebyshev(), intervals);
-    let own_times: Vec<f64> = (0..=intervals).map(|k| k as f64 * interval).collect();
+    let time = |k: f64| curve.chebyshev().horizon() * part(k / intervals as f64);
+    let own_times: Vec<f64> = (0..=intervals).map(|k| time(k as f64)).collect();
+    let table = interpolation(curve.chebyshev(), &own_times);
     let mut rows = Rows::new(model, constraints, intervals + 1);
     let mut uncertain: Vec<Option<(usize, Bracket)>> = vec![None; scales.len()];
     for (segment, begin) in curve.breakpoints()[..curve.segments()].iter().enumerate() {
@@ -69,10 +93,10 @@ pub fn violations<K: Constraint>(
             let (by, position) = peak(&values[..=intervals], *equality);
             if by > largest.by {
                 largest.by = by;
-                largest.at_s = begin + position * interval;
+                largest.at_s = begin + time(position);
                 let middle = (position.round() as usize).clamp(1, (intervals - 1).max(1));
                 let bracket = Bracket {
-                    times: [middle - 1, middle, middle + 1].map(|k| k as f64 * interval),
+                    times: [middle - 1, middle, middle + 1].map(|k| time(k as f64)),
                     values: [middle - 1, middle, middle + 1].map(|k| values[k]),
                 };
                 let inside = intervals > 1 && !equality && bracket.is_valid();
@@ -94,22 +118,27 @@ fn refine<K: Constraint>(
     largest: &mut [Violation],
 ) -> Result<()> {
     let (chebyshev, scales) = (curve.chebyshev(), constraints.row_scales());
-    let mut rows = Rows::new(model, constraints, 1);
-    let mut weights = DVector::zeros(chebyshev.degree() + 1);
-    for (largest, uncertain) in largest.iter_mut().zip(uncertain) {
-        let Some((segment, mut bracket)) = *uncertain else {
+    for (segment, begin) in curve.breakpoints()[..curve.segments()].iter().enumerate() {
+        let own = uncertain.iter().enumerate();
+        let own =
+            own.filter_map(|(row, of)| of.filter(|(at, _)| *at == segment).map(|of| (row, of.1)));
+        let mut own: Vec<(usize, Bracket)> = own.collect();
+        if own.is_empty() {
             continue;
-        };
-        for _ in 0..Bracket::REFINEMENTS {
-            let time = bracket.next();
-            chebyshev.interpolation(time, &mut weights);
-            let table = DMatrix::from_columns(std::slice::from_ref(&weights));
-            rows.evaluate(curve, segment, (&[time], &table), &scales)?;
-            bracket.narrow(time, rows.values[largest.row * rows.stride]);
         }
-        let (time, height) = bracket.vertex();
-        largest.at_s = curve.breakpoints()[segment] + time;
-        largest.by = height;
+        let mut rows = Rows::new(model, constraints, own.len());
+        for _ in 0..Bracket::REFINEMENTS {
+            let times: Vec<f64> = own.iter().map(|(_, bracket)| bracket.next()).collect();
+            let table = interpolation(chebyshev, &times);
+            rows.evaluate(curve, segment, (&times, &table), &scales)?;
+            for (k, (row, bracket)) in own.iter_mut().enumerate() {
+                bracket.narrow(times[k], rows.values[*row * rows.stride + k]);
+            }
+        }
+        for (row, bracket) in own {
+            let (time, height) = bracket.vertex();
+            (largest[row].at_s, largest[row].by) = (begin + time, height);
+        }
     }
     Ok(())
 }
@@ -151,13 +180,12 @@ pub fn passive_share(
     Ok(passive.fold(0.0_f64, |most, (_, torque)| most.max(*torque)) / largest)
 }
 
-/// The weights of the nodes of a segment at equally spaced times in it, one column per time.
-fn interpolation(chebyshev: &Chebyshev, intervals: usize) -> DMatrix<f64> {
+/// The weights of the nodes of a segment at times in it, one column per time.
+fn interpolation(chebyshev: &Chebyshev, times: &[f64]) -> DMatrix<f64> {
     let nodes = chebyshev.degree() + 1;
-    let (mut table, mut weights) = (DMatrix::zeros(nodes, intervals + 1), DVector::zeros(nodes));
-    for k in 0..=intervals {
-        let part = k as f64 / intervals as f64;
-        chebyshev.interpolation(chebyshev.horizon() * part, &mut weights);
+    let (mut table, mut weights) = (DMatrix::zeros(nodes, times.len()), DVector::zeros(nodes));
+    for (k, time) in times.iter().enumerate() {
+        chebyshev.interpolation(*time, &mut weights);
         table.set_column(k, &weights);
     }
     table
@@ -282,25 +310,29 @@ impl<'a, K: Constraint> Rows<'a, K> {
 /// at the first and last three.
 fn peak(values: &[f64], equality: bool) -> (f64, f64) {
     let (mut largest, mut position) = (f64::NEG_INFINITY, 0.0);
-    let mut take = |height: f64, at: f64| {
-        if height > largest {
-            (largest, position) = (height, at);
-        }
-    };
     for (k, value) in values.iter().enumerate() {
         let height = if equality { value.abs() } else { *value };
-        take(height, k as f64);
+        if height > largest {
+            (largest, position) = (height, k as f64);
+        }
     }
     let last = values.len().saturating_sub(3);
     for (k, window) in values.windows(3).enumerate() {
         let sign = if equality { window[1].signum() } else { 1.0 };
         let [a, b, c] = [window[0], window[1], window[2]].map(|value| sign * value);
         let (slope, bend) = (0.5 * (c - a), 2.0 * b - a - c);
+        // Within an interval from the middle a parabola is higher by half its bend at most.
+        if b + 0.5 * bend <= largest {
+            continue;
+        }
         let from = if k == 0 { -1.0 } else { -0.5 };
         let to = if k == last { 1.0 } else { 0.5 };
         if bend > 0.0 && slope >= from * bend && slope <= to * bend {
             let shift = slope / bend;
-            take(b + 0.5 * slope * shift, (k + 1) as f64 + shift);
+            let height = b + 0.5 * slope * shift;
+            if height > largest {
+                (largest, position) = (height, (k + 1) as f64 + shift);
+            }
         }
     }
     (largest, position)

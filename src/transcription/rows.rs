@@ -70,11 +70,15 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         let n = model.dof();
         let [scales, units] = constraints.factors_and_units();
         let equalities = (0..scales.len()).map(|row| constraints.is_equality(row));
-        let is_clearance = |row| {
-            constraints.label(row, model).kind == RowKind::Clearance
-                && !constraints.is_equality(row)
+        let states = state.dim();
+        let is_clearance = |row| match row < states {
+            true => state.is_clearance(row, model) && !state.is_equality(row),
+            false => {
+                let kind = constraints.label(row, model).kind;
+                kind == RowKind::Clearance && !constraints.is_equality(row)
+            }
         };
-        let cutoff = |row| match row < state.dim() {
+        let cutoff = |row| match row < states {
             true => state.cutoff(row).unwrap_or(f64::INFINITY),
             false => f64::INFINITY,
         };

@@ -252,6 +252,39 @@ fn a_moved_goal_takes_a_tenth_of_the_iterations() {
     assert!(ratios[10] <= 0.1, "{ratios:?}");
 }
 
+/// Memory is bounded: a step allocates a number of vectors that does not grow, and later steps keep no more.
+#[test]
+fn memory_does_not_grow() {
+    let model = robot("kinova_gen3");
+    let problem = reach(&model);
+    let mut tracker = tracker(&problem, kept(&model, FAR), options(12));
+    let mut x = problem.start().to_vec();
+    let mut goal = problem.goal()[..7].to_vec();
+    let mut steps = |tracker: &mut Own<'_>, from: u32| {
+        for k in from..from + 100 {
+            if k.is_multiple_of(10) {
+                goal[0] += 0.002;
+                tracker.set_goal(&goal, 1.0).expect("valid");
+            }
+            let step = tracker.step(&x, 0.002 * f64::from(k)).expect("valid");
+            x = [&step.command.q[..], &step.command.v].concat();
+        }
+    };
+    steps(&mut tracker, 0);
+    let [early, late] = [100, 300].map(|from| {
+        let of = allocation_counter::measure(|| steps(&mut tracker, from));
+        (of.count_total / 100, of.bytes_current)
+    });
+    assert!(late.0 < 2000 && late.0 < 2 * early.0, "{early:?} {late:?}");
+    // Of the plan that is not followed yet, which there may be.
+    assert!(late.1.abs() < 100_000, "{early:?} {late:?}");
+    tracker.set_deadline(Some(Duration::ZERO));
+    let follow = allocation_counter::measure(|| {
+        tracker.step(problem.start(), 0.9).expect("valid");
+    });
+    assert!(follow.count_total <= 40, "{follow:?}");
+}
+
 /// Without time the command is that of the first plan, to its end.
 #[test]
 fn without_time_the_last_plan_is_followed() {

@@ -54,7 +54,7 @@ impl Default for Clearance {
 
 /// The distances that are kept, checked.
 pub(super) struct Margins<'a> {
-    obstacles: Vec<f64>,
+    pub(super) obstacles: Vec<f64>,
     itself: f64,
     pairs: &'a [PairClearance],
 }

@@ -47,6 +47,7 @@ mod search;
 mod self_collision;
 mod stand;
 mod summary;
+mod tracker;
 mod tradeoff;
 mod units;
 mod warm_start;
@@ -86,6 +87,7 @@ pub use stand::{FootLoad, Stand};
 pub use summary::{
     Details, DirectDetails, FlowDetails, HorizonBound, ReachedEnd, RestDetails, Summary, Verdict,
 };
+pub use tracker::{ScenarioTracker, ScenarioTrackerOptions};
 pub use tradeoff::Tradeoff;
 pub use warm_start::MultipliersFile;
 pub use waypoints::PointOnTheWay;

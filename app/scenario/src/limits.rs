@@ -5,6 +5,7 @@ use aghf::constraint::{
     AnyConstraint, Bound, Bounds, Constraints, Side, StageConstraints, TorqueLimits,
 };
 use aghf::error::{Error, Result, plain};
+use aghf::geometry::Scene;
 use aghf::model::Model;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -214,7 +215,12 @@ impl Scenario {
     /// The constraints on the state: clearance from obstacles, enforced limits, and user-defined constraints.
     #[must_use]
     pub fn state_constraints(&self) -> Vec<AnyConstraint> {
-        let mut constraints = AnyConstraint::of_scene(&self.scene);
+        self.state_constraints_in(&self.scene)
+    }
+
+    /// The same among the obstacles of another scene.
+    fn state_constraints_in(&self, scene: &Scene) -> Vec<AnyConstraint> {
+        let mut constraints = AnyConstraint::of_scene(scene);
         let bound = |limit, joint| self.bound(limit, joint);
         constraints.extend(limits_of_state(self.model.dof(), bound));
         constraints.extend(self.own.constraints.iter().cloned());
@@ -224,8 +230,13 @@ impl Scenario {
     /// All constraints on a motion.
     #[must_use]
     pub fn constraints(&self) -> Constraints<Vec<AnyConstraint>> {
+        self.constraints_in(&self.scene)
+    }
+
+    /// The same among the obstacles of another scene.
+    pub(super) fn constraints_in(&self, scene: &Scene) -> Constraints<Vec<AnyConstraint>> {
         Constraints {
-            state: self.state_constraints(),
+            state: self.state_constraints_in(scene),
             torque: self.torque_limits(),
             stage: self.stage_constraints(),
         }

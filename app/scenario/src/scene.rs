@@ -6,7 +6,7 @@ use super::robot_shape::collision_geometry;
 use super::self_collision::{
     IgnoredPair, always_overlapping, check_links, neighbours, never_meeting,
 };
-use super::{RobotShape, Scenario, ScenarioFile, SelfCollision};
+use super::{Obstacle, RobotShape, Scenario, ScenarioFile, SelfCollision};
 use aghf::constraint::{AnyConstraint, Constraint};
 use aghf::dynamics::forward_kinematics;
 use aghf::error::{Error, Result};
@@ -73,7 +73,13 @@ pub(super) fn scene(
     }
     let scene = Scene::new(geometry, obstacles, ignored.as_deref());
     let scene = margins.of_scene(scene, may_overlap.as_deref(), robot, path)?;
-    let rows: usize = AnyConstraint::of_scene(&scene)
+    check_rows(&scene, path)?;
+    Ok((scene, overlapping))
+}
+
+/// Refuses a scene with too many rows; `path` names the scenario.
+fn check_rows(scene: &Scene, path: &str) -> Result<()> {
+    let rows: usize = AnyConstraint::of_scene(scene)
         .iter()
         .map(Constraint::dim)
         .sum();
@@ -87,9 +93,9 @@ pub(super) fn scene(
             "{obstacles} obstacles and {balls} balls of the robot take {rows} rows of the constraints, at most \
              {MOST_ROWS} are allowed"
         );
-        return refuse(key, condition);
+        return Err(Error::input(path, key, condition));
     }
-    Ok((scene, overlapping))
+    Ok(())
 }
 
 /// The error of a shape of the robot, with the way out if nobody asked for the shape.
@@ -115,6 +121,16 @@ impl Scenario {
     #[must_use]
     pub fn robot_shape(&self) -> RobotShape {
         (self.file.robot_shape).unwrap_or_else(|| RobotShape::of(&self.model))
+    }
+
+    /// The scene with other obstacles in place of those of the file.
+    pub(super) fn scene_with(&self, obstacles: &[Obstacle]) -> Result<Scene> {
+        let margins = self.file.clearance_m.margins(obstacles, &self.name)?;
+        let obstacles = placed(obstacles, &self.name)?;
+        let scene = self.scene.clone().with_obstacles(obstacles);
+        let scene = scene.with_margins(|i| margins.obstacles[i], |links| margins.of_links(links));
+        check_rows(&scene, &self.name)?;
+        Ok(scene)
     }
 
     /// Returns true if links keep clear of each other, by the key or by default.

@@ -116,6 +116,11 @@ impl Scenario {
     /// # Errors
     /// The scenario has weights for another number of joints.
     pub fn running_cost(&self) -> Result<impl CostWithControl> {
+        self.scenario_cost()
+    }
+
+    /// The same by its type.
+    pub(super) fn scenario_cost(&self) -> Result<ScenarioCost<'_>> {
         if let Some(own) = self.own_cost() {
             return Ok(own);
         }

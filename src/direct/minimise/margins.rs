@@ -40,7 +40,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 
     /// Returns true if a finer quadrature gives a different cost; the tolerance is larger before the `end`.
     pub(super) fn is_coarse(&mut self, end: bool) -> Result<bool> {
-        let cost = self.objective.value(&self.coefficients)?;
+        let cost = self.cost()?;
         self.finer.set_horizon(self.horizon);
         let exact = self.finer.value(&self.coefficients)?;
         let error = (exact - cost).abs() / exact.abs().max(SMALLEST_COST);

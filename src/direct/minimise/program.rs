@@ -28,6 +28,8 @@ pub(super) struct Program<'g, 'a, K, P> {
     /// The times between the points at which rows are evaluated, during the search and at its end.
     pub(super) scans: [Arc<Scan>; 2],
     pub(super) objective: Objective<'g, f64, Integrand<'a, K, P>>,
+    /// The coefficients and the horizon at which the objective and the rows were evaluated last, with the cost.
+    evaluated: Option<(DMatrix<f64>, f64, f64)>,
     /// The cost alone by a finer quadrature, with the cost of the last evaluation and its relative difference.
     pub(super) finer: Objective<'g, f64, P>,
     pub finer_cost: [f64; 2],
@@ -113,6 +115,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             scans: [looks, last].map(|times| grids.scan(basis, times)),
             finer: Objective::new(finer, rows.cost.clone(), n),
             finer_cost: [f64::NAN; 2],
+            evaluated: None,
             derivatives: Derivatives::new(grid, n),
             coefficients: path.coefficients.clone(),
             rates,
@@ -195,6 +198,18 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         }
         self.set_times(x);
         self.objective.set_horizon(self.horizon);
+    }
+
+    /// Evaluates the cost and the rows at the coefficients, unless these were the last ones.
+    pub(super) fn cost(&mut self) -> Result<f64> {
+        if let Some((coefficients, horizon, cost)) = &self.evaluated
+            && (coefficients, *horizon) == (&self.coefficients, self.horizon)
+        {
+            return Ok(*cost);
+        }
+        let cost = self.objective.value(&self.coefficients)?;
+        self.evaluated = Some((self.coefficients.clone(), self.horizon, cost));
+        Ok(cost)
     }
 
     /// The norm of steps: the mean square of the velocities in normalised time, the relative change of the horizon, and
@@ -284,7 +299,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
 impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
     fn value(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
         self.place(x);
-        let cost = self.objective.value(&self.coefficients)?;
+        let cost = self.cost()?;
         self.evaluate_points()?;
         let rows = self.objective.cost().h.iter();
         let rows = rows.chain(self.points.iter().flat_map(|point| &point.h));

@@ -5,7 +5,7 @@ use super::{Candidate, Context, Multipliers, Stage};
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::error::{Error, Result};
-use crate::nlp::{Barrier, Iterate, Nlp, Options, State, iterate};
+use crate::nlp::{Iterate, Nlp, Options, State, iterate};
 use nalgebra::DVector;
 
 /// The result of a few iterations.
@@ -44,17 +44,20 @@ pub(in crate::direct) fn improve<K: Constraint, P: CostWithControl>(
     let x = program.unknowns(candidate);
     program.tighten(&x, 0)?;
     let known = candidate.multipliers.at(&grid.times, rows.count());
-    let mut options = Options {
+    let options = Options {
         // The loop below ends the search.
         tolerance: 0.0,
         iterations: usize::MAX,
         warm_barrier: barrier,
         first_barrier: barrier,
         last_barrier: barrier,
+        penalty: settings.search.planned_penalty,
         ..settings.nlp.clone()
     };
-    options.penalty = candidate.penalty.unwrap_or(settings.search.planned_penalty);
     let mut state = State::new(&mut program, x, known.as_deref(), kkt, &options)?;
+    let other = program.unknowns(reference);
+    // A search often begins at the reference, where all is known.
+    let known = (other == state.x).then(|| (state.f, state.h.clone()));
     let (mut count, mut converged) = (0, false);
     while !converged && goes_on(count) {
         let over = iterate(&mut program, &mut state, &options, &mut |_| {})?;
@@ -64,10 +67,15 @@ pub(in crate::direct) fn improve<K: Constraint, P: CostWithControl>(
     }
     let all = state.iterate.multipliers(program.margins.len());
     candidate.multipliers = Multipliers::new(&grid, rows, &all, Vec::new());
-    let barrier = state.iterate.barrier;
-    let other = program.unknowns(reference);
-    let before = barrier_function(&mut program, &other, barrier)?;
-    let after = barrier_function(&mut program, &state.x, barrier)?;
+    let (f, h) = match known {
+        Some(known) => known,
+        None => {
+            let mut h = Vec::new();
+            (program.value(&other, &mut h)?, h)
+        }
+    };
+    let before = barrier_function(&mut program, (&other, f, &h), &state);
+    let after = barrier_function(&mut program, (&state.x, state.f, &state.h), &state);
     (candidate.path.coefficients, candidate.horizon, _) = program.curve(&state.x);
     Ok(Iterations {
         count,
@@ -76,11 +84,13 @@ pub(in crate::direct) fn improve<K: Constraint, P: CostWithControl>(
     })
 }
 
-/// The barrier function with the best slacks.
-fn barrier_function<P: Nlp>(program: &mut P, x: &DVector<f64>, barrier: Barrier) -> Result<f64> {
-    let mut h = Vec::new();
-    let f = program.value(x, &mut h)?;
-    let mut iterate = Iterate::new(barrier, Vec::new());
-    iterate.set_working(&program.working_set(&h), &h);
-    Ok(f + program.measure(x) * iterate.barrier_terms(&h))
+/// The barrier function of a state at unknowns with an objective and rows, with the best slacks.
+fn barrier_function<P: Nlp>(
+    program: &mut P,
+    (x, f, h): (&DVector<f64>, f64, &[f64]),
+    state: &State,
+) -> f64 {
+    let mut iterate = Iterate::new(state.iterate.barrier, Vec::new());
+    iterate.set_working(&program.working_set(h), h);
+    f + program.measure(x) * iterate.barrier_terms(h)
 }

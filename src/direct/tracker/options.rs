@@ -22,9 +22,9 @@ pub struct TrackerOptions {
     /// The decrease of the objective with its barrier, relative to the objective, from which on a plan to the same goal
     /// replaces the former, by default 1e-3: each replacement may make a jump of the acceleration.
     pub least_gain: f64,
-    /// The number of intervals of the look at a plan, by default 1000. The state at which a plan begins is fixed, and
-    /// may be at a bound already, so that with a third of that violations of 1e-4 within the first milliseconds are
-    /// missed.
+    /// The number `K` of intervals of the look at a plan, by default 120, at times $T (1 - \cos \pi k / K) / 2$. The
+    /// state at which a plan begins is fixed, and may be at a bound already: with equal intervals it takes 1000 of them
+    /// not to miss violations of 1e-4 within the first milliseconds.
     pub look: usize,
     /// The time within which a step returns; see [`Tracker::step`](super::Tracker::step). By default there is none.
     pub deadline: Option<Duration>,
@@ -41,12 +41,14 @@ pub struct TrackerOptions {
 
 impl Default for TrackerOptions {
     fn default() -> Self {
+        let mut settings = DirectSettings::constrained();
+        settings.search.points = settings.search.points_of_segments;
         Self {
-            settings: DirectSettings::constrained(),
+            settings,
             barrier: 1e-2,
             iterations_per_step: 1,
             least_gain: 1e-3,
-            look: 1000,
+            look: 120,
             deadline: None,
             bandwidth: 30.0,
             shortest_horizon: 0.1,

@@ -9,7 +9,7 @@ use crate::curve::Curve;
 use crate::direct::minimise::{Context, Iterations, improve};
 use crate::direct::{DirectSettings, FreeHorizon};
 use crate::error::Result;
-use crate::motion::{Interrupt, Problem, Violation, Watch, curve_of, violations};
+use crate::motion::{Interrupt, Problem, Violation, Watch, curve_of, violations_near_ends};
 use crate::transcription::Rows;
 use std::time::Instant;
 
@@ -143,7 +143,7 @@ impl<K: Constraint + Sync, P: CostWithControl> Tracker<'_, K, P> {
 
     /// The row that a plan violates most; `None` if it is safe.
     pub(super) fn look(&self, plan: &Plan) -> Result<Option<Violation>> {
-        let rows = violations(
+        let rows = violations_near_ends(
             self.model,
             &self.curve(plan)?,
             &self.constraints,

@@ -32,6 +32,7 @@ mod search;
 mod self_collision;
 mod stand;
 mod surroundings;
+mod tracker;
 mod tradeoff;
 mod units;
 mod warm_start;

@@ -1,0 +1,122 @@
+"""A motion that is followed and replanned."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ._model import array
+from ._native import _aghf
+from ._solve import _named, _options, _plain
+
+
+class Command(NamedTuple):
+    """The command at a time: the state of the plan, its acceleration and torque, each (N,); the torque to apply at the
+    measured state, ``u = tau - gain @ (x - x_plan)`` with ``x = [q, v]``; and the gain, (N, 2N)."""
+
+    q: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    tau: np.ndarray
+    u: np.ndarray
+    gain: np.ndarray
+
+
+class Violation(NamedTuple):
+    """The row that a plan violates most: its name, the amount in its unit, and the time until then, s."""
+
+    row: str
+    by: float
+    unit: str
+    after_s: float
+
+
+class Step(NamedTuple):
+    """The result of a step.
+
+    Attributes
+    ----------
+    outcome : str
+        "working", or "finished" once the plan has ended at the goal.
+    command : Command
+        The command for now.
+    safety : str
+        "kept" if the rest of the plan keeps all current rows, "violated", or "left" if the robot is far from it.
+    violation : Violation or None
+        The violated row.
+    deviation : float
+        The largest distance of a joint from the plan, rad or m.
+    iterations : int
+        The number of iterations of the search.
+    replaced, cut_off, converged : bool
+        True if the plan is a new one; if the deadline ended the search; if further iterations would change nothing.
+    """
+
+    outcome: str
+    command: Command
+    safety: str
+    violation: Violation | None
+    deviation: float
+    iterations: int
+    replaced: bool
+    cut_off: bool
+    converged: bool
+
+
+class Tracker:
+    """A motion to a goal that is followed and replanned at the same time, as the goal and the obstacles move.
+
+    The plan that is followed ends at rest and keeps all rows of the scenario as long as `Step.safety` is "kept".
+
+    Parameters
+    ----------
+    scenario : str, os.PathLike or Mapping
+        As for `solve`; it ends at rest at a configuration, and all of its joints have motors.
+    search : Mapping
+        The options of `solve` for the first search by the direct method; the degree, 12 by default, is that of all
+        plans.
+    **options
+        ``barrier``, ``iterations_per_step``, ``least_gain``, ``look``, ``deadline_s``, ``bandwidth``,
+        ``shortest_horizon_s`` and ``largest_deviation``, as `TrackerOptions` of the Rust library documents them.
+
+    Raises
+    ------
+    InputError
+        The scenario cannot be tracked, or the search finds no motion that keeps all rows.
+    ValueError
+        Names an option and its fault.
+    """
+
+    def __init__(
+        self, scenario: str | os.PathLike | Mapping, *, search: Mapping | None = None, **options: float | None
+    ) -> None:
+        self._own = _aghf.Tracker(_named(scenario), _options({"search": search or {}, **options}))
+
+    def step(self, q, v, now: float) -> Step:
+        """Improves the plan as far as the options allow; returns the command for now.
+
+        ``q`` and ``v``, each (N,), are the measured state; ``now`` is the time, s, not before that of the last step.
+        """
+        finished, command, violation, left, *others, flags = self._own.step(array(q, "q"), array(v, "v"), now)
+        return Step(
+            "finished" if finished else "working",
+            Command(*command),
+            "left" if left else "violated" if violation else "kept",
+            Violation(*violation) if violation else None,
+            *others,
+            *flags,
+        )
+
+    def set_goal(self, q, horizon_s: float) -> None:
+        """Changes the goal to a configuration at rest, (N,), to be reached within a horizon, s.
+
+        The plan to the former goal is followed until one to the new goal is safe."""
+        self._own.set_goal(array(q, "q"), horizon_s)
+
+    def set_obstacles(self, obstacles: Iterable[Mapping]) -> None:
+        """Replaces all obstacles, as a scenario writes them, from the next step on; they are taken to stand still."""
+        self._own.set_obstacles(json.dumps(list(obstacles), default=_plain))

@@ -1,0 +1,77 @@
+"""A motion that is followed and replanned."""
+
+import numpy as np
+import pytest
+
+import aghf
+from problems import SWING
+
+BALL = {"shape": {"sphere": {"radius_m": 0.1}}, "pose": {"position_m": [5.0, 0.0, 0.0]}}
+
+
+def test_a_tracker_follows_its_plan_to_a_moved_goal():
+    tracker = aghf.Tracker({**SWING, "obstacles": [BALL]}, search={"degree": 9}, iterations_per_step=2)
+    q, v, iterations, replaced = np.zeros(2), np.zeros(2), 0, 0
+    goal = np.array([1.2, 0.4])
+    for k in range(1000):
+        if k == 50:
+            tracker.set_goal(goal, 1.5)
+        step = tracker.step(q, v, 0.004 * k)
+        command = step.command
+        assert step.safety == "kept" and step.violation is None and not step.cut_off
+        assert command.gain.shape == (2, 4) and command.tau.shape == (2,)
+        q, v = command.q, command.v
+        iterations, replaced = iterations + step.iterations, replaced + step.replaced
+        if k > 50 and step.outcome == "finished":
+            break
+    assert step.outcome == "finished" and iterations > 50 and replaced > 0
+    assert np.abs(q - goal).max() < 1e-9 and np.abs(v).max() < 1e-9
+
+
+def test_the_command_is_the_feedback_on_the_plan():
+    tracker = aghf.Tracker(SWING, search={"degree": 9}, deadline_s=0.0)
+    tracker.step([0.0, 0.0], [0.0, 0.0], 0.0)
+    off = np.array([0.01, -0.02, 0.03, 0.04])
+    plan = tracker.step([0.0, 0.0], [0.0, 0.0], 0.5).command
+    step = tracker.step(plan.q + off[:2], plan.v + off[2:], 0.5)
+    assert step.cut_off and step.iterations == 0 and step.deviation == pytest.approx(0.02)
+    command, model = step.command, aghf.Model.builtin("pendulum_2")
+    assert np.allclose(command.tau, aghf.rnea(model, command.q, command.v, command.a), atol=1e-9)
+    assert np.allclose(command.u, command.tau - command.gain @ off, atol=1e-9)
+    found = aghf.rnea_derivatives(model, command.q, command.v, command.a)
+    assert np.allclose(command.gain, np.hstack([900.0 * found.da - found.dq, 60.0 * found.da - found.dv]), atol=1e-8)
+
+
+def test_an_obstacle_on_the_plan_is_named():
+    tracker = aghf.Tracker({**SWING, "robot_shape": "joint_frames"}, search={"degree": 9}, deadline_s=0.0)
+    assert tracker.step([0.0, 0.0], [0.0, 0.0], 0.0).safety == "kept"
+    model = aghf.Model.builtin("pendulum_2")
+    place = aghf.forward_kinematics(model, np.array([0.5, 0.25]))[-1][:3, 3]
+    tracker.set_obstacles([{**BALL, "pose": {"position_m": place}}])
+    step = tracker.step([0.0, 0.0], [0.0, 0.0], 0.0)
+    assert step.safety == "violated"
+    violation = step.violation
+    assert "sphere" in violation.row and violation.unit == "m" and violation.by > 1e-3 and violation.after_s < 2.0
+    tracker.set_obstacles([])
+    assert tracker.step([0.0, 0.0], [0.0, 0.0], 0.0).safety == "kept"
+
+
+def test_bad_input_is_refused_by_name():
+    with pytest.raises(ValueError, match="unknown field `speed`"):
+        aghf.Tracker(SWING, speed=1.0)
+    with pytest.raises(aghf.InputError, match="bandwidth"):
+        aghf.Tracker(SWING, bandwidth=-1.0)
+    with pytest.raises(aghf.InputError, match="joint 0 is not at rest"):
+        aghf.Tracker({**SWING, "v_goal": [0.1, 0.0]})
+    tracker = aghf.Tracker(SWING, search={"degree": 9})
+    with pytest.raises(aghf.InputError, match="shortest"):
+        tracker.set_goal([0.0, 0.0], 0.01)
+    with pytest.raises(ValueError, match="q: expected 2 entries, found 1"):
+        tracker.set_goal([0.0], 1.0)
+    with pytest.raises(ValueError, match="q: expected 2 entries, found 1"):
+        tracker.step([0.0], [0.0, 0.0, 0.0], 0.0)
+    with pytest.raises(ValueError, match="obstacles: missing field `pose`"):
+        tracker.set_obstacles([{"shape": BALL["shape"]}])
+    tracker.step([0.0, 0.0], [0.0, 0.0], 1.0)
+    with pytest.raises(aghf.InputError, match="before the last step"):
+        tracker.step([0.0, 0.0], [0.0, 0.0], 0.5)
