@@ -27,7 +27,7 @@ const fn index(x: usize, y: usize) -> usize {
 #[derive(Clone, Debug)]
 pub struct PackedHessian<S: Scalar> {
     dof: usize,
-    room: usize,
+    capacity: usize,
     /// One column for each $i \ge j$; one row per point and block.
     symmetric: DMatrix<S>,
     /// One column for each $i > j$; one row per point and block with $x < y$.
@@ -35,7 +35,7 @@ pub struct PackedHessian<S: Scalar> {
 }
 
 /// The number of points with storage, a multiple of the number of lanes.
-fn room(points: usize) -> usize {
+fn capacity(points: usize) -> usize {
     points.next_multiple_of(LANES)
 }
 
@@ -51,9 +51,9 @@ impl<S: Scalar> PackedHessian<S> {
         let half = dof * dof.saturating_sub(1) / 2;
         Self {
             dof,
-            room: room(points),
-            symmetric: DMatrix::zeros(6 * room(points), half + dof),
-            antisymmetric: DMatrix::zeros(3 * room(points), half),
+            capacity: capacity(points),
+            symmetric: DMatrix::zeros(6 * capacity(points), half + dof),
+            antisymmetric: DMatrix::zeros(3 * capacity(points), half),
         }
     }
 
@@ -73,11 +73,11 @@ impl<S: Scalar> PackedHessian<S> {
         start: usize,
         entry: impl Fn(usize, usize) -> Lanes<S, W>,
     ) {
-        let row = index(x, y) * self.room + start;
+        let row = index(x, y) * self.capacity + start;
         let columns = self.symmetric.as_mut_slice();
-        let mut sums = columns.chunks_exact_mut(6 * self.room);
+        let mut sums = columns.chunks_exact_mut(6 * self.capacity);
         let columns = self.antisymmetric.as_mut_slice();
-        let mut differences = columns.chunks_exact_mut(3 * self.room);
+        let mut differences = columns.chunks_exact_mut(3 * self.capacity);
         for j in 0..self.dof {
             for i in j..self.dof {
                 let Some(sum) = sums.next() else {
@@ -93,7 +93,7 @@ impl<S: Scalar> PackedHessian<S> {
                 if i > j
                     && let Some(difference) = differences.next()
                 {
-                    let row = row - 3 * self.room;
+                    let row = row - 3 * self.capacity;
                     difference[row..row + W].copy_from_slice(&(here - mirrored).0);
                 }
             }
@@ -115,9 +115,9 @@ impl<S: Scalar> PackedHessian<S> {
         let n = self.dof;
         let parts = matrix.nrows() / n;
         let columns = self.symmetric.as_mut_slice();
-        let mut sums = columns.chunks_exact_mut(6 * self.room);
+        let mut sums = columns.chunks_exact_mut(6 * self.capacity);
         let columns = self.antisymmetric.as_mut_slice();
-        let mut differences = columns.chunks_exact_mut(3 * self.room);
+        let mut differences = columns.chunks_exact_mut(3 * self.capacity);
         for j in 0..n {
             for i in j..n {
                 let Some(sum) = sums.next() else {
@@ -128,7 +128,7 @@ impl<S: Scalar> PackedHessian<S> {
                     false => None,
                 };
                 for (x, y) in BLOCKS.into_iter().filter(|(_, y)| *y < parts) {
-                    let row = index(x, y) * self.room + start;
+                    let row = index(x, y) * self.capacity + start;
                     let here = matrix[(x * n + i, y * n + j)];
                     if x == y {
                         add(&mut sum[row..], here);
@@ -137,7 +137,7 @@ impl<S: Scalar> PackedHessian<S> {
                     let mirrored = matrix[(x * n + j, y * n + i)];
                     add(&mut sum[row..], here + mirrored);
                     if let Some(difference) = &mut difference {
-                        add(&mut difference[row - 3 * self.room..], here - mirrored);
+                        add(&mut difference[row - 3 * self.capacity..], here - mirrored);
                     }
                 }
             }
@@ -147,7 +147,7 @@ impl<S: Scalar> PackedHessian<S> {
     /// Adds to the second derivative in the acceleration of joint `i` at point `g`.
     pub(crate) fn add_acceleration(&mut self, g: usize, i: usize, second: S) {
         let (at, _) = self.columns(i, i);
-        self.symmetric[(index(2, 2) * self.room + g, at)] += second;
+        self.symmetric[(index(2, 2) * self.capacity + g, at)] += second;
     }
 
     /// Overwrites the matrix of point `g`.
@@ -170,7 +170,7 @@ impl<S: Scalar> PackedHessian<S> {
             };
             let (block, i, j) = (index(row / n, column / n), row % n, column % n);
             let (at, below) = self.columns(i.max(j), i.min(j));
-            let symmetric = self.symmetric[(block * self.room + g, at)];
+            let symmetric = self.symmetric[(block * self.capacity + g, at)];
             if block < 3 {
                 return symmetric;
             }
@@ -178,7 +178,7 @@ impl<S: Scalar> PackedHessian<S> {
             if i == j {
                 return symmetric * half;
             }
-            let antisymmetric = self.antisymmetric[((block - 3) * self.room + g, below)];
+            let antisymmetric = self.antisymmetric[((block - 3) * self.capacity + g, below)];
             if i > j {
                 (symmetric + antisymmetric) * half
             } else {
@@ -192,9 +192,9 @@ impl<S: Scalar> PackedHessian<S> {
         let (n, half) = (self.dof, S::from_f64(0.5));
         out.fill(S::zero());
         let columns = self.symmetric.as_slice();
-        let mut sums = columns.chunks_exact(6 * self.room);
+        let mut sums = columns.chunks_exact(6 * self.capacity);
         let columns = self.antisymmetric.as_slice();
-        let mut differences = columns.chunks_exact(3 * self.room);
+        let mut differences = columns.chunks_exact(3 * self.capacity);
         for j in 0..n {
             for i in j..n {
                 let Some(sum) = sums.next() else {
@@ -205,11 +205,11 @@ impl<S: Scalar> PackedHessian<S> {
                     false => None,
                 };
                 for (block, (x, y)) in BLOCKS.into_iter().enumerate() {
-                    let sum = sum[block * self.room + g];
+                    let sum = sum[block * self.capacity + g];
                     // The entries (i, j) and (j, i) of the block.
                     let (here, mirrored) = match (difference, block.checked_sub(3)) {
                         (Some(of), Some(block)) => {
-                            let difference = of[block * self.room + g];
+                            let difference = of[block * self.capacity + g];
                             ((sum + difference) * half, (sum - difference) * half)
                         }
                         (None, Some(_)) => (sum * half, sum * half),
@@ -278,7 +278,7 @@ impl<S: Scalar> PackedHessian<S> {
         ] {
             for mut column in matrix.column_iter_mut() {
                 for (block, factor) in factors.iter().enumerate() {
-                    let mut own = column.rows_mut(block * self.room, self.room);
+                    let mut own = column.rows_mut(block * self.capacity, self.capacity);
                     own *= *factor;
                 }
             }
@@ -293,7 +293,7 @@ impl<S: Scalar> PackedHessian<S> {
         let (at, below) = self.columns(i.max(j), i.min(j));
         let of = |matrix: &DMatrix<S>, block: usize, column: usize| {
             Lanes(std::array::from_fn(|lane| {
-                matrix[(block * self.room + start + lane, column)]
+                matrix[(block * self.capacity + start + lane, column)]
             }))
         };
         let sum = of(&self.symmetric, index(x, y), at);
@@ -312,7 +312,7 @@ impl<S: Scalar> PackedHessian<S> {
     /// plus `stiff` times the square of the slip $\dot x_{P1} - x_{P2}$ halved.
     pub(crate) fn in_states(&self, stiff: S, out: &mut Self) {
         let (n, zero, stiff) = (self.dof, Lanes::splat(S::zero()), Lanes::splat(stiff));
-        for start in (0..self.room).step_by(LANES) {
+        for start in (0..self.capacity).step_by(LANES) {
             let own = |xy, i: usize, j: usize| self.lanes(xy, (i % n, j % n), start);
             // Rows and columns are those of q, then those of v.
             out.put([0, 0], start, |i, j| {
@@ -353,19 +353,19 @@ pub(crate) fn products<S: Scalar>(
     weights: &[S],
     pairs: &[(usize, usize)],
 ) -> [DMatrix<S>; 2] {
-    let (room, half) = (room(weights.len()), S::from_f64(0.5));
-    let mut products = [6, 3].map(|blocks| DMatrix::zeros(pairs.len(), blocks * room));
+    let (capacity, half) = (capacity(weights.len()), S::from_f64(0.5));
+    let mut products = [6, 3].map(|blocks| DMatrix::zeros(pairs.len(), blocks * capacity));
     for (pair, &(a, b)) in pairs.iter().enumerate() {
         for (block, (x, y)) in BLOCKS.into_iter().enumerate() {
             for (g, weight) in weights.iter().enumerate() {
                 let product = |x, y| *weight * table[(a, 3 * g + x)] * table[(b, 3 * g + y)];
-                let column = block * room + g;
+                let column = block * capacity + g;
                 if x == y {
                     products[0][(pair, column)] = product(x, x);
                 } else {
                     let (one, other) = (product(x, y) * half, product(y, x) * half);
                     products[0][(pair, column)] = one + other;
-                    products[1][(pair, column - 3 * room)] = one - other;
+                    products[1][(pair, column - 3 * capacity)] = one - other;
                 }
             }
         }

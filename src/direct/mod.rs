@@ -48,7 +48,7 @@ pub use minimise::Multipliers;
 pub(crate) use minimise::working_set::{WorkingSet, equalities};
 use minimise::{Candidate, Context, minimise};
 pub(crate) use minimise::{Integrand, Stage};
-pub(crate) use settings::Rung;
+pub(crate) use settings::Level;
 use strategy::{Planned, minimise_to_the_end, multistart, nearest_times, refine};
 
 /// A problem with a running cost, constraints and settings, to be solved.
@@ -195,7 +195,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
             let outcome = multistart(
                 context,
                 settings,
-                &settings.rungs(settings.continuity(&problem), passive),
+                &settings.levels(settings.continuity(&problem), passive),
                 &planned,
                 &mut log,
             )?;

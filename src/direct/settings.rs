@@ -162,37 +162,37 @@ impl DirectSettings {
     /// final degree; then the final degree on fewer segments, each basis with all breakpoints of the previous one; then
     /// the final basis. With passive joints there are at least half of the final segments: a few polynomials leave such
     /// a joint almost no freedom.
-    pub(crate) fn rungs(&self, continuity: Continuity, passive: bool) -> Vec<Rung> {
+    pub(crate) fn levels(&self, continuity: Continuity, passive: bool) -> Vec<Level> {
         let lower = self.search.lower();
         let fewer_segments = Stage {
             iterations: self.search.segment_iterations,
             ..lower
         };
         let new = |segments, p| Basis::new(segments, p, continuity);
-        let mut rungs: Vec<_> = Basis::degrees_below(self.degree, self.lowest_degree)
-            .map(|p| Rung {
+        let mut levels: Vec<_> = Basis::degrees_below(self.degree, self.lowest_degree)
+            .map(|p| Level {
                 basis: new(1, p),
                 stage: lower,
             })
             .collect();
-        rungs.extend(Basis::fewer_segments(self.segments).map(|n| Rung {
+        levels.extend(Basis::fewer_segments(self.segments).map(|n| Level {
             basis: new(n, self.degree),
             stage: fewer_segments,
         }));
-        // A low degree on one segment is the first rung already.
-        rungs.dedup_by(|b, a| a.basis == b.basis);
+        // A low degree on one segment is the first level already.
+        levels.dedup_by(|b, a| a.basis == b.basis);
         if passive {
-            rungs.retain(|rung| 2 * rung.basis.segments() >= self.segments);
+            levels.retain(|level| 2 * level.basis.segments() >= self.segments);
         }
         let conditions = waypoint::conditions(&self.waypoints);
-        rungs.retain(|rung| rung.basis.free().len() > conditions);
+        levels.retain(|level| level.basis.free().len() > conditions);
         let last = new(self.segments, self.degree);
-        rungs.retain(|rung| rung.basis != last);
-        rungs.push(Rung {
+        levels.retain(|level| level.basis != last);
+        levels.push(Level {
             basis: last,
             stage: self.highest(),
         });
-        rungs
+        levels
     }
 
     /// The continuity of motions of a problem.
@@ -292,7 +292,7 @@ impl DirectSettings {
 
 /// One basis of the sequence.
 #[derive(Clone, Debug)]
-pub(crate) struct Rung {
+pub(crate) struct Level {
     pub basis: Basis,
     pub stage: Stage,
 }

@@ -90,7 +90,7 @@ fn largest_rows<K: Constraint>(
         rows.evaluate(curve, segment, (&own_times, &table), &scales)?;
         let all = rows.values.chunks_exact(rows.stride);
         for ((values, largest), equality) in all.zip(&mut largest).zip(&equalities) {
-            let (by, position) = peak(&values[..=intervals], *equality);
+            let (by, position) = maximum(&values[..=intervals], *equality);
             if by > largest.by {
                 largest.by = by;
                 largest.at_s = begin + time(position);
@@ -308,7 +308,7 @@ impl<'a, K: Constraint> Rows<'a, K> {
 /// The largest of values at equally spaced times, or of their absolute values for an equality, and its position in
 /// intervals. The maxima of all parabolas through three neighbours are included: near the middle one, and out to an end
 /// at the first and last three.
-fn peak(values: &[f64], equality: bool) -> (f64, f64) {
+fn maximum(values: &[f64], equality: bool) -> (f64, f64) {
     let (mut largest, mut position) = (f64::NEG_INFINITY, 0.0);
     for (k, value) in values.iter().enumerate() {
         let height = if equality { value.abs() } else { *value };

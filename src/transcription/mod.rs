@@ -13,4 +13,4 @@ pub use horizon::HorizonDerivatives;
 pub use objective::{Derivatives, Objective};
 pub(crate) use objective::{place, points};
 pub(crate) use rows::Rows;
-pub(crate) use scan::{Peak, Scan};
+pub(crate) use scan::{Maximum, Scan};

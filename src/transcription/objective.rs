@@ -34,11 +34,11 @@ pub struct Objective<'g, S: Scalar, P> {
     jerks: Option<DMatrix<S>>,
     costs: Vec<S>,
     /// Allocated when derivatives are first requested.
-    room: Option<Room<S>>,
+    workspace: Option<Workspace<S>>,
 }
 
 /// Scratch space of derivatives.
-struct Room<S: Scalar> {
+struct Workspace<S: Scalar> {
     at_points: PointsDerivatives<S>,
     sums: [DMatrix<S>; 2],
     gradient: DMatrix<S>,
@@ -93,7 +93,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             times: grid.times.clone(),
             states: DMatrix::zeros(dof, 3 * points),
             costs: vec![S::zero(); points],
-            room: None,
+            workspace: None,
         }
     }
 
@@ -193,11 +193,13 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         for e in 0..grid.segments {
             self.place(coefficients, e);
             let here = points(grid, &self.times, &self.states, &self.jerks, e);
-            let Room {
+            let Workspace {
                 at_points,
                 sums,
                 gradient,
-            } = self.room.get_or_insert_with(|| Room::new(grid, dof));
+            } = self
+                .workspace
+                .get_or_insert_with(|| Workspace::new(grid, dof));
             at_points.with_metrics = with_metric;
             self.cost.all_derivatives(here, at_points)?;
             for (g, weight) in grid.weights.iter().enumerate() {
@@ -299,7 +301,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     }
 }
 
-impl<S: Scalar> Room<S> {
+impl<S: Scalar> Workspace<S> {
     fn new(grid: &Grid<S>, dof: usize) -> Self {
         Self {
             at_points: PointsDerivatives::new(dof, grid.points()),

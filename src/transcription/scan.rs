@@ -1,4 +1,4 @@
-//! The peaks of the constraint rows along a curve, between the quadrature points.
+//! The maxima of the constraint rows along a curve, between the quadrature points.
 
 use super::objective::scale;
 use super::{Rows, place};
@@ -21,7 +21,7 @@ pub(crate) struct Scan {
 
 /// A local maximum of a row over time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Peak {
+pub(crate) struct Maximum {
     pub row: usize,
     pub segment: usize,
     pub time: f64,
@@ -51,13 +51,13 @@ impl Scan {
     /// Finds the local maxima in time of all rows above `floor`, ends of the segments included, refined by a parabola;
     /// one that may be above zero by further values of its row. Equalities have none. The times of the maxima are
     /// normalised.
-    pub fn peaks<K: Constraint, P: CostWithControl>(
+    pub fn maxima<K: Constraint, P: CostWithControl>(
         &self,
         rows: &mut Rows<'_, K, P>,
         coefficients: &DMatrix<f64>,
         horizon: f64,
         floor: f64,
-    ) -> Result<Vec<Peak>> {
+    ) -> Result<Vec<Maximum>> {
         let (n, count) = (coefficients.nrows(), rows.count());
         let segments = self.basis.segments();
         let interval = 1.0 / (segments * self.intervals) as f64;
@@ -104,23 +104,23 @@ impl Scan {
                         continue;
                     }
                     let bracket = Bracket { times, values };
-                    let peak = |(time, height)| Peak {
+                    let maximum = |(time, height)| Maximum {
                         row,
                         segment,
                         time,
                         height,
                     };
                     if k == 1 && values[0] > floor && values[0] > values[1] {
-                        found.push(peak(bracket.at_end(0)));
+                        found.push(maximum(bracket.at_end(0)));
                     }
                     if values[1] > floor && values[0] <= values[1] && values[2] < values[1] {
                         if bracket.is_valid() && bracket.may_exceed(0.0) {
                             uncertain.push((found.len(), bracket));
                         }
-                        found.push(peak(bracket.vertex()));
+                        found.push(maximum(bracket.vertex()));
                     }
                     if k + 1 == self.intervals && values[2] > floor && values[1] <= values[2] {
-                        found.push(peak(bracket.at_end(2)));
+                        found.push(maximum(bracket.at_end(2)));
                     }
                 }
             }
@@ -140,7 +140,7 @@ impl Scan {
         coefficients: &DMatrix<f64>,
         horizon: f64,
         uncertain: &mut [(usize, Bracket)],
-        found: &mut [Peak],
+        found: &mut [Maximum],
     ) -> Result<()> {
         let (n, count, segments) = (coefficients.nrows(), rows.count(), self.basis.segments());
         let mut states = DMatrix::zeros(n, 3 * uncertain.len());
@@ -165,9 +165,9 @@ impl Scan {
         };
         rows.of_all(points, &mut h)?;
         for (k, (at, bracket)) in uncertain.iter_mut().enumerate() {
-            let peak = &mut found[*at];
-            bracket.narrow(bracket.next(), h[k * count + peak.row]);
-            (peak.time, peak.height) = bracket.vertex();
+            let maximum = &mut found[*at];
+            bracket.narrow(bracket.next(), h[k * count + maximum.row]);
+            (maximum.time, maximum.height) = bracket.vertex();
         }
         Ok(())
     }

@@ -6,12 +6,12 @@ use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::cost::SMALLEST_COST;
 use crate::error::Result;
-use crate::transcription::Peak;
+use crate::transcription::Maximum;
 use nalgebra::DVector;
 
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// The local maxima of the rows between the points, and the largest violation, in its unit.
-    pub(super) fn peaks(&mut self, end: bool) -> Result<(Vec<Peak>, f64)> {
+    pub(super) fn maxima(&mut self, end: bool) -> Result<(Vec<Maximum>, f64)> {
         let (scan, horizon) = (self.scans[usize::from(end)].clone(), self.horizon);
         self.evaluate_points()?;
         let of_border = self.linear_rows().into_iter();
@@ -20,9 +20,11 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let beside = of_border.chain(of_points).fold(0.0, f64::max);
         let rows = &mut self.objective.cost_mut().rows;
         let floor = -self.search.scan_depth;
-        let peaks = scan.peaks(rows, &self.coefficients, horizon, floor)?;
+        let maxima = scan.maxima(rows, &self.coefficients, horizon, floor)?;
         let units = &rows.attributes().units;
-        let highest = peaks.iter().map(|peak| peak.height * units[peak.row]);
+        let highest = maxima
+            .iter()
+            .map(|maximum| maximum.height * units[maximum.row]);
         let highest = highest.fold(0.0, f64::max);
         let (units, equalities) = (units.clone(), rows.attributes().equalities.clone());
         let integrand = self.objective.cost_mut();
@@ -35,7 +37,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
                 }
             }
         }
-        Ok((peaks, largest))
+        Ok((maxima, largest))
     }
 
     /// Returns true if a finer quadrature gives a different cost; the tolerance is larger before the `end`.
@@ -110,7 +112,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     ///
     /// They raise the rows at the two points of the segment next to a maximum to its height, or only `grow`, by twice
     /// the excess of a maximum.
-    pub(super) fn set_margins(&mut self, peaks: &[Peak], grow: bool) {
+    pub(super) fn set_margins(&mut self, maxima: &[Maximum], grow: bool) {
         if !grow {
             self.reserve();
         }
@@ -120,26 +122,26 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         // Times are sums of intervals.
         let is_at = |time: f64, end: f64| (time - end).abs() <= 8.0 * f64::EPSILON;
         let is_fixed = |time: f64| (fixed[0] && is_at(time, 0.0)) || (fixed[1] && is_at(time, 1.0));
-        for peak in peaks {
+        for maximum in maxima {
             // Margins do not change the state at a fixed end.
-            if peak.row < states && is_fixed(peak.time) {
+            if maximum.row < states && is_fixed(maximum.time) {
                 continue;
             }
-            let reserve = reserves[peak.row];
-            let after = grid.times.partition_point(|t| *t < peak.time);
-            let own = peak.segment * grid.points()..(peak.segment + 1) * grid.points();
+            let reserve = reserves[maximum.row];
+            let after = grid.times.partition_point(|t| *t < maximum.time);
+            let own = maximum.segment * grid.points()..(maximum.segment + 1) * grid.points();
             let asked = |g: &usize| !grid.collocated[g % grid.points()];
             let beside = [
                 (own.start..after.min(own.end)).rfind(asked),
                 (after.max(own.start)..own.end).find(asked),
             ];
             for g in beside.into_iter().flatten() {
-                let at = g * count + peak.row;
+                let at = g * count + maximum.row;
                 if !grow {
-                    let beside = reserve + peak.height - integrand.h[at];
+                    let beside = reserve + maximum.height - integrand.h[at];
                     self.margins[at] = self.margins[at].max(beside);
-                } else if peak.height > 0.0 {
-                    self.margins[at] += 2.0 * peak.height + reserve;
+                } else if maximum.height > 0.0 {
+                    self.margins[at] += 2.0 * maximum.height + reserve;
                 }
             }
         }

@@ -377,19 +377,19 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         if self.is_coarse(end)? {
             return Ok(Tightened::Coarse);
         }
-        let (peaks, violation) = self.peaks(end)?;
+        let (maxima, violation) = self.maxima(end)?;
         if violation <= self.stage.feasible {
             self.kept.push(x.clone());
         }
         // Exact margins at first; then they only grow, so that the search ends.
-        self.set_margins(&peaks, round > self.search.exact_margins);
+        self.set_margins(&maxima, round > self.search.exact_margins);
         Ok(Tightened::Violation(violation))
     }
 
     fn violation(&mut self, x: &DVector<f64>) -> Result<f64> {
         self.place(x);
         self.is_coarse(true)?;
-        Ok(self.peaks(true)?.1)
+        Ok(self.maxima(true)?.1)
     }
 
     fn is_stopped(&self) -> bool {

@@ -5,7 +5,7 @@ use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::curve::Basis;
 use crate::direct::minimise::{Candidate, Context, minimise};
-use crate::direct::settings::{PlannedStarts, Rung};
+use crate::direct::settings::{Level, PlannedStarts};
 use crate::direct::strategy::planned::Planned;
 use crate::direct::strategy::through::times_by_length;
 use crate::direct::{DirectSettings, DirectSolution, Iteration};
@@ -39,7 +39,7 @@ pub(crate) struct Outcome {
 }
 
 /// A start on its way to higher degrees.
-struct Climber {
+struct Run {
     number: usize,
     /// Its first basis, and the curve there.
     first: usize,
@@ -57,7 +57,7 @@ struct Climber {
 pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     settings: &DirectSettings,
-    rungs: &[Rung],
+    levels: &[Level],
     planned: &Planned<'_, '_, K, P>,
     log: &mut dyn FnMut(Iteration),
 ) -> Result<Outcome> {
@@ -68,16 +68,16 @@ pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     let share = if goes_on { search.share_of_starts } else { 1.0 };
     let passive = context.rows.constraints.torque.has_passive();
     // A start is a single polynomial, whatever it is to become.
-    let basis = &rungs[0].basis;
+    let basis = &levels[0].basis;
     let one = Basis::new(1, basis.degree(), basis.continuity());
     // Who asks for a start that keeps the constraints is content with a motion that does.
     let content = settings.planned_starts == PlannedStarts::First;
-    let is_found = |end: &Climber| {
+    let is_found = |end: &Run| {
         let end = &end.candidate;
         end.converged || (content && end.kept)
     };
-    let mut least = vec![f64::INFINITY; rungs.len()];
-    let (mut first_costs, mut ends) = (Vec::new(), Vec::<Climber>::new());
+    let mut least = vec![f64::INFINITY; levels.len()];
+    let (mut first_costs, mut ends) = (Vec::new(), Vec::<Run>::new());
     let mut next = 0;
     loop {
         let found_before = ends.iter().any(is_found);
@@ -94,12 +94,12 @@ pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
             let problem = planned.problem(number)?;
             // A planned start has its own basis and enters at the highest degree.
             let (first, mut candidate) = match planned.start(number, &problem)? {
-                Some(candidate) => (rungs.len() - 1, candidate),
+                Some(candidate) => (levels.len() - 1, candidate),
                 None => {
                     let bends = planned.bends(number);
                     let line = Path::line(&problem, one.clone());
                     let path = line.start(settings.start_amplitude, settings.seed, bends);
-                    let path = path.in_basis(rungs[0].basis.clone());
+                    let path = path.in_basis(levels[0].basis.clone());
                     let times = times_by_length(&problem, &settings.waypoints, number);
                     let path = path.through(&settings.waypoints, number, &times);
                     let horizon = context.problem.horizon();
@@ -108,7 +108,7 @@ pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
                 }
             };
             candidate.alternative = context.goal.map_or(0, |goal| goal.end(number).alternative);
-            Ok(Climber {
+            Ok(Run {
                 number,
                 first,
                 guess: candidate.clone(),
@@ -116,73 +116,68 @@ pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
             })
         };
         let starts = side_by_side(wave.collect(), settings.threads, start);
-        let mut climbing = starts.into_iter().collect::<Result<Vec<_>>>()?;
-        for (level, rung) in rungs.iter().enumerate() {
+        let mut runs = starts.into_iter().collect::<Result<Vec<_>>>()?;
+        for (index, level) in levels.iter().enumerate() {
             // Those that come in at the top wait.
-            let (waiting, here) = climbing
-                .into_iter()
-                .partition(|climber| climber.first > level);
-            climbing = waiting;
-            let found = side_by_side(here, settings.threads, |climber| {
+            let (waiting, here) = runs.into_iter().partition(|run| run.first > index);
+            runs = waiting;
+            let found = side_by_side(here, settings.threads, |run| {
                 // One candidate is needed; a first look at the others would go on for long after the end.
-                if climber.number > 0 && level == climber.first && stopped() {
+                if run.number > 0 && index == run.first && stopped() {
                     return Ok(None);
                 }
-                let mut candidate = climber.candidate.clone();
-                if climber.first < level {
-                    candidate.path = candidate.path.in_basis(rung.basis.clone());
+                let mut candidate = run.candidate.clone();
+                if run.first < index {
+                    candidate.path = candidate.path.in_basis(level.basis.clone());
                 }
                 let mut iterations = Vec::new();
                 let mut log = |iteration| iterations.push(iteration);
-                let found = if level + 1 == rungs.len() {
-                    let least = least[level];
-                    minimise_to_the_end(context, candidate, rung.stage, least, &mut log)?
+                let found = if index + 1 == levels.len() {
+                    let least = least[index];
+                    minimise_to_the_end(context, candidate, level.stage, least, &mut log)?
                 } else {
-                    minimise(context, candidate, rung.stage, &mut log)?
+                    minimise(context, candidate, level.stage, &mut log)?
                 };
                 let candidate = found;
-                let climber = Climber {
-                    candidate,
-                    ..climber
-                };
-                Ok(Some((climber, iterations)))
+                let run = Run { candidate, ..run };
+                Ok(Some((run, iterations)))
             });
             for found in found {
-                let Some((climber, iterations)) = found? else {
+                let Some((run, iterations)) = found? else {
                     continue;
                 };
-                let candidate = &climber.candidate;
+                let candidate = &run.candidate;
                 for iteration in iterations {
-                    let start = Some(climber.number);
+                    let start = Some(run.number);
                     log(Iteration { start, ..iteration });
                 }
-                if level == climber.first && !stopped() {
+                if index == run.first && !stopped() {
                     first_costs.push(candidate.objective);
                 }
                 // The first one has nothing to be compared with, and at the top all have come to their end. What a
-                // passive joint is given at a low rung says nothing of what the motion costs without.
-                let goes_on = match (rungs.len() - 1 - level).checked_sub(1) {
-                    Some(left) if least[level].is_finite() && !passive => {
+                // passive joint is given at a low level says nothing of what the motion costs without.
+                let goes_on = match (levels.len() - 1 - index).checked_sub(1) {
+                    Some(left) if least[index].is_finite() && !passive => {
                         let hopeless = search.hopeless[left.min(search.hopeless.len() - 1)];
-                        candidate.objective <= least[level] + hopeless * least[level].abs()
+                        candidate.objective <= least[index] + hopeless * least[index].abs()
                     }
                     _ => true,
                 };
-                let inside = candidate.violation <= rung.stage.feasible
+                let inside = candidate.violation <= level.stage.feasible
                     && candidate.passive_share <= search.passive_share;
                 if inside {
-                    least[level] = least[level].min(candidate.objective);
+                    least[index] = least[index].min(candidate.objective);
                 }
                 if goes_on || !found_before {
-                    climbing.push(climber);
+                    runs.push(run);
                 }
             }
-            if level + 1 < rungs.len() && context.goal.is_some() {
-                keep_best(&mut climbing, level, rung.stage.feasible, search.kept_ends);
+            if index + 1 < levels.len() && context.goal.is_some() {
+                keep_best(&mut runs, index, level.stage.feasible, search.kept_ends);
             }
-            climbing.sort_by_key(|climber| climber.number);
+            runs.sort_by_key(|run| run.number);
         }
-        ends.extend(climbing);
+        ends.extend(runs);
         let found = ends.iter().any(is_found);
         let more = match settings.time_limit {
             Some(_) => next < DirectSettings::LARGEST_STARTS,
@@ -204,18 +199,16 @@ pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     })
 }
 
-/// Drops all but the best `kept` of those that are at a level, for a goal that is a set: they differ in their ends, of
+/// Drops all but the best `kept` of the runs at this level, for a goal that is a set: they differ in their ends, of
 /// which the order of the costs at a low degree is a good sign, and each of them takes a whole search at the next one.
-fn keep_best(climbing: &mut Vec<Climber>, level: usize, feasible: f64, kept: usize) {
-    let (mut here, waiting): (Vec<_>, Vec<_>) = climbing
-        .drain(..)
-        .partition(|climber| climber.first <= level);
-    let order = |climber: &Climber| {
+fn keep_best(runs: &mut Vec<Run>, index: usize, feasible: f64, kept: usize) {
+    let (mut here, waiting): (Vec<_>, Vec<_>) = runs.drain(..).partition(|run| run.first <= index);
+    let order = |run: &Run| {
         let Candidate {
             violation,
             objective,
             ..
-        } = climber.candidate;
+        } = run.candidate;
         (violation.max(feasible), objective)
     };
     here.sort_by(|a, b| {
@@ -223,8 +216,8 @@ fn keep_best(climbing: &mut Vec<Climber>, level: usize, feasible: f64, kept: usi
         off.total_cmp(&beside).then(cost.total_cmp(&other))
     });
     here.truncate(kept);
-    climbing.extend(here);
-    climbing.extend(waiting);
+    runs.extend(here);
+    runs.extend(waiting);
 }
 
 /// The order of candidates: successful ones first, by their cost, then the others by their violation.
@@ -242,7 +235,7 @@ fn rank(a: &Candidate, b: &Candidate) -> Ordering {
 }
 
 /// The minima among sorted ends, which differ by more than the share `same`, and the curves of the first few.
-fn minima_of(ends: &[Climber], same: f64) -> (Vec<LocalMinimum>, Vec<Candidate>) {
+fn minima_of(ends: &[Run], same: f64) -> (Vec<LocalMinimum>, Vec<Candidate>) {
     let (mut minima, mut curves) = (Vec::<LocalMinimum>::new(), Vec::new());
     let ends = ends.iter().map(|end| &end.candidate);
     for end in ends.filter(|end| end.converged) {

@@ -6,7 +6,7 @@ use super::{RestRecord, RestSettings, RestSolution};
 use crate::constraint::{Constraint, Constraints};
 use crate::cost::{CostWithControl, check_integral};
 use crate::curve::{Basis, Continuity, Curve};
-use crate::direct::{Multipliers, Rung, Stage};
+use crate::direct::{Level, Multipliers, Stage};
 use crate::error::{Error, Result};
 use crate::flow::weak::{Norm, RestMetric};
 use crate::flow::{ActuationMetric, Metric};
@@ -60,9 +60,9 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
     ) -> Result<RestSolution> {
         let (problem, settings) = (self.problem, self.settings);
         let constraints = self.rows.constraints;
-        let mut rungs: VecDeque<Rung> = settings.rungs(constraints).into();
+        let mut levels: VecDeque<Level> = settings.levels(constraints).into();
         let mut walk = Walk {
-            path: Path::of_states(&curve, rungs[0].basis.clone()),
+            path: Path::of_states(&curve, levels[0].basis.clone()),
             clock: Clock::default(),
             multipliers: Default::default(),
             equality_penalty: 1.0,
@@ -70,13 +70,13 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
             found: RestSolution::new(curve, guess),
         };
         let mut first_phase = settings.two_phases && self.rows.count() > 0;
-        while let Some(rung) = rungs.pop_front() {
-            walk.path = walk.path.in_basis(rung.basis.clone());
+        while let Some(level) = levels.pop_front() {
+            walk.path = walk.path.in_basis(level.basis.clone());
             if first_phase {
-                self.minimise(&mut walk, rung.stage, FIRST_PHASE, observe)?;
+                self.minimise(&mut walk, level.stage, FIRST_PHASE, observe)?;
                 first_phase = false;
             }
-            self.minimise(&mut walk, rung.stage, 1.0, observe)?;
+            self.minimise(&mut walk, level.stage, 1.0, observe)?;
             if self.watch.stopped().is_some() {
                 walk.found.at_rest = false;
                 break;
@@ -84,10 +84,10 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
             let found = &walk.found;
             let left =
                 found.passive_share > settings.search.passive_share && found.action < self.least;
-            let finer = rung.basis.finer(RestSettings::LARGEST_SIZE);
-            if let (true, true, Some(basis)) = (rungs.is_empty(), left, finer) {
-                let stage = rung.stage;
-                rungs.push_back(Rung { basis, stage });
+            let finer = level.basis.finer(RestSettings::LARGEST_SIZE);
+            if let (true, true, Some(basis)) = (levels.is_empty(), left, finer) {
+                let stage = level.stage;
+                levels.push_back(Level { basis, stage });
             }
         }
         let mut found = walk.found;
@@ -284,20 +284,20 @@ pub(super) fn kkt<M: Metric>(
 
 impl RestSettings {
     /// The sequence of bases: that of the direct method, in the state.
-    fn rungs<K: Constraint>(&self, constraints: &Constraints<K>) -> Vec<Rung> {
+    fn levels<K: Constraint>(&self, constraints: &Constraints<K>) -> Vec<Level> {
         let passive = constraints.torque.has_passive();
         let rows = usize::from(constraints.dim() > 0);
-        let mut rungs = self.as_direct(rows).rungs(Continuity::default(), passive);
+        let mut levels = self.as_direct(rows).levels(Continuity::default(), passive);
         if self.start.is_some() {
-            rungs.drain(..rungs.len() - 1);
+            levels.drain(..levels.len() - 1);
         }
-        for Rung { basis, stage } in &mut rungs {
+        for Level { basis, stage } in &mut levels {
             *basis = Basis::new(basis.segments(), basis.degree(), Continuity::STATE);
             if stage.last {
                 stage.feasible = self.feasible;
                 stage.last_barrier = self.nlp.last_barrier.max(self.tolerance * self.tolerance);
             }
         }
-        rungs
+        levels
     }
 }

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 /// Say what the file of a robot can be used for, and what is in the way.
 ///
-/// Each finding comes with the key of a scenario, the option or the change of the file that mends it: joints and mimic
+/// Each finding comes with the key of a scenario, the option or the change of the file as its remedy: joints and mimic
 /// joints, inertias, limits, losses, collision shapes with the balls that cover them, and links that overlap at zero or
 /// in the named states of an SRDF. What the other commands refuse is a finding here, and the rest is examined without
 /// it. Exit code 3 if no key makes it possible to plan motions.

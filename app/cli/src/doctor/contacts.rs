@@ -90,7 +90,7 @@ fn not_disabled(
              reason,
          }| format!("{a} and {b} ({reason})"),
     );
-    let (condition, mend) = match with_srdf {
+    let (condition, remedy) = match with_srdf {
         true => (
             "they cannot keep clear of each other, and the SRDF does not disable them",
             "disable_collisions in the SRDF, or \"self_collision\": {\"ignored_pairs\": [...]}"
@@ -101,7 +101,7 @@ fn not_disabled(
             format!("nothing is needed; aghf pairs {robot} lists them"),
         ),
     };
-    Finding::about(Severity::Note, "pair", names, [condition, &mend])
+    Finding::about(Severity::Note, "pair", names, [condition, &remedy])
 }
 
 /// The names of two links in their order.
@@ -138,9 +138,9 @@ fn configuration(
         .iter()
         .filter(|joint| !known.joints.contains(joint));
     let condition = format!("the state '{name}' of the SRDF has it, and the robot does not");
-    let mend = "an SRDF for this robot; the joint is passed over in what follows";
+    let remedy = "an SRDF for this robot; the joint is passed over in what follows";
     let names = unknown.map(|(joint, _)| joint.clone());
-    let found = Finding::about(Severity::Note, "joint", names, [&condition, mend]);
+    let found = Finding::about(Severity::Note, "joint", names, [&condition, remedy]);
     let mut findings = Vec::from_iter(found);
     match srdf.positions(&known, model, file) {
         Err(error) => {

@@ -118,9 +118,9 @@ fn notes(moving: &[&Joint]) -> [Option<Finding>; 8] {
                 .is_some_and(|dynamics| dynamics.friction != 0.0)
         }),
     ];
-    notes.map(|(condition, mend, property)| {
+    notes.map(|(condition, remedy, property)| {
         let names = names(moving, property);
-        Finding::about(Severity::Note, "joint", names, [condition, mend])
+        Finding::about(Severity::Note, "joint", names, [condition, remedy])
     })
 }
 

@@ -93,8 +93,8 @@ pub struct Finding {
     pub names: Vec<String>,
     /// What is true of them.
     pub condition: String,
-    /// The key, the option or the change of the file that mends it; empty if nothing needs to be.
-    pub mend: String,
+    /// The key, the option or the change of the file that remedies it; empty if nothing needs to be.
+    pub remedy: String,
 }
 
 impl Finding {
@@ -103,7 +103,7 @@ impl Finding {
         severity: Severity,
         kind: &'static str,
         names: impl IntoIterator<Item = String>,
-        [condition, mend]: [&str; 2],
+        [condition, remedy]: [&str; 2],
     ) -> Option<Self> {
         let names: Vec<_> = names.into_iter().collect();
         (!names.is_empty()).then(|| Self {
@@ -111,12 +111,12 @@ impl Finding {
             kind,
             names,
             condition: condition.to_owned(),
-            mend: mend.to_owned(),
+            remedy: remedy.to_owned(),
         })
     }
 
     /// The finding that an error stands for.
-    fn of_error(error: Error, severity: Severity, mend: &str) -> Self {
+    fn of_error(error: Error, severity: Severity, remedy: &str) -> Self {
         let (kind, name, condition) = match error {
             Error::Input {
                 file,
@@ -130,7 +130,7 @@ impl Finding {
             kind,
             names: vec![name],
             condition,
-            mend: mend.to_owned(),
+            remedy: remedy.to_owned(),
         }
     }
 }
@@ -176,15 +176,15 @@ pub fn examine(examination: &Examination) -> Result<Diagnosis> {
             diagnosis.mass_kg = Some(model.mass());
             let followers = followers(&examined, &model, &source.name());
             let followers = followers.unwrap_or_else(|error| {
-                let mend = "the mimic element in the file";
-                (diagnosis.findings).push(Finding::of_error(error, Severity::Note, mend));
+                let remedy = "the mimic element in the file";
+                (diagnosis.findings).push(Finding::of_error(error, Severity::Note, remedy));
                 Vec::new()
             });
             diagnosis.of_shapes((&model, &followers), source.folder(), examination)?;
         }
         Err(error) => {
-            let mend = "the file has to be changed";
-            (diagnosis.findings).push(Finding::of_error(error, Severity::Refused, mend));
+            let remedy = "the file has to be changed";
+            (diagnosis.findings).push(Finding::of_error(error, Severity::Refused, remedy));
         }
     }
     diagnosis.findings.sort_by_key(|finding| finding.severity);
@@ -210,8 +210,8 @@ impl Diagnosis {
                 Ok(srdf) => Some((srdf, path.display().to_string())),
                 Err(error @ Error::Io { .. }) => return Err(error),
                 Err(error) => {
-                    let mend = "the SRDF has to be changed; it is not used in what follows";
-                    (self.findings).push(Finding::of_error(error, Severity::Note, mend));
+                    let remedy = "the SRDF has to be changed; it is not used in what follows";
+                    (self.findings).push(Finding::of_error(error, Severity::Note, remedy));
                     None
                 }
             },
@@ -247,12 +247,13 @@ fn of_model(model: &Model, notes: &[LoadNote], robot: &Robot) -> Result<Vec<Find
     let mut findings = Vec::new();
     for note in notes {
         if let LoadNote::ImpossibleInertia { link, condition } = note {
-            let mend = "the inertia of the link in the file has to be changed; it is used as it is";
+            let remedy =
+                "the inertia of the link in the file has to be changed; it is used as it is";
             findings.extend(Finding::about(
                 Severity::Note,
                 "link",
                 [link.clone()],
-                [condition, mend],
+                [condition, remedy],
             ));
         }
     }
@@ -265,22 +266,23 @@ fn of_model(model: &Model, notes: &[LoadNote], robot: &Robot) -> Result<Vec<Find
                      sets another";
         let alike = "\"losses\": {\"armature\": {JOINT: KG_M2}}, \"locked_joints\": {JOINT: POSITION}, or a \
                      \"group\" without it";
-        let (severity, mend) = match model.substitute_rotors()?.is_empty() {
+        let (severity, remedy) = match model.substitute_rotors()?.is_empty() {
             false => (Severity::Note, rotor),
             true => (Severity::NeedsKey, alike),
         };
         let (reason, _) = condition.split_once(';').unwrap_or((condition, ""));
-        (findings).extend(Finding::about(severity, "joint", names, [reason, mend]));
+        (findings).extend(Finding::about(severity, "joint", names, [reason, remedy]));
     }
     if robot.links.iter().all(|link| link.collision.is_empty()) {
         let condition =
             "no link has a collision element, so obstacles keep clear of joint frames alone";
-        let mend = "\"robot_shape\": {\"swept_links\": {\"radius_m\": R}}, or --srdf with spheres";
+        let remedy =
+            "\"robot_shape\": {\"swept_links\": {\"radius_m\": R}}, or --srdf with spheres";
         findings.extend(Finding::about(
             Severity::Note,
             "robot",
             [robot.name.clone()],
-            [condition, mend],
+            [condition, remedy],
         ));
     }
     Ok(findings)

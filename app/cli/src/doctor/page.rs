@@ -49,13 +49,13 @@ pub fn page(diagnosis: &Diagnosis) -> String {
     text.trim_end().to_owned()
 }
 
-/// A finding in a line, and what mends it in the next.
+/// A finding in a line, and what remedies it in the next.
 fn in_words(finding: &Finding) -> String {
     let Finding {
         kind,
         names,
         condition,
-        mend,
+        remedy,
         ..
     } = finding;
     let mut shown: Vec<_> = names
@@ -68,8 +68,8 @@ fn in_words(finding: &Finding) -> String {
     }
     let plural = if names.len() > 1 { "s" } else { "" };
     let mut text = format!("  {kind}{plural} {}: {condition}\n", shown.join(", "));
-    if !mend.is_empty() {
-        text += &format!("    mend: {mend}\n");
+    if !remedy.is_empty() {
+        text += &format!("    remedy: {remedy}\n");
     }
     text
 }
