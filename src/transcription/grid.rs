@@ -118,8 +118,8 @@ impl Grid<f64> {
         Self::of_rule(basis, gauss_legendre(points), horizon)
     }
 
-    /// Tabulates at Gauss-Lobatto points instead, which include the ends of each segment: velocities often have a maximum
-    /// between two segments, where the control jumps.
+    /// Tabulates at Gauss-Lobatto points instead, which include the ends of each segment: velocities often have a
+    /// maximum between two segments, where the control jumps.
     #[must_use]
     pub fn with_ends(basis: &Basis, points: usize, horizon: f64) -> Self {
         Self::of_rule(basis, gauss_lobatto(points), horizon)
