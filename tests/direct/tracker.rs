@@ -197,10 +197,10 @@ fn the_gain_places_the_poles_of_the_model() {
     assert!(distance(of.a.as_slice(), &command.a) < 1e-9);
 }
 
-/// A goal that moves by about 1 cm at the tool has a safe plan after a tenth of the iterations of a new search, in the
-/// median.
+/// A goal that moves by about 1 cm at the tool has a safe plan after an eighth of the iterations of a new search, in
+/// the median.
 #[test]
-fn a_moved_goal_takes_a_tenth_of_the_iterations() {
+fn a_moved_goal_takes_an_eighth_of_the_iterations() {
     let model = robot("kinova_gen3");
     let mut rng = ChaCha8Rng::seed_from_u64(39);
     let mut ratios = Vec::new();
@@ -249,7 +249,7 @@ fn a_moved_goal_takes_a_tenth_of_the_iterations() {
         ratios.push(iterations as f64 / cold.iterations.len() as f64);
     }
     ratios.sort_by(f64::total_cmp);
-    assert!(ratios[10] <= 0.1, "{ratios:?}");
+    assert!(ratios[10] <= 0.125, "{ratios:?}");
 }
 
 /// Memory is bounded: a step allocates a number of vectors that does not grow, and later steps keep no more.

@@ -108,3 +108,27 @@ fn rules_see_relative_sums() {
         "{last:?}"
     );
 }
+
+/// $(x^2 - 1)^2 + 1$, and a row far away.
+fn well(x: &[HyperDual64]) -> (HyperDual64, Vec<HyperDual64>) {
+    let well = x[0] * x[0] - 1.0;
+    (well * well + 1.0, vec![x[0] - 1e3])
+}
+
+/// Where the objective has negative curvature, the predicted decrease is that of the longest step down the slope, of
+/// length 1, however short the step is for the multiple of the norm.
+#[test]
+fn short_steps_do_not_show_a_minimum() {
+    let rule = Arc::new(Adaptive::default());
+    let options = Options {
+        first_regularisation: 1e3,
+        barrier: rule.clone(),
+        ..accurate()
+    };
+    let end = Dense::new(well, &[0.2], 0, 1).solve(&options);
+    assert_eq!(end.status, Status::Converged);
+    let first = rule.seen.lock().expect("no panic")[0];
+    let (x, slope) = (0.2_f64, 4.0 * 0.2 * (1.0 - 0.2 * 0.2));
+    let objective = (x * x - 1.0).powi(2) + 1.0;
+    assert_close!(&[first.decrease], &[slope / objective], 1e-2);
+}

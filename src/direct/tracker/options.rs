@@ -22,7 +22,7 @@ pub struct TrackerOptions {
     /// The decrease of the objective with its barrier, relative to the objective, from which on a plan to the same goal
     /// replaces the former, by default 1e-3: each replacement may make a jump of the acceleration.
     pub least_gain: f64,
-    /// The number `K` of intervals of the look at a plan, by default 120, at times $T (1 - \cos \pi k / K) / 2$. The
+    /// The number `K` of intervals of the look at a plan, by default 160, at times $T (1 - \cos \pi k / K) / 2$. The
     /// state at which a plan begins is fixed, and may be at a bound already: with equal intervals it takes 1000 of them
     /// not to miss violations of 1e-4 within the first milliseconds.
     pub look: usize,
@@ -48,7 +48,7 @@ impl Default for TrackerOptions {
             barrier: 1e-2,
             iterations_per_step: 1,
             least_gain: 1e-3,
-            look: 120,
+            look: 160,
             deadline: None,
             bandwidth: 30.0,
             shortest_horizon: 0.1,

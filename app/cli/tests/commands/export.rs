@@ -16,7 +16,7 @@ fn solved(folder: &Path) {
         folder,
         &[
             "solve",
-            "kinova_obstacles_01",
+            "kinova_obstacles_02",
             "--out",
             "run",
             "--no-report",
@@ -61,7 +61,7 @@ fn a_trajectory_is_judged_like_the_table() {
         assert_eq!(lists.map(Vec::as_slice).concat(), numbers[1..]);
     }
     for name in ["run/trajectory.yaml", "run/trajectory.json"] {
-        let run = aghf(&folder, &["judge", "kinova_obstacles_01", name]);
+        let run = aghf(&folder, &["judge", "kinova_obstacles_02", name]);
         assert_eq!(run.code, Some(0), "{}{}", run.stdout, run.stderr);
     }
     let again = ["export", "run", "--to", "trajectory"];

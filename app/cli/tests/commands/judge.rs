@@ -18,12 +18,12 @@ fn hanging(folder: &Path) {
 fn what_is_solved_is_valid() {
     let folder = empty_folder("judge_solved");
     // The motion is swift at its end: it needs more rows than the fewest.
-    let solved = aghf(&folder, &["solve", "kinova_obstacles_01", "--out", "out"]);
+    let solved = aghf(&folder, &["solve", "kinova_obstacles_02", "--out", "out"]);
     assert_eq!(solved.code, Some(0), "{}", solved.stderr);
     let table = "out/trajectory.csv";
     let arguments = [
         "judge",
-        "kinova_obstacles_01",
+        "kinova_obstacles_02",
         table,
         "--json",
         "verdict.json",
@@ -46,7 +46,7 @@ fn what_is_solved_is_valid() {
     assert_eq!(obstacles["outcome"], "pass");
     assert!(obstacles["value"].as_f64() >= obstacles["proved_at_least"].as_f64());
     assert_bad_input(&folder, &arguments, "verdict.json; --force");
-    let other = aghf(&folder, &["judge", "kinova_obstacles_02", table]);
+    let other = aghf(&folder, &["judge", "kinova_obstacles_01", table]);
     assert_eq!(other.code, Some(1), "{}", other.stdout);
     assert!(
         other
