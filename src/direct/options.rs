@@ -71,8 +71,8 @@ pub struct SearchOptions {
     pub lower_last_barrier: f64,
     /// The accepted violation of a row in lower bases, in its unit.
     pub lower_feasible: f64,
-    /// The number of further starts that are tried at once while none of the requested ones ends within the
-    /// constraints.
+    /// The number of further starts that are tried at once, after a single one, while none of the requested ones ends
+    /// within the constraints.
     pub more_starts: usize,
     /// The largest number of starts while none of them ends within the constraints.
     pub most_starts: usize,

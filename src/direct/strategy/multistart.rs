@@ -52,8 +52,8 @@ struct Run {
 /// Starts are processed in waves, whose members run in parallel. Whether a start is continued depends only on those
 /// before it, in the order of their numbers: its cost must be hardly more than the best of theirs. Therefore additional
 /// starts do not change the results of the others, on any number of cores, and more starts never give a worse result if
-/// one of fewer ends within the constraints. Of the starts beyond the requested ones every other one is planned if
-/// there are obstacles, or the first one if requested.
+/// one of fewer ends within the constraints. Of the starts beyond the requested ones, the first of which is tried by
+/// itself, every other one is planned if there are obstacles, or the first one if requested.
 pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     settings: &DirectSettings,
