@@ -1,4 +1,4 @@
-//! A motion that is followed and replanned: closed loops, moved goals and obstacles, deadlines.
+//! A motion that is followed and replanned: closed loops, obstacles that move, pushes.
 
 use crate::common::{assert_refused, robot};
 use aghf::constraint::{
@@ -16,6 +16,8 @@ use nalgebra::{DMatrix, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::time::Duration;
+
+mod search;
 
 type Kept = Constraints<Vec<AnyConstraint>>;
 type Own<'a> = Tracker<'a, Vec<AnyConstraint>, ControlEffort<'a, f64, f64>>;
@@ -195,135 +197,6 @@ fn the_gain_places_the_poles_of_the_model() {
     let of_v = &of.dv - &of.h_inverse * gain(n) + &one * (2.0 * omega);
     assert!(of_q.amax() < 1e-7 && of_v.amax() < 1e-7, "{of_q} {of_v}");
     assert!(distance(of.a.as_slice(), &command.a) < 1e-9);
-}
-
-/// A goal that moves by about 1 cm at the tool has a safe plan after an eighth of the iterations of a new search, in
-/// the median.
-#[test]
-fn a_moved_goal_takes_an_eighth_of_the_iterations() {
-    let model = robot("kinova_gen3");
-    let mut rng = ChaCha8Rng::seed_from_u64(39);
-    let mut ratios = Vec::new();
-    let mut options = options(12);
-    options.settings.search.most_starts = 2;
-    while ratios.len() < 20 {
-        let middle = reach(&model);
-        let mut near = |q: &[f64], size: f64| -> Vec<f64> {
-            q.iter()
-                .map(|q| q + rng.random_range(-size..size))
-                .collect()
-        };
-        let (start, goal) = (
-            near(&middle.start()[..7], 0.3),
-            near(&middle.goal()[..7], 0.3),
-        );
-        let target = near(&goal, 0.015);
-        let problem = Problem::new(&model, at_rest(&start), at_rest(&goal), 2.0).expect("valid");
-        let kept = kept(&model, [0.3, 0.4, 0.5]);
-        let cost = ControlEffort::new(&model);
-        let found = Tracker::new(&problem, kept.clone(), cost, options.clone());
-        // There may be none between random ends, which a few starts show.
-        let Ok(mut tracker) = found else { continue };
-        let (mut x, mut now) = (problem.start().to_vec(), 0.0);
-        for k in 0..150 {
-            now = 0.004 * f64::from(k);
-            let command = tracker.step(&x, now).expect("valid").command;
-            x = [&command.q[..], &command.v].concat();
-        }
-        let left = 2.0 - now;
-        tracker.set_goal(&target, left).expect("valid");
-        let mut iterations = 0;
-        loop {
-            let step = tracker.step(&x, now).expect("valid");
-            iterations += step.iterations;
-            if step.replaced || iterations > 100 {
-                break;
-            }
-        }
-        let from = Problem::new(&model, x, at_rest(&target), left).expect("valid");
-        let direct = Direct::new(&from).constraints(&kept);
-        let cold = direct
-            .settings(options.settings.clone())
-            .solve()
-            .expect("valid");
-        ratios.push(iterations as f64 / cold.iterations.len() as f64);
-    }
-    ratios.sort_by(f64::total_cmp);
-    assert!(ratios[10] <= 0.125, "{ratios:?}");
-}
-
-/// Memory is bounded: a step allocates a number of vectors that does not grow, and later steps keep no more.
-#[test]
-fn memory_does_not_grow() {
-    let model = robot("kinova_gen3");
-    let problem = reach(&model);
-    let mut tracker = tracker(&problem, kept(&model, FAR), options(12));
-    let mut x = problem.start().to_vec();
-    let mut goal = problem.goal()[..7].to_vec();
-    let mut steps = |tracker: &mut Own<'_>, from: u32| {
-        for k in from..from + 100 {
-            if k.is_multiple_of(10) {
-                goal[0] += 0.002;
-                tracker.set_goal(&goal, 1.0).expect("valid");
-            }
-            let step = tracker.step(&x, 0.002 * f64::from(k)).expect("valid");
-            x = [&step.command.q[..], &step.command.v].concat();
-        }
-    };
-    steps(&mut tracker, 0);
-    let [early, late] = [100, 300].map(|from| {
-        let of = allocation_counter::measure(|| steps(&mut tracker, from));
-        (of.count_total / 100, of.bytes_current)
-    });
-    assert!(late.0 < 2000 && late.0 < 2 * early.0, "{early:?} {late:?}");
-    // Of the plan that is not followed yet, which there may be.
-    assert!(late.1.abs() < 100_000, "{early:?} {late:?}");
-    tracker.set_deadline(Some(Duration::ZERO));
-    let follow = allocation_counter::measure(|| {
-        tracker.step(problem.start(), 0.9).expect("valid");
-    });
-    assert!(follow.count_total <= 40, "{follow:?}");
-}
-
-/// Without time the command is that of the first plan, to its end.
-#[test]
-fn without_time_the_last_plan_is_followed() {
-    let model = robot("kinova_gen3");
-    let problem = reach(&model);
-    let kept = || kept(&model, FAR);
-    let options = TrackerOptions {
-        deadline: Some(Duration::ZERO),
-        ..options(9)
-    };
-    let mut tracker = tracker(&problem, kept(), options);
-    let plan = tracker.rest().expect("a plan");
-    tracker.step(problem.start(), 3.0).expect("valid");
-    tracker.set_goal(&[0.1; 7], 1.0).expect("valid");
-    for k in 0..=16 {
-        let t = 0.1 * f64::from(k);
-        let (x, xdot) = plan.at(t.min(plan.horizon()));
-        let step = tracker.step(x.as_slice(), 3.0 + t).expect("valid");
-        assert!(step.cut_off && step.iterations == 0 && !step.replaced);
-        assert_eq!(
-            (step.outcome, step.safety),
-            (Outcome::Working, Safety::Kept)
-        );
-        assert!(step.deviation < 1e-9, "{}", step.deviation);
-        if t < plan.horizon() {
-            assert!(distance(&step.command.a, &xdot.as_slice()[7..]) < 1e-6);
-        } else {
-            assert_eq!(step.command.a, [0.0; 7]);
-        }
-        // The rest of a polynomial is the same polynomial.
-        let rest = tracker.rest().expect("a plan");
-        let end = plan.horizon();
-        let middle = (rest.horizon() / 2.0, end - rest.horizon() / 2.0);
-        let [(a, _), (b, _)] = [rest.at(middle.0), plan.at(middle.1)];
-        assert!((a - b).amax() < 1e-9);
-    }
-    tracker.set_deadline(None);
-    let step = tracker.step(&at_rest(&[0.1; 7]), 5.0).expect("valid");
-    assert!(!step.cut_off && step.iterations > 0);
 }
 
 /// A ball that is put onto the plan is reported at once, with its row and time, until there is a plan around it.
