@@ -45,7 +45,8 @@ fn a_trajectory_is_judged_like_the_table() {
     assert_eq!(message, read("trajectory.json"));
     let text = std::fs::read_to_string(folder.join("run/trajectory.csv")).expect("written");
     let rows = text.lines().skip(1).zip(&message.points);
-    assert_eq!((rows.clone().count(), message.points.len()), (401, 401));
+    assert!(message.points.len() > 200);
+    assert_eq!(text.lines().count(), 1 + message.points.len());
     for (row, point) in rows {
         let numbers: Vec<f64> = row
             .split(',')

@@ -13,7 +13,7 @@ const GOAL_STARTS: usize = 6;
 
 /// The distance from limits and obstacles by default. Between the times at which rows are looked at they may be beyond
 /// their bounds by some 1e-6 of these, which no certificate accepts.
-const RESERVE: f64 = 1e-5;
+const RESERVE: f64 = 3e-6;
 
 /// The options of the direct method.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -29,7 +29,7 @@ pub struct DirectOptions {
     /// Relative norm of the gradient at the end; by default 1e-6, with a flow to rest without constraints 1e-8.
     pub tolerance: Option<f64>,
     /// Distance that a motion keeps from its limits and obstacles, relative to the limit, so that it can be certified;
-    /// by default 1e-5.
+    /// by default 3e-6.
     pub reserve: Option<f64>,
     /// Number of starts; by default 32 up to 7 joints and fewer beyond, 1 within limits of the joints, on a standing
     /// foot or if links keep clear of each other, 40 with passive joints. There are more while none ends within the
