@@ -103,9 +103,12 @@ fn solve<'py>(
 /// The scenario and the options of a solve.
 fn read(name: &str, text: Option<&str>, options: &str) -> PyResult<(Scenario, SolveOptions)> {
     let scenario = read_scenario(name, text)?;
-    let options: SolveOptions = serde_json::from_str(options)
-        .map_err(|error| PyValueError::new_err(format!("options: {error}")))?;
-    Ok((scenario, options))
+    Ok((scenario, json("options", options)?))
+}
+
+/// An argument that comes as a text in JSON.
+pub fn json<T: serde::de::DeserializeOwned>(what: &str, text: &str) -> PyResult<T> {
+    serde_json::from_str(text).map_err(|error| PyValueError::new_err(format!("{what}: {error}")))
 }
 
 /// The scenario with this name or this text in JSON.

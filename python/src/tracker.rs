@@ -3,7 +3,7 @@
 use crate::batch::{Array, Numbers};
 use crate::error::raised;
 use crate::signals::until_signalled;
-use crate::solve::read_scenario;
+use crate::solve::{json, read_scenario};
 use aghf::Error;
 use aghf::direct::{Command, Outcome, Safety};
 use aghf::motion::Interrupt;
@@ -50,10 +50,6 @@ fn arrays<'py>(py: Python<'py>, command: &Command) -> PyResult<[Array<'py>; 6]> 
         array(u, vec![n])?,
         array(gain.as_slice(), vec![n, 2 * n])?,
     ])
-}
-
-fn json<T: serde::de::DeserializeOwned>(what: &str, text: &str) -> PyResult<T> {
-    serde_json::from_str(text).map_err(|error| PyValueError::new_err(format!("{what}: {error}")))
 }
 
 #[pymethods]

@@ -305,7 +305,7 @@ impl<'a, K: Constraint> Rows<'a, K> {
     }
 }
 
-/// The largest of values at equally spaced times, or of their absolute values for an equality, and its position in
+/// The largest of values at successive times, or of their absolute values for an equality, and its position in
 /// intervals. The maxima of all parabolas through three neighbours are included: near the middle one, and out to an end
 /// at the first and last three.
 fn maximum(values: &[f64], equality: bool) -> (f64, f64) {

@@ -58,7 +58,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// Sets the margins against rounding at the unknowns of a start.
     pub(super) fn set_first_margins(&mut self, x: &DVector<f64>) -> Result<()> {
         self.place(x);
-        self.objective.value(&self.coefficients)?;
+        self.cost()?;
         self.reserve();
         Ok(())
     }
