@@ -2,8 +2,9 @@
 //!
 //! To begin with: [the two methods](methods), [the notation](notation) of the paper, the code and Pinocchio,
 //! [motions that are replanned](tracker), [performance], [the limits of the library](limitations). First motions, all
-//! that a scenario can ask for and the variants of the flow are pages of the package `aghf-scenario`; the command line
-//! and sweeps are pages of `aghf-cli`.
+//! that a scenario can ask for (limits, objectives, goals, a standing foot, certificates) and the variants of the flow
+//! are pages of the package `aghf-scenario`; the command line, robots of one's own, exports and sweeps are pages of
+//! `aghf-cli`.
 //!
 //! To extend: one page for each thing that a user can replace, with an example that is compiled and run as a test. Each
 //! of these has the same shape: what the trait asks for, an object of one's own, what [`verify`](crate::verify) says of

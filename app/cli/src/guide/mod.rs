@@ -1,7 +1,14 @@
-//! The command line and sweeps. First motions are told in [`aghf_scenario::guide`], the mathematics in [`aghf::guide`].
+//! The command line, robots of one's own, exports and sweeps. [`aghf_scenario::guide`] has first motions and all that a
+//! scenario can ask for, [`aghf::guide`] the mathematics.
 
 #[doc = include_str!("command_line.md")]
 pub mod command_line {}
+
+#[doc = include_str!("real_robots.md")]
+pub mod real_robots {}
+
+#[doc = include_str!("export.md")]
+pub mod export {}
 
 #[doc = include_str!("sweeps.md")]
 pub mod sweeps {}

@@ -14,6 +14,7 @@ mod import;
 mod input;
 mod judge;
 mod output;
+mod pages;
 mod readme;
 mod refused;
 mod robots;

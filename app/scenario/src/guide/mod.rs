@@ -9,6 +9,9 @@ pub mod first_motion {}
 #[doc = include_str!("pictures/obstacles.svg")]
 pub mod asking_for_more {}
 
+#[doc = include_str!("limits.md")]
+pub mod limits {}
+
 #[doc = include_str!("objectives.md")]
 pub mod objectives {}
 

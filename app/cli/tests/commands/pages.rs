@@ -1,0 +1,67 @@
+//! The commands in the blocks of the guide's pages, run as a reader would.
+
+use crate::command::{aghf, empty_folder};
+use std::path::Path;
+
+/// The pages by their packages. A block of JSON that is a whole scenario is in a file by the name of its page.
+const PAGES: [(&str, &str); 7] = [
+    ("scenario", "certificates"),
+    ("scenario", "goals"),
+    ("scenario", "limits"),
+    ("scenario", "objectives"),
+    ("scenario", "standing"),
+    ("cli", "export"),
+    ("cli", "real_robots"),
+];
+
+/// The texts of the blocks in such a language.
+fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
+    let begin = format!("```{language}\n");
+    let behind = page.split(begin.as_str()).skip(1);
+    behind
+        .filter_map(|block| block.split("```").next())
+        .collect()
+}
+
+#[test]
+fn the_commands_of_the_pages_run() {
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    for (package, page) in PAGES {
+        let folder = empty_folder(&format!("page_{page}"));
+        let path = root.join(format!("app/{package}/src/guide/{page}.md"));
+        let text = std::fs::read_to_string(&path).expect("the page is there");
+        let urdf = "kinova_gen3.urdf";
+        std::fs::copy(
+            root.join("robots/kinova_gen3").join(urdf),
+            folder.join(urdf),
+        )
+        .expect("writable");
+        for scenario in blocks(&text, "json") {
+            if scenario.starts_with('{') {
+                std::fs::write(folder.join(format!("{page}.json")), scenario).expect("writable");
+            }
+        }
+        let mut run = 0;
+        let lines = blocks(&text, "sh").into_iter().flat_map(str::lines);
+        for line in lines.filter_map(|line| line.strip_prefix("aghf ")) {
+            let (command, file) = match line.split_once(" > ") {
+                Some((command, file)) => (command, Some(file)),
+                None => (line, None),
+            };
+            let words: Vec<&str> = command.split_whitespace().collect();
+            let output = aghf(&folder, &words);
+            assert_eq!(
+                output.code,
+                Some(0),
+                "{page}: {line}: {}{}",
+                output.stdout,
+                output.stderr
+            );
+            if let Some(file) = file {
+                std::fs::write(folder.join(file), output.stdout).expect("writable");
+            }
+            run += 1;
+        }
+        assert!(run > 0, "{page} has no commands");
+    }
+}
