@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-/// The shares of the latest time in an estimate, if it is shorter and if it is longer: a step that is late is worse than
-/// one that is left out.
+/// The shares of the latest time in an estimate, if it is shorter and if it is longer: a late step is worse than one
+/// without an iteration.
 const SHARES: [f64; 2] = [0.05, 0.5];
 /// The largest factor by which a time counts above its estimate, so that one interruption by the system is no rule.
 const MOST: f64 = 2.0;

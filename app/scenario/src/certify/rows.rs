@@ -140,8 +140,8 @@ pub(super) struct Nearest {
 }
 
 impl Nearest {
-    /// The same for positions in a tube about a motion on which it is `alone`. Other arithmetic makes more or less of the
-    /// tube, so no reserve beside it is claimed.
+    /// The same for positions in a tube about a motion on which it is `alone`. No reserve beside the tube is claimed, as
+    /// other arithmetic makes more or less of it.
     pub(super) fn in_tube(self, alone: &Self) -> Self {
         let claim = self.reserve - OTHER_ERRORS * alone.error - FINE;
         Self {

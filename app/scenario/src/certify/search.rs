@@ -328,7 +328,8 @@ impl<'a> Search<'a> {
         Ok(Some((claims, directions)))
     }
 
-    /// The least reserves of the promises of clearances on a piece, alone and with the tube; `None` if it is to be halved.
+    /// The least reserves of the promises of clearances on a piece, alone and with the tube; `None` if it is to be
+    /// halved.
     fn clearances(
         &self,
         [alone, piece]: [&Piece; 2],
