@@ -37,8 +37,8 @@ pub const TOLERANCE: f64 = 1e-9;
 /// Cost per interval: O(N p^2), the dynamics with polynomials of degree eight for numbers, and a distance per ball of
 /// the robot and obstacle or other ball.
 ///
-/// Positions are those of the motion to within `tracking_error`, rad or m for each joint by itself, with the velocities,
-/// accelerations and jerks of the motion.
+/// Positions are those of the motion to within `tracking_error`, rad or m for each joint by itself; velocities,
+/// accelerations and jerks are its own.
 ///
 /// # Errors
 /// The joints of the motion are not those of the robot, there is another number of times than of waypoints, or the

@@ -140,7 +140,7 @@ pub(super) struct Nearest {
 }
 
 impl Nearest {
-    /// The same for positions in a tube about a motion on which it is `alone`. No reserve beside the tube is claimed, as
+    /// The same for positions in a tube about a motion on which it is `alone`. No reserve beside the tube is claimed:
     /// other arithmetic makes more or less of it.
     pub(super) fn in_tube(self, alone: &Self) -> Self {
         let claim = self.reserve - OTHER_ERRORS * alone.error - FINE;
