@@ -37,11 +37,6 @@ const NOT_LONGER: f64 = 1.0 + 1e-6;
 /// of rows between the points of the quadrature differ from search to search by parts in ten thousand of it.
 const SAME: f64 = 1.001;
 
-/// The first penalty of the equalities of a goal or a waypoint in a search from a motion that meets them: with that of
-/// other searches the end leaves the goal by 0.1 rad and comes back on the wrong side of an obstacle (on poses of a
-/// Panda among obstacles 100, 1000 and 10000 differ by less than a tenth in iterations).
-const POINT_PENALTY: f64 = 1000.0;
-
 /// The part of a time limit for the starts of a search that goes on from the best one.
 const PART_OF_STARTS: f64 = 0.5;
 
@@ -238,7 +233,7 @@ impl<'s, 'o> Search<'s, 'o> {
             let (x, _) = curve.at(*time);
             waypoint.guesses = vec![x.as_slice()[..dof].to_vec()];
         }
-        let mut settings = DirectSettings {
+        let settings = DirectSettings {
             waypoints,
             // The basis of a planned start is its own.
             degree: curve.chebyshev().degree(),
@@ -250,7 +245,6 @@ impl<'s, 'o> Search<'s, 'o> {
             time_limit: limit.map(|limit| limit.saturating_sub(self.started.elapsed())),
             ..self.settings.clone()
         };
-        settings.search.point_penalty = settings.search.point_penalty.max(POINT_PENALTY);
         let problem = self.scenario.problem()?.with_horizon(horizon)?;
         let found = self.solve(&problem, settings)?;
         Ok(DirectSolution {
