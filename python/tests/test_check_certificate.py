@@ -67,7 +67,7 @@ def test_a_certificate_is_accepted(files, capsys):
 
 
 def test_a_tube_is_checked(tmp_path):
-    program, name = os.environ["AGHF_PROGRAM"], "kinova_free_01"
+    program, name = os.environ["AGHF_PROGRAM"], "limits_02"
 
     def run(*arguments):
         return subprocess.run([program, *arguments], cwd=tmp_path, check=True, capture_output=True, text=True).stdout
