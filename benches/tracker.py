@@ -2,8 +2,9 @@
 """Measures a tracker: steps by problem size, and solves after a goal has moved, warm and cold, beside Crocoddyl's FDDP.
 
     pip install ./python numpy crocoddyl pin
-    python3 benches/tracker.py --count 200
+    python3 benches/tracker.py --count 200 --deadlines 10000
 
+Deadlines: the processor time of a step beyond its deadline, on a moving goal among obstacles of which one moves.
 Steps: the processor time of a step with its iteration and its look, after the first search, at 500 Hz with a goal that
 moves every 20 ms; the first search is the cold solve. Cases: random reaches of the Kinova arm within all limits and
 around a ball, the tool of whose goal is then moved by 1 cm; "warm" starts from the solution before, both to the
@@ -122,6 +123,29 @@ def tracked(before: dict, goal: np.ndarray) -> int:
     return count
 
 
+def deadlines(count: int) -> None:
+    """Random deadlines, from too short for an iteration to more than enough, with a goal and a ball that move."""
+    rng, start = np.random.default_rng(10), np.array(STARTS["kinova_gen3"])
+    goal = start + 0.5 * np.eye(len(start))[0]
+    problem = reach("kinova_gen3", start, goal, 1.0, obstacles=OBSTACLES)
+    tracker, (q, v), late, cut, kept = aghf.Tracker(problem, search={"threads": 1}), (start, 0 * start), [], 0, 0
+    for k in range(count):
+        if k % 10 == 0:
+            tracker.set_goal(goal + 0.3 * np.sin(1e-3 * k) * np.eye(len(start))[0], 0.6)
+            ball = {**OBSTACLES[-1], "pose": {"position_m": [0.6, 0.6, 0.5 + 0.05 * np.sin(1e-3 * k)]}}
+            tracker.set_obstacles([*OBSTACLES[:-1], ball])
+        deadline = rng.uniform(0.3e-3, 3e-3)
+        tracker.set_deadline(deadline)
+        began = time.thread_time()
+        step = tracker.step(q, v, 0.002 * k)
+        late.append(1e3 * (time.thread_time() - began - deadline))
+        q, v = step.command.q, step.command.v
+        cut, kept = cut + step.cut_off, kept + (step.safety == "kept")
+    over = np.mean(np.array(late) > 0.2)
+    print(f"{count} deadlines of 0.3 to 3 ms: later by more than 0.2 ms {over:.2%}, at most {max(late):.2f} ms late")
+    print(f"cut off {cut / count:.1%}, safe plan {kept / count:.1%}")
+
+
 def moved(count: int) -> None:
     model, rng, rows = aghf.Model.builtin("kinova_gen3"), np.random.default_rng(39), []
     start, goal = np.array(STARTS["kinova_gen3"]), np.array([1.2, 0.9, 0.0, 1.2, 0.0, 0.8, 0.0])
@@ -164,8 +188,11 @@ def moved(count: int) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--deadlines", type=int, default=10_000)
+    arguments = parser.parse_args()
+    deadlines(arguments.deadlines)
     steps()
-    moved(parser.parse_args().count)
+    moved(arguments.count)
 
 
 if __name__ == "__main__":

@@ -117,6 +117,10 @@ class Tracker:
         The plan to the former goal is followed until one to the new goal is safe."""
         self._own.set_goal(array(q, "q"), horizon_s)
 
+    def set_deadline(self, seconds: float | None) -> None:
+        """Changes the time within which the next steps return, s; with None they take their time."""
+        self._own.set_deadline(seconds)
+
     def set_obstacles(self, obstacles: Iterable[Mapping]) -> None:
         """Replaces all obstacles, as a scenario writes them, from the next step on; they are taken to stand still."""
         self._own.set_obstacles(json.dumps(list(obstacles), default=_plain))

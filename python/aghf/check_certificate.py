@@ -187,8 +187,9 @@ def about(a, sin, cos):
     skew = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
     rows = []
     for i in range(3):
-        row = [a[i] * a[j] * versine + skew[i][j] + (cos if i == j else zero) for j in range(3)]
-        rows.append(stack(row))
+        # Without a cosine that cancels along the axis.
+        ones = [cos.like(float(i == j)) for j in range(3)]
+        rows.append(stack([ones[j] + (a[i] * a[j] - ones[j]) * versine + skew[i][j] for j in range(3)]))
     return stack(rows)
 
 
@@ -1046,8 +1047,8 @@ def check(robot, scenario, run, certificate):
         raise Refused(f"unreadable: {error!r}") from error
 
 
-def check_intervals(scenario, robot, motion, limits, pairs, promises, intervals, directions):
-    """Checks the claims on all intervals."""
+def check_intervals(scenario, robot, motion, tube, limits, pairs, promises, intervals, directions):
+    """Checks the claims on all intervals, for positions within the tube about the motion."""
     of, middles, halves, claims = (np.array(list(column)) for column in zip(*intervals))
     claims = dict(zip(promises, claims.reshape(len(intervals), len(promises)).T))
 
@@ -1060,6 +1061,7 @@ def check_intervals(scenario, robot, motion, limits, pairs, promises, intervals,
     always, rounding = np.full(len(intervals), True), 1e-15 * motion.horizon
     begin, end = (motion.time(of, x) for x in (middles - halves, middles + halves))
     quantities = motion.expand(of, middles, halves)
+    quantities[0] = quantities[0].widened(tube)
     q, v, a = (cut(part) for part in quantities[:3])
     states, rows = States(robot, q, v), []
     if "torque" in promises or "stand" in promises:
@@ -1091,7 +1093,7 @@ def _check(robot, scenario, run, certificate):
     def given(key):
         return get(certificate, key)
 
-    require(given("format") == "aghf-certificate-2", "another format")
+    require(given("format") == "aghf-certificate-3", "another format")
     require(number(given("tolerance")) == TOLERANCE, "another tolerance")
     require(given("robot_xxh64") == f"{xxh64(robot.encode()):016x}", "another robot")
     curve, names = get(run, "curve"), given("joints")
@@ -1119,7 +1121,9 @@ def _check(robot, scenario, run, certificate):
     promises += [key for key in ("keep", "stand") if option(scenario, key)] + list(pairs)
     require(given("promises") == promises, f"the promises are {promises}")
     intervals, directions = cover(given("intervals"), motion.segments, len(promises))
-    check_intervals(scenario, robot, motion, limits, pairs, promises, intervals, directions)
+    tube = number(given("tracking_error"))
+    require(tube >= 0.0, "the tracking error is negative")
+    check_intervals(scenario, robot, motion, tube, limits, pairs, promises, intervals, directions)
     outcome = "certified in part" if missing else "certified"
     tail = f"; not certified: {', '.join(missing)}" if missing else ""
     proved = ", ".join(["horizon", "ends", *(k for k in ("goal", "waypoints") if option(scenario, k)), *promises])
@@ -1128,7 +1132,8 @@ def _check(robot, scenario, run, certificate):
     count = sum(frozenset(pair) not in named for pair in given("may_overlap"))
     if count:
         tail += f"; assumed: {count} pairs of links that the scenario does not name may overlap or never meet"
-    return f"{outcome} at all times, by {len(intervals)} intervals: {proved}{tail}"
+    within = f" for positions within {tube:g} of the motion" if tube else ""
+    return f"{outcome} at all times{within}, by {len(intervals)} intervals: {proved}{tail}"
 
 
 def main(files):

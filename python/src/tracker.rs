@@ -99,6 +99,11 @@ impl PyTracker {
         self.0.set_goal(&q, horizon).map_err(raised)
     }
 
+    /// Changes the deadline, s.
+    fn set_deadline(&mut self, seconds: Option<f64>) -> PyResult<()> {
+        self.0.set_deadline(seconds).map_err(raised)
+    }
+
     /// Replaces the obstacles, a list in JSON.
     fn set_obstacles(&mut self, obstacles: &str) -> PyResult<()> {
         let obstacles: Vec<Obstacle> = json("obstacles", obstacles)?;

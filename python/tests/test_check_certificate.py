@@ -66,6 +66,22 @@ def test_a_certificate_is_accepted(files, capsys):
     assert main([str(file) for file in files[:3]]) == 1
 
 
+def test_a_tube_is_checked(tmp_path):
+    program, name = os.environ["AGHF_PROGRAM"], "limits_02"
+
+    def run(*arguments):
+        return subprocess.run([program, *arguments], cwd=tmp_path, check=True, capture_output=True, text=True).stdout
+
+    run("solve", name, "--out", "out", "--no-report")
+    run("certify", name, "out", "--tracking-error", "0.001")
+    texts = [ROBOT.read_text(), run("scenarios", name), (tmp_path / "out/summary.json").read_text()]
+    certificate = json.loads((tmp_path / "certificate.json").read_text())
+    assert "for positions within 0.001 of the motion" in check(*texts, json.dumps(certificate))
+    for wrong in (None, "x", -1e-3, 1.0):
+        with pytest.raises(Refused):
+            check(*texts, json.dumps(certificate | {"tracking_error": wrong}))
+
+
 def spoil(certificate, rng):
     """Changes one thing of a certificate to something wrong."""
     intervals = certificate["intervals"]

@@ -27,7 +27,7 @@ def corpus():
     folders = [
         (Path(pin.__file__).parents[4] / "share" / "example-robot-data" / "robots", 69),
         (Path(sys.prefix) / "share" / "iCub" / "robots", 16),
-        (Path(__file__).parents[2] / "robots", 15),
+        (Path(__file__).parents[2] / "robots", 16),
     ]
     robots = {}
     for folder, count in folders:

@@ -56,6 +56,17 @@ def test_an_obstacle_on_the_plan_is_named():
     assert tracker.step([0.0, 0.0], [0.0, 0.0], 0.0).safety == "kept"
 
 
+def test_a_deadline_may_change():
+    tracker = aghf.Tracker(SWING, search={"degree": 9})
+    assert not tracker.step([0.0, 0.0], [0.0, 0.0], 0.0).cut_off
+    tracker.set_deadline(0.0)
+    assert tracker.step([0.0, 0.0], [0.0, 0.0], 0.1).cut_off
+    tracker.set_deadline(None)
+    assert not tracker.step([0.0, 0.0], [0.0, 0.0], 0.2).cut_off
+    with pytest.raises(ValueError, match="deadline_s: it is -1"):
+        tracker.set_deadline(-1.0)
+
+
 def test_bad_input_is_refused_by_name():
     with pytest.raises(ValueError, match="unknown field `speed`"):
         aghf.Tracker(SWING, speed=1.0)

@@ -278,6 +278,14 @@ fn chebyshev(x: f64, n: usize) -> Vec<Ball> {
 }
 
 impl Piece {
+    /// Widens the positions by a deviation of each joint from the motion, rad or m.
+    pub fn widen_positions(&mut self, by: f64) {
+        for position in &mut self.q {
+            let sum = Ball::constant(position.radius) + Ball::constant(by);
+            position.radius = sum.magnitude();
+        }
+    }
+
     /// Encloses positions, velocities and accelerations.
     #[must_use]
     pub fn models(&self) -> [Vec<TaylorModel<ORDER>>; 3] {

@@ -42,8 +42,10 @@ pub struct SearchOptions {
     pub motor_penalty: f64,
     /// The first penalty of other equalities, relative to the cost per second.
     pub equality_penalty: f64,
-    /// The first penalty of an equality of a waypoint or a goal, relative to the mean running cost: a larger one forces
-    /// the search along the curved set of motions that pass exactly, in short steps.
+    /// The first penalty of an equality of a waypoint or a goal, relative to the mean running cost. With 10 a search on
+    /// a free horizon may leave the goal, or stay at its start for no time at all; a larger one forces it along the
+    /// curved set of motions that pass exactly (tuned: 14 balanced motions of a Panda to poses among obstacles take
+    /// 21 573, 7107 and 7359 iterations with 10, 100 and 1000).
     pub point_penalty: f64,
     /// The accepted torque of a passive joint between the collocated points, relative to the largest torque.
     pub passive_share: f64,
@@ -108,7 +110,7 @@ impl Default for SearchOptions {
             last_barrier_of_bounds: 1e-12,
             motor_penalty: 2.0,
             equality_penalty: 1e3,
-            point_penalty: 10.0,
+            point_penalty: 100.0,
             passive_share: 5e-4,
             largest_passive_size: 512,
             wave: 8,

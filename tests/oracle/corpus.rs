@@ -204,7 +204,7 @@ fn robots() -> Vec<(String, PathBuf)> {
     };
     of_collection(&crate::python::share("example-robot-data/robots"), 69);
     of_collection(&venv().join("share/iCub/robots"), 16);
-    of_collection(&project, 15);
+    of_collection(&project, 16);
     found
 }
 

@@ -175,8 +175,9 @@ pub(crate) fn about(a: Vector, (sin, cos): (Tm, Tm)) -> Matrix {
     let skew = [[Tm::new(0.0), -z, y], [z, Tm::new(0.0), -x], [-y, x, Tm::new(0.0)]];
     std::array::from_fn(|i| {
         std::array::from_fn(|j| {
-            let one = if i == j { cos } else { Tm::new(0.0) };
-            a[i] * a[j] * versine + skew[i][j] + one
+            // Without a cosine that cancels along the axis.
+            let one = Tm::new(if i == j { 1.0 } else { 0.0 });
+            one + (a[i] * a[j] - one) * versine + skew[i][j]
         })
     })
 }

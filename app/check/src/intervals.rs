@@ -1,6 +1,6 @@
 //! The claims on each interval and at single places.
 
-use crate::arithmetic::{Bernstein, Tm};
+use crate::arithmetic::{Bernstein, Tm, UP};
 use crate::distance::{Clearances, Directions, Distances};
 use crate::json::{array, entries, get, list, number, option, require, three};
 use crate::motion::{Motion, cut, middle};
@@ -21,6 +21,8 @@ pub(crate) struct Promised<'a> {
     scenario: &'a Value,
     robot: Robot,
     motion: Motion,
+    /// The largest deviation of a position from the motion.
+    pub(crate) tube: f64,
     limits: Vec<Limit>,
     /// The conditions along the way.
     kept: &'a [Value],
@@ -44,7 +46,9 @@ impl<'a> Promised<'a> {
         let clear = ["obstacles", "self_collision"].into_iter().zip(pairs).filter(|(_, pairs)| !pairs.is_empty());
         let bases = [Bernstein::new(motion.degree()), Bernstein::new(Tm::new(0.0).c.len() - 1)];
         let kept = entries(scenario, "keep");
-        Ok(Self { scenario, clear: clear.collect(), robot, motion, limits, kept, obstacles, bases })
+        let tube = number(get(certificate, "tracking_error")?)?;
+        require(tube >= 0.0, "the tracking error is negative")?;
+        Ok(Self { scenario, clear: clear.collect(), robot, motion, tube, limits, kept, obstacles, bases })
     }
 
     /// The names of the promises, in the order of the claims.
@@ -132,7 +136,8 @@ impl<'a> Promised<'a> {
 
     /// Proves the claims on an interval; the error is what is not proved.
     fn prove(&self, segment: usize, [m, w]: [f64; 2], claims: &[f64], directions: Directions) -> Checked<()> {
-        let [q, v, a, jerk] = self.motion.expand(segment, [m, w]);
+        let [mut q, v, a, jerk] = self.motion.expand(segment, [m, w]);
+        q.iter_mut().for_each(|(_, radius)| *radius = (*radius + self.tube) * UP);
         let [qs, vs, accelerations] = [&q, &v, &a].map(|all| all.iter().map(cut).collect::<Vec<Tm>>());
         let (mut torques, mut foot) = (Vec::new(), Vec::new());
         let stand = option(self.scenario, "stand");

@@ -37,7 +37,7 @@ pub fn check(robot: &str, scenario: &str, run: &str, certificate: &str) -> Check
     let certificate = parse(certificate, "certificate")?;
     let scenario = scenario.get("provenance").and_then(|p| p.get("scenario")).unwrap_or(&scenario);
     let given = |key: &str| get(&certificate, key);
-    require(given("format")? == "aghf-certificate-2", "another format")?;
+    require(given("format")? == "aghf-certificate-3", "another format")?;
     require(number(given("tolerance")?)? == TOLERANCE, "another tolerance")?;
     require(*given("robot_xxh64")? == format!("{:016x}", XxHash64::oneshot(0, robot.as_bytes())), "another robot")?;
     let curve = get(&run, "curve")?;
@@ -59,6 +59,7 @@ pub fn check(robot: &str, scenario: &str, run: &str, certificate: &str) -> Check
     same_limits(&limits, array(given("limits")?)?)?;
     deviations(scenario, given("deviations")?, &motion)?;
     let promised = Promised::new(scenario, &certificate, robot, limits, motion)?;
+    let tube = promised.tube;
     require(*given("promises")? == Value::from(promised.names()), format!("the promises are {:?}", promised.names()))?;
     promised.check_places(&certificate)?;
     let intervals = array(given("intervals")?)?;
@@ -70,5 +71,6 @@ pub fn check(robot: &str, scenario: &str, run: &str, certificate: &str) -> Check
     let proved = proved.collect::<Vec<_>>().join(", ");
     let not = if missing.is_empty() { String::new() } else { format!("; not certified: {}", missing.join(", ")) };
     let assumed = unnamed(scenario, array(given("may_overlap")?)?);
-    Ok(format!("{outcome} at all times, by {count} intervals: {proved}{not}{assumed}"))
+    let within = if tube > 0.0 { format!(" for positions within {tube} of the motion") } else { String::new() };
+    Ok(format!("{outcome} at all times{within}, by {count} intervals: {proved}{not}{assumed}"))
 }

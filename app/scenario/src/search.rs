@@ -37,6 +37,10 @@ const NOT_LONGER: f64 = 1.0 + 1e-6;
 /// of rows between the points of the quadrature differ from search to search by parts in ten thousand of it.
 const SAME: f64 = 1.001;
 
+/// The first penalty of the equalities of goals and waypoints in a search from a motion that meets them: ten times that
+/// of others, with which 28 motions of a Panda to poses take 8 % more iterations, and one ends at no minimum.
+const POINT_PENALTY: f64 = 1000.0;
+
 /// The part of a time limit for the starts of a search that goes on from the best one.
 const PART_OF_STARTS: f64 = 0.5;
 
@@ -233,7 +237,7 @@ impl<'s, 'o> Search<'s, 'o> {
             let (x, _) = curve.at(*time);
             waypoint.guesses = vec![x.as_slice()[..dof].to_vec()];
         }
-        let settings = DirectSettings {
+        let mut settings = DirectSettings {
             waypoints,
             // The basis of a planned start is its own.
             degree: curve.chebyshev().degree(),
@@ -245,6 +249,7 @@ impl<'s, 'o> Search<'s, 'o> {
             time_limit: limit.map(|limit| limit.saturating_sub(self.started.elapsed())),
             ..self.settings.clone()
         };
+        settings.search.point_penalty = POINT_PENALTY;
         let problem = self.scenario.problem()?.with_horizon(horizon)?;
         let found = self.solve(&problem, settings)?;
         Ok(DirectSolution {

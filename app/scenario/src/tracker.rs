@@ -108,6 +108,17 @@ impl ScenarioTracker {
         })
     }
 
+    /// Changes the time within which the next steps return, s; `None` for no end.
+    ///
+    /// # Errors
+    /// It is out of range.
+    pub fn set_deadline(&mut self, seconds: Option<f64>) -> Result<()> {
+        let deadline = deadline(seconds)?;
+        self.0
+            .with_dependent_mut(|_, tracker| tracker.set_deadline(deadline));
+        Ok(())
+    }
+
     /// The label of a row of the current constraints.
     #[must_use]
     pub fn label(&self, row: usize) -> RowLabel {
@@ -131,18 +142,10 @@ impl ScenarioTrackerOptions {
         let mut settings = search.settings(scenario)?;
         settings.search.points = TrackerOptions::default().settings.search.points;
         settings.waypoints = scenario.waypoints.clone();
-        let deadline = match self.deadline_s {
-            Some(s) if !(0.0..=LONGEST_DEADLINE_S).contains(&s) => {
-                let condition =
-                    format!("it is {s}, at least 0 and at most {LONGEST_DEADLINE_S} s is needed");
-                return Err(Error::input("options", "deadline_s", condition));
-            }
-            seconds => seconds.map(Duration::from_secs_f64),
-        };
         let default = TrackerOptions::default();
         Ok(TrackerOptions {
             settings,
-            deadline,
+            deadline: deadline(self.deadline_s)?,
             barrier: self.barrier.unwrap_or(default.barrier),
             iterations_per_step: (self.iterations_per_step).unwrap_or(default.iterations_per_step),
             least_gain: self.least_gain.unwrap_or(default.least_gain),
@@ -151,5 +154,17 @@ impl ScenarioTrackerOptions {
             shortest_horizon: self.shortest_horizon_s.unwrap_or(default.shortest_horizon),
             largest_deviation: self.largest_deviation.unwrap_or(default.largest_deviation),
         })
+    }
+}
+
+/// A deadline of a step.
+fn deadline(seconds: Option<f64>) -> Result<Option<Duration>> {
+    match seconds {
+        Some(s) if !(0.0..=LONGEST_DEADLINE_S).contains(&s) => {
+            let condition =
+                format!("it is {s}, at least 0 and at most {LONGEST_DEADLINE_S} s is needed");
+            Err(Error::input("options", "deadline_s", condition))
+        }
+        seconds => Ok(seconds.map(Duration::from_secs_f64)),
     }
 }

@@ -2,8 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-/// The share of the latest time in an estimate.
-const SHARE: f64 = 0.2;
+/// The shares of the latest time in an estimate, if it is shorter and if it is longer: a late step is worse than one
+/// without an iteration.
+const SHARES: [f64; 2] = [0.05, 0.5];
 /// The largest factor by which a time counts above its estimate, so that one interruption by the system is no rule.
 const MOST: f64 = 2.0;
 /// The factor of all estimates after a step without an iteration, so that times under a load are forgotten.
@@ -52,5 +53,6 @@ pub(super) fn learn(estimate: &mut f64, time: f64) {
     if estimate.is_nan() {
         *estimate = time;
     }
-    *estimate += SHARE * (time.min(MOST * *estimate) - *estimate);
+    let by = time.min(MOST * *estimate) - *estimate;
+    *estimate += SHARES[usize::from(by > 0.0)] * by;
 }

@@ -32,6 +32,10 @@ pub(super) struct Certify {
     /// File for the certificate.
     #[arg(long, short, default_value = "certificate.json")]
     out: PathBuf,
+    /// The largest deviation of the position of each joint from the motion, as its controller keeps it, rad or m:
+    /// all is proved for positions within it, with the velocities and accelerations of the motion.
+    #[arg(long, value_name = "RAD", default_value_t = 0.0)]
+    tracking_error: f64,
     /// Replace the file if it exists.
     #[arg(long)]
     force: bool,
@@ -48,7 +52,7 @@ impl Certify {
             Details::Direct(details) => &details.waypoint_times_s[..],
             _ => &[],
         };
-        let certification = certify(&scenario, &solved.curve, times)?;
+        let certification = certify(&scenario, &solved.curve, times, self.tracking_error)?;
         let seconds = begin.elapsed().as_secs_f64();
         print(&certification_text(&certification, seconds))?;
         let Some(certificate) = certification.certificate else {

@@ -67,9 +67,13 @@ pub fn certification_text(certification: &Certification, seconds: f64) -> String
     } else {
         "certified in part"
     };
+    let tube = match certificate.tracking_error {
+        0.0 => String::new(),
+        tube => format!(", for positions within {tube} of the motion"),
+    };
     let intervals = certificate.intervals.len();
     lines.push(format!(
-        "{verdict}: all times, by {intervals} intervals ({} s)",
+        "{verdict}: all times{tube}, by {intervals} intervals ({} s)",
         short(seconds)
     ));
     lines.join("\n")

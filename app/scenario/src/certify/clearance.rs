@@ -2,9 +2,7 @@
 
 use super::Promise;
 use crate::Scenario;
-use aghf::certify::{Bernstein, ORDER, Piece, Polynomial};
-use aghf::dynamics::forward_kinematics;
-use aghf::error::Result;
+use aghf::certify::{Bernstein, ORDER, Polynomial};
 use aghf::geometry::{CollisionSphere, Shape, Solid};
 use aghf::scalar::{AlgebraOver, TaylorModel};
 use aghf::spatial::Placement;
@@ -15,13 +13,9 @@ pub(super) const ENOUGH: f64 = 0.05;
 
 /// The accuracy of squared distances, m^2, and what a claim leaves to another arithmetic, m.
 const ACCURACY: f64 = 1e-12;
-const OTHER_ERRORS: f64 = 3.0;
 pub(super) const LEFT: f64 = 1e-10;
 
-/// The largest error of the centre of a ball, m, with which claims are made.
-const LARGEST_ERROR: f64 = 1e-4;
-
-type Model = TaylorModel<ORDER>;
+pub(super) type Model = TaylorModel<ORDER>;
 
 /// Something that a ball or a shape of the robot keeps clear of.
 #[derive(Clone, Copy)]
@@ -91,14 +85,17 @@ pub(super) struct Balls<'a> {
     middles: Vec<Vector3<f64>>,
     /// Bounds on the ways of the centres from there, with an allowance for another arithmetic.
     ways: Vec<f64>,
-    error: f64,
+    /// The multiple of errors that is left to another arithmetic.
+    left: f64,
 }
 
 impl<'a> Balls<'a> {
-    pub(super) fn new(scenario: &'a Scenario, basis: &'a Bernstein, piece: &Piece) -> Result<Self> {
-        let [q, _, _] = piece.models();
-        let mut placements = vec![Placement::identity(); q.len()];
-        forward_kinematics(&scenario.model, &q, &mut placements)?;
+    pub(super) fn new(
+        scenario: &'a Scenario,
+        basis: &'a Bernstein,
+        placements: &[Placement<Model>],
+        left: f64,
+    ) -> Self {
         let centre = |ball: &CollisionSphere| match ball.body {
             None => ball.centre.map(Model::constant),
             Some(body) => {
@@ -114,10 +111,8 @@ impl<'a> Balls<'a> {
             }
         };
         let centres: Vec<_> = scenario.scene.robot().balls.iter().map(centre).collect();
-        let way = |c: &Vector3<Model>| c.map(|x| x.variation() + OTHER_ERRORS * x.radius()).norm();
-        let radii = centres.iter().flat_map(|c| c.iter().map(Model::radius));
-        let error = radii.fold(0.0, |most, r| if r <= most { most } else { r });
-        Ok(Self {
+        let way = |c: &Vector3<Model>| c.map(|x| x.variation() + (1.0 + left) * x.radius()).norm();
+        Self {
             scenario,
             basis,
             middles: centres
@@ -125,14 +120,9 @@ impl<'a> Balls<'a> {
                 .map(|c| c.map(|x| x.coefficients()[0]))
                 .collect(),
             ways: centres.iter().map(way).collect(),
-            error,
+            left,
             centres,
-        })
-    }
-
-    /// True if the centres are known well enough for claims.
-    pub(super) fn are_known(&self) -> bool {
-        self.error <= LARGEST_ERROR
+        }
     }
 
     /// The least reserve of these pairs.
@@ -203,7 +193,7 @@ impl<'a> Balls<'a> {
     /// A lower bound on the length of a vector.
     fn length(&self, of: &[Model]) -> f64 {
         let square = of.iter().map(|x| *x * *x).reduce(|a, b| a + b);
-        let square = square.map_or(0.0, |square| lower(self.basis, square));
+        let square = square.map_or(0.0, |square| lower(self.basis, self.left, square));
         // Of a number that is not one, not a number.
         if square < 0.0 {
             0.0
@@ -247,11 +237,11 @@ impl<'a> Balls<'a> {
                 1.0
             };
             let off = p[i].scale(sign) - Model::constant(half);
-            (off, lower(self.basis, off))
+            (off, lower(self.basis, self.left, off))
         };
         match solid.shape {
             Shape::Sphere { radius } => self.length(p.as_slice()) - radius,
-            Shape::HalfSpace => lower(self.basis, p.z),
+            Shape::HalfSpace => lower(self.basis, self.left, p.z),
             Shape::Cuboid { half_extents } => {
                 let faces: Vec<_> = (0..3).map(|i| beyond(i, half_extents[i])).collect();
                 let out: Vec<_> = faces
@@ -299,6 +289,6 @@ impl<'a> Balls<'a> {
 }
 
 /// A lower bound on the values of a model, less what another arithmetic may add.
-pub(super) fn lower(basis: &Bernstein, x: Model) -> f64 {
-    basis.range(&Polynomial::from(x), ACCURACY).lower - OTHER_ERRORS * x.radius()
+pub(super) fn lower(basis: &Bernstein, left: f64, x: Model) -> f64 {
+    basis.range(&Polynomial::from(x), ACCURACY).lower - left * x.radius()
 }

@@ -18,6 +18,8 @@ pub struct Certificate {
     pub not_certified: Vec<NotCertified>,
     /// The accepted shortfall of a reserve.
     pub tolerance: f64,
+    /// The largest deviation of the position of a joint from the motion for which the intervals hold, rad or m.
+    pub tracking_error: f64,
     /// The limits of the joints.
     pub limits: Vec<LimitRow>,
     /// Pairs of links that may overlap: nothing is claimed of them.
@@ -154,4 +156,30 @@ pub struct NotCertified {
     pub promise: String,
     /// The reason.
     pub reason: String,
+}
+
+/// The result of a certification.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Certification {
+    /// The certificate; `None` if a promise was not proved.
+    pub certificate: Option<Certificate>,
+    /// The first place of each row that was not proved.
+    pub failures: Vec<Failure>,
+}
+
+/// A row that is broken, or could not be proved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failure {
+    /// The promise in words.
+    pub promise: String,
+    /// The joint, or the names of a pair.
+    pub place: String,
+    /// The time, s.
+    pub at_s: f64,
+    /// A value, in the unit of the row.
+    pub value: f64,
+    /// Its bound.
+    pub bound: f64,
+    /// True if the value is proved to be beyond the bound.
+    pub is_broken: bool,
 }

@@ -20,13 +20,13 @@ mod search;
 mod shapes;
 
 pub use document::{
-    Certificate, Deviations, Direction, Interval, LimitRow, NotCertified, Passage, Promise,
+    Certificate, Certification, Deviations, Direction, Failure, Interval, LimitRow, NotCertified,
+    Passage, Promise,
 };
-pub use search::{Certification, Failure};
 
 use crate::Scenario;
 use aghf::curve::Curve;
-use aghf::error::{Result, check_length};
+use aghf::error::{Error, Result, check_length};
 
 /// The accepted shortfall of a reserve: a motion may begin on a limit, where only rounding decides.
 pub const TOLERANCE: f64 = 1e-9;
@@ -37,12 +37,17 @@ pub const TOLERANCE: f64 = 1e-9;
 /// Cost per interval: O(N p^2), the dynamics with polynomials of degree eight for numbers, and a distance per ball of
 /// the robot and obstacle or other ball.
 ///
+/// Positions are those of the motion to within `tracking_error`, rad or m for each joint by itself; velocities,
+/// accelerations and jerks are its own.
+///
 /// # Errors
-/// The joints of the motion are not those of the robot, or there is another number of times than of waypoints.
+/// The joints of the motion are not those of the robot, there is another number of times than of waypoints, or the
+/// tracking error is negative or not finite.
 pub fn certify(
     scenario: &Scenario,
     curve: &Curve,
     waypoint_times: &[f64],
+    tracking_error: f64,
 ) -> Result<Certification> {
     check_length("curve", scenario.model.dof(), curve.dof())?;
     check_length(
@@ -50,5 +55,10 @@ pub fn certify(
         scenario.waypoints.len(),
         waypoint_times.len(),
     )?;
-    search::certification(scenario, curve, waypoint_times)
+    if !(tracking_error >= 0.0 && tracking_error.is_finite()) {
+        let condition =
+            format!("it is {tracking_error}, a finite number that is not negative is needed");
+        return Err(Error::input("certify", "tracking_error", condition));
+    }
+    search::certification(scenario, curve, waypoint_times, tracking_error)
 }

@@ -1,12 +1,16 @@
 //! States at the ends, between segments and at waypoints.
 
 use super::rows::{EQUALITY, Nearest, Row, Rows, rows_of, values_of};
-use super::{Deviations, Passage, Promise};
+use super::{Deviations, Failure, Passage, Promise};
 use crate::{Continuous, Scenario};
 use aghf::certify::{Motion, Part, Piece, Polynomial};
 use aghf::constraint::AnyConstraint;
 use aghf::error::Result;
 use aghf::scalar::Ball;
+
+/// The accepted deviation of states at the ends and between segments, and of accelerations there.
+const STATE: f64 = 1e-9;
+const ACCELERATION: f64 = 1e-6;
 
 /// Bounds on the deviations of a motion from the states of the scenario, and on its jumps, with an allowance for
 /// another arithmetic.
@@ -131,4 +135,67 @@ impl Points<'_> {
             }
         }))
     }
+}
+
+/// The states at the ends and between segments that are not those of a scenario, and the horizon if it is not.
+pub(super) fn broken(scenario: &Scenario, horizon: f64, found: &Deviations) -> Vec<Failure> {
+    let mut failures = Vec::new();
+    let states = [
+        ("start position", found.start_position, STATE, 0.0),
+        ("start velocity", found.start_velocity, STATE, 0.0),
+        ("goal position", found.goal_position, STATE, horizon),
+        ("goal velocity", found.goal_velocity, STATE, horizon),
+        (
+            "continuity of positions",
+            found.jump_position,
+            STATE,
+            f64::NAN,
+        ),
+        (
+            "continuity of velocities",
+            found.jump_velocity,
+            STATE,
+            f64::NAN,
+        ),
+        (
+            "continuity of accelerations",
+            found.jump_acceleration,
+            ACCELERATION,
+            f64::NAN,
+        ),
+    ];
+    for (promise, value, bound, at_s) in states {
+        let Some(value) = value else { continue };
+        let holds = value <= bound;
+        if !holds {
+            failures.push(Failure {
+                promise: promise.to_owned(),
+                place: String::new(),
+                at_s,
+                value,
+                bound,
+                is_broken: true,
+            });
+        }
+    }
+    let file = &scenario.file;
+    let [shortest, longest] = match file.free_horizon {
+        Some(free) => [free.shortest_s, free.longest_s],
+        None => [file.horizon_s; 2],
+    };
+    if !(shortest..=longest).contains(&horizon) {
+        failures.push(Failure {
+            promise: "horizon".to_owned(),
+            place: String::new(),
+            at_s: horizon,
+            value: horizon,
+            bound: if horizon < shortest {
+                shortest
+            } else {
+                longest
+            },
+            is_broken: true,
+        });
+    }
+    failures
 }

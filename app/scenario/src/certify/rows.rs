@@ -16,7 +16,7 @@ const COARSE: f64 = 0.02;
 const FINE: f64 = 1e-10;
 
 /// The multiple of the bound on the errors that a claim leaves to the arithmetic of another checker.
-const OTHER_ERRORS: f64 = 3.0;
+pub(super) const OTHER_ERRORS: f64 = 3.0;
 
 /// The largest error, relative to the scale of a row, with which claims are made.
 const LARGEST_ERROR: f64 = 1e-3;
@@ -126,7 +126,10 @@ pub(super) fn values_of<const N: usize>(
 
 /// The value of a row that is nearest to a bound, or beyond one.
 pub(super) struct Nearest {
-    /// The proved reserve relative to the scale of the row, less what is left to another arithmetic.
+    /// The proved reserve and the bound on the error of the values, relative to the scale of the row.
+    reserve: f64,
+    error: f64,
+    /// The reserve less what is left to another arithmetic.
     pub(super) claim: f64,
     /// True if the error is small enough for a claim.
     pub(super) is_known: bool,
@@ -137,6 +140,25 @@ pub(super) struct Nearest {
 }
 
 impl Nearest {
+    /// The same for positions in a tube about a motion on which it is `alone`. No reserve beside the tube is claimed:
+    /// other arithmetic makes more or less of it.
+    pub(super) fn in_tube(self, alone: &Self) -> Self {
+        let claim = self.reserve - OTHER_ERRORS * alone.error - FINE;
+        Self {
+            is_known: alone.is_known,
+            claim: if claim > 0.0 { 0.0 } else { claim },
+            ..self
+        }
+    }
+
+    /// The value that is not excluded, where the claim is none that is accepted.
+    pub(super) fn not_excluded(&self, row: &Row) -> f64 {
+        match self.bound == row.bounds[1] {
+            true => self.bound - self.claim * row.scale,
+            false => self.bound + self.claim * row.scale,
+        }
+    }
+
     /// True if the claim is proved and accepted.
     pub(super) fn holds(&self) -> bool {
         self.claim >= -TOLERANCE && self.is_known
@@ -272,9 +294,12 @@ impl<'a> Rows<'a> {
             found = of(basis.range(polynomial, FINE * scale));
         }
         let (reserve, value, bound, place) = found;
+        let error = polynomial.radius / scale;
         Nearest {
             is_known: polynomial.radius <= LARGEST_ERROR * scale,
-            claim: reserve - OTHER_ERRORS * polynomial.radius / scale - FINE,
+            reserve,
+            error,
+            claim: reserve - OTHER_ERRORS * error - FINE,
             value,
             bound,
             place,

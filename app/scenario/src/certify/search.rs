@@ -1,16 +1,20 @@
 //! Adaptive subdivision of the horizon.
 
-use super::clearance::{Balls, Least, Pair, pairs};
-use super::points::{Points, deviations};
-use super::rows::{Nearest, Row, Rows, limits};
+use super::clearance::{Balls, Least, Model, Pair, pairs};
+use super::points::{Points, broken, deviations};
+use super::rows::{Nearest, OTHER_ERRORS, Row, Rows, limits};
 use super::scope::{has_balls, may_overlap, not_certified};
 use super::shapes::{self, Part as ShapePart, Shapes};
-use super::{Certificate, Deviations, Direction, Interval, Passage, Promise, TOLERANCE};
+use super::{
+    Certificate, Certification, Direction, Failure, Interval, Passage, Promise, TOLERANCE,
+};
 use crate::Scenario;
 use aghf::certify::{Bernstein, Motion, ORDER, Part, Piece};
 use aghf::curve::Curve;
+use aghf::dynamics::forward_kinematics;
 use aghf::error::Result;
 use aghf::linalg::rows as rows_of;
+use aghf::spatial::Placement;
 
 /// The fewest intervals of a motion.
 const FEWEST: usize = 16;
@@ -19,12 +23,14 @@ const FEWEST: usize = 16;
 const MOST: usize = 4000;
 const SMALLEST: f64 = 1.0 / (1 << 24) as f64;
 
-/// The accepted deviation of states at the ends and between segments, and of accelerations there.
-const STATE: f64 = 1e-9;
-const ACCELERATION: f64 = 1e-6;
-
 /// The number of decimals of a claimed reserve.
 const DECIMALS: f64 = 1e9;
+
+/// The largest error of an entry of a placement, m, with which claims are made.
+const LARGEST_ERROR: f64 = 1e-4;
+
+/// The half width of the parts on which the motion hardly moves but rounding is still small.
+const NARROW: f64 = 1.0 / (1 << 10) as f64;
 
 /// A larger reserve of a row is claimed as this.
 const ENOUGH: f64 = 1.0;
@@ -32,36 +38,12 @@ const ENOUGH: f64 = 1.0;
 /// The share of a segment by which intervals reach beyond the times of a condition, more than rounding of times.
 const BEYOND: f64 = 1.0 / (1_u64 << 39) as f64;
 
-/// The result of a certification.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Certification {
-    /// The certificate; `None` if a promise was not proved.
-    pub certificate: Option<Certificate>,
-    /// The first place of each row that was not proved.
-    pub failures: Vec<Failure>,
-}
-
-/// A row that is broken, or could not be proved.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Failure {
-    /// The promise in words.
-    pub promise: String,
-    /// The joint, or the names of a pair.
-    pub place: String,
-    /// The time, s.
-    pub at_s: f64,
-    /// A value, in the unit of the row.
-    pub value: f64,
-    /// Its bound.
-    pub bound: f64,
-    /// True if the value is proved to be beyond the bound.
-    pub is_broken: bool,
-}
-
 /// The proof under construction.
 struct Search<'a> {
     scenario: &'a Scenario,
     motion: &'a Motion,
+    /// The largest deviation of a position from the motion, rad or m.
+    tracking_error: f64,
     rows: Rows<'a>,
     promises: Vec<Promise>,
     pairs: Vec<Vec<Pair>>,
@@ -81,11 +63,15 @@ pub(super) fn certification(
     scenario: &Scenario,
     curve: &Curve,
     times: &[f64],
+    tracking_error: f64,
 ) -> Result<Certification> {
     let (motion, limits) = (Motion::of_curve(curve), limits(scenario));
     let mut search = Search::new(scenario, &motion, Rows::new(scenario, &limits, &motion)?)?;
+    search.tracking_error = tracking_error;
     let deviations = deviations(scenario, &motion);
-    search.check(&deviations);
+    for failure in broken(scenario, motion.horizon(), &deviations) {
+        search.fail(failure);
+    }
     let (goal, waypoints) = search.points(times)?;
     let intervals = search.intervals()?;
     let (promises, failures) = (search.promises, search.failures);
@@ -100,12 +86,13 @@ pub(super) fn certification(
     let not_certified = not_certified(scenario)?;
     let joints = scenario.model.joints().iter();
     let certificate = Certificate {
-        format: "aghf-certificate-2".to_owned(),
+        format: "aghf-certificate-3".to_owned(),
         scenario: scenario.name.clone(),
         robot_xxh64: scenario.robot_xxh64.clone(),
         complete: not_certified.is_empty(),
         not_certified,
         tolerance: TOLERANCE,
+        tracking_error,
         limits,
         may_overlap: may_overlap(scenario),
         deviations,
@@ -135,7 +122,10 @@ impl Failure {
             promise,
             place: row.place.clone(),
             at_s,
-            value: nearest.value,
+            value: match is_broken {
+                true => nearest.value,
+                false => nearest.not_excluded(row),
+            },
             bound: nearest.bound,
             is_broken,
         }
@@ -161,6 +151,7 @@ impl<'a> Search<'a> {
         Ok(Self {
             scenario,
             motion,
+            tracking_error: 0.0,
             rows,
             promises,
             pairs: all,
@@ -180,68 +171,6 @@ impl<'a> Search<'a> {
                     *known = failure;
                 }
             }
-        }
-    }
-
-    /// Checks the states at the ends and between segments, and the horizon.
-    fn check(&mut self, found: &Deviations) {
-        let horizon = self.motion.horizon();
-        let states = [
-            ("start position", found.start_position, STATE, 0.0),
-            ("start velocity", found.start_velocity, STATE, 0.0),
-            ("goal position", found.goal_position, STATE, horizon),
-            ("goal velocity", found.goal_velocity, STATE, horizon),
-            (
-                "continuity of positions",
-                found.jump_position,
-                STATE,
-                f64::NAN,
-            ),
-            (
-                "continuity of velocities",
-                found.jump_velocity,
-                STATE,
-                f64::NAN,
-            ),
-            (
-                "continuity of accelerations",
-                found.jump_acceleration,
-                ACCELERATION,
-                f64::NAN,
-            ),
-        ];
-        for (promise, value, bound, at_s) in states {
-            let Some(value) = value else { continue };
-            let holds = value <= bound;
-            if !holds {
-                self.fail(Failure {
-                    promise: promise.to_owned(),
-                    place: String::new(),
-                    at_s,
-                    value,
-                    bound,
-                    is_broken: true,
-                });
-            }
-        }
-        let file = &self.scenario.file;
-        let [shortest, longest] = match file.free_horizon {
-            Some(free) => [free.shortest_s, free.longest_s],
-            None => [file.horizon_s; 2],
-        };
-        if !(shortest..=longest).contains(&horizon) {
-            self.fail(Failure {
-                promise: "horizon".to_owned(),
-                place: String::new(),
-                at_s: horizon,
-                value: horizon,
-                bound: if horizon < shortest {
-                    shortest
-                } else {
-                    longest
-                },
-                is_broken: true,
-            });
         }
     }
 
@@ -312,18 +241,42 @@ impl<'a> Search<'a> {
                     let claims = claims.into_iter().map(floor).collect();
                     found.push(Interval(part.segment, from, to, claims, directions));
                 }
+                None if self.fails_in_middle(part, &basis)? => {}
                 None => open.extend(part.split(part.middle).into_iter().rev()),
             }
         }
         Ok(found)
     }
 
+    /// Returns true if promises cannot be proved even at the middle of a part, where only the tube counts.
+    fn fails_in_middle(&mut self, part: Part, basis: &Bernstein) -> Result<bool> {
+        if self.tracking_error == 0.0 {
+            return Ok(false);
+        }
+        let claims = self.claims(
+            Part {
+                half: part.half.min(NARROW),
+                ..part
+            },
+            basis,
+            false,
+        )?;
+        let is_accepted = |claim: &f64| *claim >= -TOLERANCE;
+        Ok(claims.is_none_or(|(claims, _)| !claims.iter().all(is_accepted)))
+    }
+
     /// The claims of each promise on a part; `None` if it is to be halved.
     fn claims(&mut self, part: Part, basis: &Bernstein, can_halve: bool) -> Result<Option<Claims>> {
-        let piece = self.motion.piece(part);
+        let alone = self.motion.piece(part);
+        let mut piece = alone.clone();
+        piece.widen_positions(self.tracking_error);
         let mut claims = vec![ENOUGH; self.promises.len()];
         let mut failures = Vec::new();
-        let nearest = self.rows.nearest(&piece)?;
+        let mut nearest = self.rows.nearest(&alone)?;
+        if self.tracking_error > 0.0 {
+            let wide = self.rows.nearest(&piece)?.into_iter().zip(&nearest);
+            nearest = wide.map(|(wide, alone)| wide.in_tube(alone)).collect();
+        }
         for (row, nearest) in self.rows.all.iter().zip(&nearest) {
             if !row.is_kept(self.motion, part) {
                 continue;
@@ -342,7 +295,7 @@ impl<'a> Search<'a> {
             claims[of] = claims[of].min(nearest.claim);
         }
         let mut directions = Vec::new();
-        let Some(clearances) = self.clearances(&piece, basis, can_halve)? else {
+        let Some(clearances) = self.clearances([&alone, &piece], basis, can_halve)? else {
             return Ok(None);
         };
         let first = self.promises.len() - self.pairs.len();
@@ -358,12 +311,15 @@ impl<'a> Search<'a> {
                     promise: self.promises[first + of].name().to_owned(),
                     place: least.place,
                     at_s: self.motion.time(part, 0.0),
-                    value: least.middle,
+                    value: if is_broken { least.middle } else { least.claim },
                     bound: 0.0,
                     is_broken,
                 });
             }
-            claims[first + of] = least.claim;
+            claims[first + of] = match self.tracking_error > 0.0 {
+                true => least.claim.min(0.0),
+                false => least.claim,
+            };
             directions.extend(own);
         }
         for failure in failures {
@@ -372,23 +328,59 @@ impl<'a> Search<'a> {
         Ok(Some((claims, directions)))
     }
 
-    /// The least reserves of the promises of clearances on a piece; `None` if it is to be halved.
+    /// The least reserves of the promises of clearances on a piece, alone and with the tube; `None` if it is to be
+    /// halved.
     fn clearances(
         &self,
-        piece: &Piece,
+        [alone, piece]: [&Piece; 2],
         basis: &Bernstein,
         can_halve: bool,
     ) -> Result<Option<Vec<Reserve>>> {
         if self.pairs.is_empty() {
             return Ok(Some(Vec::new()));
         }
-        let pairs = self.pairs.iter();
-        if let Some(parts) = &self.shapes {
-            let shapes = Shapes::new(self.scenario, parts, basis, piece)?;
-            return Ok(Some(pairs.map(|pairs| shapes.least(pairs)).collect()));
+        let (bodies, all) = self.bodies(piece)?;
+        let error = match self.tracking_error > 0.0 {
+            true => self.bodies(alone)?.1,
+            false => all,
+        };
+        if error > LARGEST_ERROR && can_halve {
+            return Ok(None);
         }
-        let balls = Balls::new(self.scenario, basis, piece)?;
-        let all = pairs.map(|pairs| (balls.least(pairs), Vec::new()));
-        Ok((balls.are_known() || !can_halve).then(|| all.collect()))
+        let left = OTHER_ERRORS * (error / all);
+        let pairs = self.pairs.iter();
+        Ok(Some(match &self.shapes {
+            Some(parts) => {
+                let shapes = Shapes::new(self.scenario, parts, basis, &bodies, left);
+                pairs.map(|pairs| shapes.least(pairs)).collect()
+            }
+            None => {
+                let balls = Balls::new(self.scenario, basis, &bodies, left);
+                pairs
+                    .map(|pairs| (balls.least(pairs), Vec::new()))
+                    .collect()
+            }
+        }))
+    }
+
+    /// The placements of the bodies on a piece, and the largest bound on the errors of their entries.
+    fn bodies(&self, piece: &Piece) -> Result<(Vec<Placement<Model>>, f64)> {
+        let [q, _, _] = piece.models();
+        let mut bodies = vec![Placement::identity(); q.len()];
+        forward_kinematics(&self.scenario.model, &q, &mut bodies)?;
+        let entries = |at: &Placement<Model>| {
+            at.rotation
+                .iter()
+                .chain(&at.translation)
+                .map(Model::radius)
+                .collect()
+        };
+        let radii = bodies.iter().flat_map(|at| -> Vec<f64> { entries(at) });
+        // An error that is not a number stays one.
+        let most = radii.fold(
+            f64::MIN_POSITIVE,
+            |most, r| if r <= most { most } else { r },
+        );
+        Ok((bodies, most))
     }
 }

@@ -1,14 +1,13 @@
 //! Lower bounds on the distances of convex shapes on a piece of a motion, by directions that separate them.
 
-use super::clearance::{Beside, ENOUGH, LEFT, Least, Pair, lower};
+use super::clearance::{Beside, ENOUGH, LEFT, Least, Model, Pair, lower};
 use super::{Direction, Promise};
 use crate::{RobotShape, Scenario};
-use aghf::certify::{Bernstein, ORDER, Piece};
-use aghf::dynamics::forward_kinematics;
+use aghf::certify::Bernstein;
 use aghf::error::Result;
 use aghf::geometry::{Shape, Solid};
 use aghf::model::Collision;
-use aghf::scalar::{AlgebraOver, TaylorModel};
+use aghf::scalar::AlgebraOver;
 use aghf::spatial::Placement;
 use nalgebra::Vector3;
 
@@ -18,8 +17,6 @@ const PROJECTIONS: usize = 200;
 /// The steps from zero to one of the coordinates of a direction: an error of one changes the gap beside a long edge by
 /// a small share of what motions leave.
 const DECIMALS: f64 = 1e7;
-
-type Model = TaylorModel<ORDER>;
 
 /// A shape of a link.
 #[derive(Clone, Debug)]
@@ -97,6 +94,7 @@ struct Placed {
 /// The shapes of the robot and the obstacles on a piece.
 pub(super) struct Shapes<'a> {
     basis: &'a Bernstein,
+    left: f64,
     parts: &'a [Part],
     placed: Vec<Placed>,
     names: Vec<&'a str>,
@@ -107,11 +105,9 @@ impl<'a> Shapes<'a> {
         scenario: &'a Scenario,
         parts: &'a [Part],
         basis: &'a Bernstein,
-        piece: &Piece,
-    ) -> Result<Self> {
-        let [q, _, _] = piece.models();
-        let mut bodies = vec![Placement::identity(); q.len()];
-        forward_kinematics(&scenario.model, &q, &mut bodies)?;
+        bodies: &[Placement<Model>],
+        left: f64,
+    ) -> Self {
         let place = |body: Option<usize>, solid: &Solid<f64>| {
             let own = &solid.placement;
             let at = match body {
@@ -133,14 +129,15 @@ impl<'a> Shapes<'a> {
         };
         let obstacles = scenario.scene.obstacles();
         let of_robot = parts.iter().map(|part| place(part.body, &part.solid));
-        Ok(Self {
+        Self {
             basis,
+            left,
             parts,
             placed: of_robot
                 .chain(obstacles.iter().map(|o| place(None, &o.solid)))
                 .collect(),
             names: obstacles.iter().map(|o| &*o.name).collect(),
-        })
+        }
     }
 
     /// The least reserve of these pairs, and the directions that it takes beside those of the centres.
@@ -231,7 +228,7 @@ impl<'a> Shapes<'a> {
         let [a, b] = of.map(|i| &self.placed[i]);
         let off = b.at.translation - a.at.translation;
         let gap = n.dot(&off) - extent(a, n) - extent(b, n);
-        lower(self.basis, gap) / n.dot(n).magnitude().sqrt() - margin - LEFT
+        lower(self.basis, self.left, gap) / n.dot(n).magnitude().sqrt() - margin - LEFT
     }
 }
 

@@ -43,9 +43,13 @@ impl Case {
     }
 
     fn of(scenario: &Scenario) -> Self {
+        Self::in_tube(scenario, 0.0)
+    }
+
+    fn in_tube(scenario: &Scenario, tube: f64) -> Self {
         let curve = smooth();
         let times = vec![0.5; scenario.waypoints.len()];
-        let certification = certify(scenario, &curve, &times).expect("it is of this robot");
+        let certification = certify(scenario, &curve, &times, tube).expect("it is of this robot");
         let certificate = certification
             .certificate
             .unwrap_or_else(|| panic!("{:?}", certification.failures));
@@ -95,6 +99,29 @@ fn certificates_are_accepted() {
                 .is_ok_and(|report| report.contains("passive_joints")),
             "{:?}",
             case.check()
+        );
+    }
+}
+
+#[test]
+fn tubes_are_checked() {
+    let keys = json!({ "losses": { "damping": 0.5 }, "enforced_limits": { "torque": 0.3 },
+        "self_collision": { "ignored_pairs": [] }, "obstacles": [{ "shape": { "capsule": { "radius_m": 0.1,
+        "length_m": 0.3 } }, "pose": { "position_m": [0.0, 0.3, 0.3] } }] });
+    let case = Case::in_tube(&scenario("tubes", keys), 1e-3);
+    let report = case.check();
+    assert!(
+        report
+            .as_ref()
+            .is_ok_and(|report| report.contains("within 0.001")),
+        "{report:?}"
+    );
+    for wrong in [json!(null), json!("x"), json!(-1e-3), json!(10)] {
+        let mut certificate = case.certificate.clone();
+        certificate["tracking_error"] = wrong.clone();
+        assert!(
+            case.check_text(&certificate.to_string()).is_err(),
+            "{wrong}"
         );
     }
 }

@@ -38,7 +38,7 @@ fn a_good_motion_is_certified() {
     let keys = json!({ "obstacles": obstacles, "self_collision": { "ignored_pairs": [] },
         "enforced_limits": { "acceleration": 30.0, "jerk": 300.0 } });
     let certification =
-        certify(&scenario("certified", keys), &smooth(), &[]).expect("it is of this robot");
+        certify(&scenario("certified", keys), &smooth(), &[], 0.0).expect("it is of this robot");
     assert_eq!(proved(&certification).len(), 7);
 }
 
@@ -69,7 +69,7 @@ fn a_torque_beyond_its_limit_between_samples_is_refused() {
     for sample in samples_at(&scenario.model, &motion, times) {
         assert!(sample.expect("one joint").u[0].abs() <= top - 1e-6);
     }
-    let certification = certify(&scenario, &motion, &[]).expect("one joint");
+    let certification = certify(&scenario, &motion, &[], 0.0).expect("one joint");
     assert_eq!(certification.certificate, None);
     let [failure] = &certification.failures[..] else {
         panic!("{:?}", certification.failures);
@@ -80,7 +80,7 @@ fn a_torque_beyond_its_limit_between_samples_is_refused() {
     assert!((failure.value - top).abs() < 1e-7 && (failure.at_s - 1.0).abs() < 1e-3);
     // A little above, and it holds.
     assert_eq!(
-        proved(&certify(&limited(top + 1e-6), &motion, &[]).expect("one joint")).len(),
+        proved(&certify(&limited(top + 1e-6), &motion, &[], 0.0).expect("one joint")).len(),
         3
     );
 }
@@ -98,10 +98,57 @@ fn slider(effort: f64, motion: &Curve) -> Scenario {
     Scenario::parse(&file.to_string(), "slider", &folder).expect("it is good")
 }
 
+/// Positions begin and end nearest to their limits, so the least distance there is the widest tube.
+#[test]
+fn positions_in_a_tube_are_certified() {
+    let keys =
+        json!({ "self_collision": "off", "enforced_limits": { "position": 0.9, "torque": 0.3 } });
+    let (scenario, motion) = (scenario("tube", keys), smooth());
+    let of = |tube: f64| certify(&scenario, &motion, &[], tube);
+    let alone = of(0.0)
+        .expect("it is of this robot")
+        .certificate
+        .expect("it is proved");
+    let ends = [0.0, motion.horizon()].map(|t| motion.at(t).0);
+    let rows = alone
+        .limits
+        .iter()
+        .filter(|row| row.promise == Promise::Position);
+    let distances = rows.flat_map(|row| {
+        let bounds = (
+            row.at_least.unwrap_or(f64::NEG_INFINITY),
+            row.at_most.unwrap_or(f64::INFINITY),
+        );
+        ends.iter()
+            .map(move |q| (q[row.joint] - bounds.0).min(bounds.1 - q[row.joint]))
+    });
+    let widest = distances.fold(f64::INFINITY, f64::min);
+    assert!(widest.is_finite() && widest > 0.0);
+    let inside = of(0.999 * widest).expect("it is of this robot");
+    assert!(
+        inside
+            .failures
+            .iter()
+            .all(|failure| failure.promise != "position limits")
+    );
+    let beyond = of(1.001 * widest).expect("it is of this robot");
+    assert_eq!(beyond.certificate, None);
+    let failure = beyond
+        .failures
+        .iter()
+        .find(|failure| failure.promise == "position limits");
+    assert!(failure.is_some_and(|f| !f.is_broken && (f.value - f.bound).abs() < 0.01 * widest));
+    let narrow = of(1e-3).expect("it is of this robot");
+    assert_eq!(proved(&narrow), alone.promises);
+    for wrong in [-1e-3, f64::NAN, f64::INFINITY] {
+        assert!(of(wrong).is_err());
+    }
+}
+
 fn refused(keys: Value, promise: &str, place: &str) {
     let test = format!("refused {promise}");
     let certification =
-        certify(&scenario(&test, keys), &smooth(), &[]).expect("it is of this robot");
+        certify(&scenario(&test, keys), &smooth(), &[], 0.0).expect("it is of this robot");
     assert_eq!(certification.certificate, None);
     let found = certification
         .failures
@@ -156,7 +203,7 @@ fn shapes_that_come_too_close_are_refused() {
     };
     for (z, holds) in [(0.050_001, true), (0.049_999, false)] {
         let certification =
-            certify(&shaped("close", ball(z)), &smooth(), &[]).expect("it is of this robot");
+            certify(&shaped("close", ball(z)), &smooth(), &[], 0.0).expect("it is of this robot");
         assert_eq!(
             certification.certificate.is_some(),
             holds,
@@ -185,7 +232,7 @@ fn broken_conditions_are_refused() {
     refused(speed(0.767_999, 0.8), promise, "speed of frame 'carriage'");
     for good in [speed(1.875, 0.0), speed(0.768, 0.8)] {
         let certification =
-            certify(&scenario("kept", good), &smooth(), &[]).expect("it is of this robot");
+            certify(&scenario("kept", good), &smooth(), &[], 0.0).expect("it is of this robot");
         assert!(proved(&certification).contains(&Promise::Keep));
     }
     let poses = |keys: Value| {
@@ -232,7 +279,7 @@ fn goals_and_waypoints_off_their_places_are_refused() {
     };
     let of = |goals: Value, points: Value, times: &[f64]| {
         let scenario = scenario("placed", json!({ "goal": goals, "waypoints": points }));
-        certify(&scenario, &smooth(), times).expect("it is of this robot")
+        certify(&scenario, &smooth(), times, 0.0).expect("it is of this robot")
     };
     let middle = json!({ "q": [0.0, -0.05, 0.9] });
     let along = json!({ "poses": { "frame": "carriage", "position_m": [0.0, 0.0, 0.0] } });
@@ -276,7 +323,7 @@ fn goals_and_waypoints_off_their_places_are_refused() {
         );
     }
     let scenario = scenario("untimed", json!({ "waypoints": [middle] }));
-    let error = certify(&scenario, &smooth(), &[]).expect_err("no time is given");
+    let error = certify(&scenario, &smooth(), &[], 0.0).expect_err("no time is given");
     assert!(error.to_string().contains("waypoint_times_s"), "{error}");
 }
 
@@ -287,7 +334,7 @@ fn parts_without_proofs_are_listed() {
         "payload": { "link": "fore", "mass_kg": 0.1, "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } } },
         "obstacles": [{ "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [0.0, 5.0, 0.0] } }] });
     let certification =
-        certify(&scenario("listed", keys), &smooth(), &[]).expect("it is of this robot");
+        certify(&scenario("listed", keys), &smooth(), &[], 0.0).expect("it is of this robot");
     let certificate = certification.certificate.expect("the rest is proved");
     let listed: Vec<_> = certificate
         .not_certified
