@@ -1106,6 +1106,10 @@ def _check(robot, scenario, run, certificate):
     require(horizon == get(curve, "horizon_s"), "the horizon is not that of the run")
     free = option(scenario, "free_horizon")
     wanted = [get(free, k) for k in ("shortest_s", "longest_s")] if free else [get(scenario, "horizon_s")] * 2
+    objective = option(scenario, "objective", "least-effort")
+    is_preset = isinstance(objective, str)
+    if not free and (objective != "least-effort" if is_preset else number(option(objective, "time", 0.0)) > 0.0):
+        wanted = [0.0, math.inf]
     require(0.0 < horizon and wanted[0] <= horizon <= wanted[1], "the horizon is not that of the scenario")
     robot = Robot(robot, scenario, names)
     missing = not_certified(scenario, robot, given("not_certified"))

@@ -16,7 +16,7 @@ use intervals::Promised;
 use json::{array, entries, get, number, option, require, text};
 use motion::{Motion, deviations};
 use robot::Robot;
-use scenario::{limits, not_certified, same_limits, unnamed};
+use scenario::{limits, not_certified, same_limits, unnamed, weighs_time};
 use serde_json::Value;
 use twox_hash::XxHash64;
 
@@ -49,6 +49,7 @@ pub fn check(robot: &str, scenario: &str, run: &str, certificate: &str) -> Check
     let motion = Motion::read(given("coefficients")?, get(curve, "coefficients")?, names.len(), horizon)?;
     let [shortest, longest] = match option(scenario, "free_horizon") {
         Some(free) => [number(get(free, "shortest_s")?)?, number(get(free, "longest_s")?)?],
+        None if weighs_time(scenario)? => [0.0, f64::INFINITY],
         None => [number(get(scenario, "horizon_s")?)?; 2],
     };
     require(shortest <= horizon && horizon <= longest && horizon > 0.0, "the horizon is not that of the scenario")?;

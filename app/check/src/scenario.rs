@@ -174,3 +174,12 @@ pub(crate) fn unnamed(scenario: &Value, free: &[Value]) -> String {
         count => format!("; assumed: {count} pairs of links that the scenario does not name may overlap or never meet"),
     }
 }
+
+/// True if the objective has a cost of time, so that the horizon is free.
+pub(crate) fn weighs_time(scenario: &Value) -> Checked<bool> {
+    match option(scenario, "objective") {
+        Some(Value::String(preset)) => Ok(preset != "least-effort"),
+        Some(weights) => Ok(option(weights, "time").map_or(Ok(0.0), number)? > 0.0),
+        None => Ok(false),
+    }
+}

@@ -181,6 +181,7 @@ pub(super) fn broken(scenario: &Scenario, horizon: f64, found: &Deviations) -> V
     let file = &scenario.file;
     let [shortest, longest] = match file.free_horizon {
         Some(free) => [free.shortest_s, free.longest_s],
+        None if file.objective.weighs_time() => [0.0, f64::INFINITY],
         None => [file.horizon_s; 2],
     };
     if !(shortest..=longest).contains(&horizon) {

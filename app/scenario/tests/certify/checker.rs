@@ -103,6 +103,20 @@ fn certificates_are_accepted() {
     }
 }
 
+/// An objective that weighs time makes the horizon free, with and without bounds.
+#[test]
+fn a_horizon_that_the_objective_frees_is_any() {
+    for objective in [json!("balanced"), json!({ "time": 1.0 })] {
+        let keys = json!({ "objective": objective, "horizon_s": 2.0, "self_collision": "off" });
+        let mut case = Case::in_tube(&scenario("free", keys), 0.0);
+        assert!(case.check().is_ok(), "{:?}", case.check());
+        for fixed in [json!(null), json!("least-effort"), json!({ "time": 0.0 })] {
+            case.scenario["objective"] = fixed;
+            assert!(case.check().is_err_and(|why| why.contains("horizon")));
+        }
+    }
+}
+
 #[test]
 fn tubes_are_checked() {
     let keys = json!({ "losses": { "damping": 0.5 }, "enforced_limits": { "torque": 0.3 },
