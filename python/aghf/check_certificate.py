@@ -1011,6 +1011,14 @@ def check_limits(limits, listed):
         require(same and is_it, f"a {promise} limit is not that of the scenario")
 
 
+def weighs_time(scenario):
+    """True if the objective has a cost of time, so that the horizon is free."""
+    objective = option(scenario, "objective", "least-effort")
+    if isinstance(objective, str):
+        return objective != "least-effort"
+    return number(option(objective, "time", 0.0)) > 0.0
+
+
 def cover(intervals, segments, claims):
     """The segments, middles, half widths and claims of intervals that cover the horizon, and per pair of shapes the
     intervals with a direction, and these."""
@@ -1105,11 +1113,10 @@ def _check(robot, scenario, run, certificate):
     horizon = number(given("horizon_s"))
     require(horizon == get(curve, "horizon_s"), "the horizon is not that of the run")
     free = option(scenario, "free_horizon")
-    wanted = [get(free, k) for k in ("shortest_s", "longest_s")] if free else [get(scenario, "horizon_s")] * 2
-    objective = option(scenario, "objective", "least-effort")
-    is_preset = isinstance(objective, str)
-    if not free and (objective != "least-effort" if is_preset else number(option(objective, "time", 0.0)) > 0.0):
-        wanted = [0.0, math.inf]
+    if free:
+        wanted = [get(free, key) for key in ("shortest_s", "longest_s")]
+    else:
+        wanted = [0.0, math.inf] if weighs_time(scenario) else [get(scenario, "horizon_s")] * 2
     require(0.0 < horizon and wanted[0] <= horizon <= wanted[1], "the horizon is not that of the scenario")
     robot = Robot(robot, scenario, names)
     missing = not_certified(scenario, robot, given("not_certified"))

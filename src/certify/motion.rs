@@ -278,12 +278,15 @@ fn chebyshev(x: f64, n: usize) -> Vec<Ball> {
 }
 
 impl Piece {
-    /// Widens the positions by a deviation of each joint from the motion, rad or m.
-    pub fn widen_positions(&mut self, by: f64) {
-        for position in &mut self.q {
+    /// The motion with positions that deviate by at most `by`, rad or m, for each joint by itself.
+    #[must_use]
+    pub fn widened(&self, by: f64) -> Self {
+        let mut wide = self.clone();
+        for position in &mut wide.q {
             let sum = Ball::constant(position.radius) + Ball::constant(by);
             position.radius = sum.magnitude();
         }
+        wide
     }
 
     /// Encloses positions, velocities and accelerations.

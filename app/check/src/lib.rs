@@ -60,7 +60,6 @@ pub fn check(robot: &str, scenario: &str, run: &str, certificate: &str) -> Check
     same_limits(&limits, array(given("limits")?)?)?;
     deviations(scenario, given("deviations")?, &motion)?;
     let promised = Promised::new(scenario, &certificate, robot, limits, motion)?;
-    let tube = promised.tube;
     require(*given("promises")? == Value::from(promised.names()), format!("the promises are {:?}", promised.names()))?;
     promised.check_places(&certificate)?;
     let intervals = array(given("intervals")?)?;
@@ -72,6 +71,9 @@ pub fn check(robot: &str, scenario: &str, run: &str, certificate: &str) -> Check
     let proved = proved.collect::<Vec<_>>().join(", ");
     let not = if missing.is_empty() { String::new() } else { format!("; not certified: {}", missing.join(", ")) };
     let assumed = unnamed(scenario, array(given("may_overlap")?)?);
-    let within = if tube > 0.0 { format!(" for positions within {tube} of the motion") } else { String::new() };
+    let within = match promised.tube {
+        0.0 => String::new(),
+        tube => format!(" for positions within {tube} of the motion"),
+    };
     Ok(format!("{outcome} at all times{within}, by {count} intervals: {proved}{not}{assumed}"))
 }

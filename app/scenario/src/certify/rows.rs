@@ -126,10 +126,9 @@ pub(super) fn values_of<const N: usize>(
 
 /// The value of a row that is nearest to a bound, or beyond one.
 pub(super) struct Nearest {
-    /// The proved reserve and the bound on the error of the values, relative to the scale of the row.
-    reserve: f64,
+    /// The bound on the error of the values, relative to the scale of the row.
     error: f64,
-    /// The reserve less what is left to another arithmetic.
+    /// The proved reserve relative to that scale, less what is left to another arithmetic.
     pub(super) claim: f64,
     /// True if the error is small enough for a claim.
     pub(super) is_known: bool,
@@ -140,13 +139,11 @@ pub(super) struct Nearest {
 }
 
 impl Nearest {
-    /// The same for positions in a tube about a motion on which it is `alone`. No reserve beside the tube is claimed:
-    /// other arithmetic makes more or less of it.
+    /// The same for positions in a tube about a motion on which it is `alone`: the tube is no error.
     pub(super) fn in_tube(self, alone: &Self) -> Self {
-        let claim = self.reserve - OTHER_ERRORS * alone.error - FINE;
         Self {
             is_known: alone.is_known,
-            claim: if claim > 0.0 { 0.0 } else { claim },
+            claim: self.claim + OTHER_ERRORS * (self.error - alone.error),
             ..self
         }
     }
@@ -297,7 +294,6 @@ impl<'a> Rows<'a> {
         let error = polynomial.radius / scale;
         Nearest {
             is_known: polynomial.radius <= LARGEST_ERROR * scale,
-            reserve,
             error,
             claim: reserve - OTHER_ERRORS * error - FINE,
             value,

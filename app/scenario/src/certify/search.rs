@@ -66,8 +66,8 @@ pub(super) fn certification(
     tracking_error: f64,
 ) -> Result<Certification> {
     let (motion, limits) = (Motion::of_curve(curve), limits(scenario));
-    let mut search = Search::new(scenario, &motion, Rows::new(scenario, &limits, &motion)?)?;
-    search.tracking_error = tracking_error;
+    let rows = Rows::new(scenario, &limits, &motion)?;
+    let mut search = Search::new(scenario, &motion, rows, tracking_error)?;
     let deviations = deviations(scenario, &motion);
     for failure in broken(scenario, motion.horizon(), &deviations) {
         search.fail(failure);
@@ -133,7 +133,12 @@ impl Failure {
 }
 
 impl<'a> Search<'a> {
-    fn new(scenario: &'a Scenario, motion: &'a Motion, rows: Rows<'a>) -> Result<Self> {
+    fn new(
+        scenario: &'a Scenario,
+        motion: &'a Motion,
+        rows: Rows<'a>,
+        tracking_error: f64,
+    ) -> Result<Self> {
         let mut promises: Vec<_> = rows.all.iter().map(|row| row.promise).collect();
         promises.dedup();
         let (shapes, mut all) = (shapes::parts(scenario)?, Vec::new());
@@ -151,7 +156,7 @@ impl<'a> Search<'a> {
         Ok(Self {
             scenario,
             motion,
-            tracking_error: 0.0,
+            tracking_error,
             rows,
             promises,
             pairs: all,
@@ -238,7 +243,10 @@ impl<'a> Search<'a> {
             match self.claims(part, &basis, can_halve)? {
                 Some((claims, directions)) => {
                     let [from, to] = part.ends();
-                    let claims = claims.into_iter().map(floor).collect();
+                    let claims = claims
+                        .into_iter()
+                        .map(|claim| self.claimed(claim))
+                        .collect();
                     found.push(Interval(part.segment, from, to, claims, directions));
                 }
                 None if self.fails_in_middle(part, &basis)? => {}
@@ -248,19 +256,21 @@ impl<'a> Search<'a> {
         Ok(found)
     }
 
+    /// A claim as it is written. No reserve beside a tube is claimed: other arithmetic makes more or less of it.
+    fn claimed(&self, claim: f64) -> f64 {
+        match self.tracking_error > 0.0 && claim > 0.0 {
+            true => 0.0,
+            false => floor(claim),
+        }
+    }
+
     /// Returns true if promises cannot be proved even at the middle of a part, where only the tube counts.
     fn fails_in_middle(&mut self, part: Part, basis: &Bernstein) -> Result<bool> {
         if self.tracking_error == 0.0 {
             return Ok(false);
         }
-        let claims = self.claims(
-            Part {
-                half: part.half.min(NARROW),
-                ..part
-            },
-            basis,
-            false,
-        )?;
+        let half = part.half.min(NARROW);
+        let claims = self.claims(Part { half, ..part }, basis, false)?;
         let is_accepted = |claim: &f64| *claim >= -TOLERANCE;
         Ok(claims.is_none_or(|(claims, _)| !claims.iter().all(is_accepted)))
     }
@@ -268,13 +278,12 @@ impl<'a> Search<'a> {
     /// The claims of each promise on a part; `None` if it is to be halved.
     fn claims(&mut self, part: Part, basis: &Bernstein, can_halve: bool) -> Result<Option<Claims>> {
         let alone = self.motion.piece(part);
-        let mut piece = alone.clone();
-        piece.widen_positions(self.tracking_error);
+        let tube = (self.tracking_error > 0.0).then(|| alone.widened(self.tracking_error));
         let mut claims = vec![ENOUGH; self.promises.len()];
         let mut failures = Vec::new();
         let mut nearest = self.rows.nearest(&alone)?;
-        if self.tracking_error > 0.0 {
-            let wide = self.rows.nearest(&piece)?.into_iter().zip(&nearest);
+        if let Some(tube) = &tube {
+            let wide = self.rows.nearest(tube)?.into_iter().zip(&nearest);
             nearest = wide.map(|(wide, alone)| wide.in_tube(alone)).collect();
         }
         for (row, nearest) in self.rows.all.iter().zip(&nearest) {
@@ -295,7 +304,7 @@ impl<'a> Search<'a> {
             claims[of] = claims[of].min(nearest.claim);
         }
         let mut directions = Vec::new();
-        let Some(clearances) = self.clearances([&alone, &piece], basis, can_halve)? else {
+        let Some(clearances) = self.clearances(&alone, tube.as_ref(), basis, can_halve)? else {
             return Ok(None);
         };
         let first = self.promises.len() - self.pairs.len();
@@ -316,10 +325,7 @@ impl<'a> Search<'a> {
                     is_broken,
                 });
             }
-            claims[first + of] = match self.tracking_error > 0.0 {
-                true => least.claim.min(0.0),
-                false => least.claim,
-            };
+            claims[first + of] = least.claim;
             directions.extend(own);
         }
         for failure in failures {
@@ -332,22 +338,23 @@ impl<'a> Search<'a> {
     /// halved.
     fn clearances(
         &self,
-        [alone, piece]: [&Piece; 2],
+        alone: &Piece,
+        tube: Option<&Piece>,
         basis: &Bernstein,
         can_halve: bool,
     ) -> Result<Option<Vec<Reserve>>> {
         if self.pairs.is_empty() {
             return Ok(Some(Vec::new()));
         }
-        let (bodies, all) = self.bodies(piece)?;
-        let error = match self.tracking_error > 0.0 {
-            true => self.bodies(alone)?.1,
-            false => all,
-        };
+        let (mut bodies, error) = self.bodies(alone)?;
         if error > LARGEST_ERROR && can_halve {
             return Ok(None);
         }
-        let left = OTHER_ERRORS * (error / all);
+        let mut left = OTHER_ERRORS;
+        if let Some(tube) = tube {
+            let (wide, all) = self.bodies(tube)?;
+            (bodies, left) = (wide, left * error / all);
+        }
         let pairs = self.pairs.iter();
         Ok(Some(match &self.shapes {
             Some(parts) => {
