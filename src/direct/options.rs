@@ -128,7 +128,7 @@ impl Default for SearchOptions {
             planned_segments: 8,
             planned_degree: 6,
             planned_penalty: 10.0,
-            margin_checks: 25_000,
+            margin_checks: 125_000,
             horizon_growth: 1.15,
             same_minimum: 1e-3,
         }

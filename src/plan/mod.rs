@@ -78,8 +78,8 @@ impl Default for PlanSettings {
             paths: 8,
             margin: 0.005,
             resolution: 0.002,
-            range: 1.0,
-            most_checks: 200_000,
+            range: 0.5,
+            most_checks: 1_000_000,
             shortcuts: 60,
             roundings: 6,
         }
