@@ -10,8 +10,8 @@ use urdf_rs::{Joint, JointType, Link, Pose, Robot, Vec3};
 /// Hangs a robot on another link, which becomes its root; `file` names it in errors.
 ///
 /// Joints between the two roots are turned round and keep their names, positions and limits: each is at the end of its
-/// former child and carries a new massless link `JOINT_reversed`, on which its former parent is fixed. All other links
-/// and joints, and the places of all links in each other, are as they were.
+/// former child and carries a new massless link `JOINT_reversed_link`, on which its former parent is fixed by a joint
+/// `JOINT_reversed`. All other links and joints, and the places of all links in each other, are as they were.
 ///
 /// # Errors
 /// The robot has no such link, an origin on the way is not finite, or its links form no tree.
@@ -28,7 +28,7 @@ pub fn reroot(robot: &Robot, root: &str, file: &str) -> Result<Robot> {
             Error::input(file, format!("joint '{}'", joint.name), condition)
         })?;
         let back = Joint {
-            name: free_name(&all, format!("{}_reversed", joint.name)),
+            name: free_name([robot, &all], format!("{}_reversed", joint.name)),
             joint_type: JointType::Fixed,
             origin: pose_of(&inverse(&origin)),
             parent: joint.child.clone(),
@@ -51,18 +51,19 @@ pub fn reroot(robot: &Robot, root: &str, file: &str) -> Result<Robot> {
                 parent: joint.child.clone(),
                 ..joint.clone()
             };
-            turned.child.link.clone_from(&back.name);
+            // Pinocchio has one list of names for links and joints.
+            turned.child.link = free_name([robot, &all], format!("{}_link", back.name));
             for x in &mut turned.axis.xyz.0 {
                 *x = -*x;
             }
             all.links.push(Link {
-                name: back.name.clone(),
+                name: turned.child.link.clone(),
                 inertial: Default::default(),
                 visual: Vec::new(),
                 collision: Vec::new(),
             });
             let mut back = back;
-            back.parent.link.clone_from(&back.name);
+            back.parent.link.clone_from(&turned.child.link);
             reversed.extend([turned, back]);
         }
         all.joints.retain(|other| other.name != joint.name);
@@ -72,11 +73,11 @@ pub fn reroot(robot: &Robot, root: &str, file: &str) -> Result<Robot> {
     Ok(all)
 }
 
-/// A name that neither a link nor a joint has.
-fn free_name(robot: &Robot, mut name: String) -> String {
-    let links = || robot.links.iter().map(|link| &link.name);
-    let joints = || robot.joints.iter().map(|joint| &joint.name);
-    while links().chain(joints()).any(|other| *other == name) {
+/// A name that neither a link nor a joint of these robots has.
+fn free_name(robots: [&Robot; 2], mut name: String) -> String {
+    let links = || robots.iter().flat_map(|robot| &robot.links);
+    let joints = || robots.iter().flat_map(|robot| &robot.joints);
+    while links().any(|link| link.name == name) || joints().any(|joint| joint.name == name) {
         name.push('_');
     }
     name

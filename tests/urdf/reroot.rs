@@ -5,7 +5,7 @@ use aghf::dynamics::{Data, forward_kinematics, frame_placement, rnea};
 use aghf::model::Model;
 use aghf::spatial::Placement;
 use aghf::urdf::{UrdfOptions, build_model, builtin_robot_text, read_robot, reroot};
-use urdf_rs::Robot;
+use urdf_rs::{Link, Robot};
 
 fn digit() -> Robot {
     let text = builtin_robot_text("digit_v3_pinned").expect("it is built in");
@@ -72,6 +72,10 @@ fn links_are_where_they_were_and_the_way_back_is_the_same_robot() {
         .iter()
         .find(|frame| frame.name == "right_toe_roll");
     assert_eq!(foot.expect("a link").body, None);
+    let is_new = |link: &&Link| left.links.iter().all(|known| known.name != link.name);
+    let mut new = right.links.iter().filter(is_new).peekable();
+    assert!(new.peek().is_some());
+    assert!(new.all(|link| right.joints.iter().all(|joint| joint.name != link.name)));
     let mass = |of: &Model| of.mass() + of.base_inertia().mass;
     assert!((mass(&on_left) - mass(&on_right)).abs() < 1e-12);
     let there = places(&on_right, "torso");
