@@ -21,6 +21,7 @@ TOLERANCE, STATE, ACCELERATION = 1e-9, 1e-9, 1e-6
 EQUALITY = 1e-6  # the largest deviation of a row that is zero, in its unit
 SAME_TIME = 1e-12  # the accepted difference of times, of the horizon: more than rounding
 ORDER = 10
+GROUP = "; where the scenario has a group or an SRDF, the summary of the motion is to take its place"
 KINDS = ["position", "velocity", "acceleration", "jerk", "torque"]
 
 
@@ -329,7 +330,7 @@ class Robot:
                     opened.append((child, body, joint.placement(Model.constant([number(locked)]))))
                 else:
                     require(kind in ("revolute", "continuous", "prismatic"), f"joint type '{kind}'")
-                    require(joint.name in names, f"joint '{joint.name}' has no motion")
+                    require(joint.name in names, f"joint '{joint.name}' has no motion{GROUP}")
                     joint.read(node, scenario)
                     i = names.index(joint.name)
                     joints[i] = joint

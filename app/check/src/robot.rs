@@ -8,6 +8,9 @@ use roxmltree::{Document, Node};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
+/// The end of a refusal of a moving joint.
+const GROUP: &str = "; where the scenario has a group or an SRDF, the summary of the motion is to take its place";
+
 /// A placement: rotation and translation.
 pub(crate) type Pose = (Matrix, Vector);
 
@@ -144,7 +147,7 @@ impl Robot {
                 } else {
                     require(["revolute", "continuous", "prismatic"].contains(&kind), format!("joint type '{kind}'"))?;
                     let i = names.iter().position(|n| *n == joint.name);
-                    let i = i.ok_or_else(|| format!("joint '{}' has no motion", joint.name))?;
+                    let i = i.ok_or_else(|| format!("joint '{}' has no motion{GROUP}", joint.name))?;
                     joint.read(j, kind, scenario)?;
                     require(joints[i].replace(joint).is_none(), "a joint is there twice")?;
                     open.push((of(j, "child"), Some(i), identity()));

@@ -41,10 +41,12 @@ pub fn certification_text(certification: &Certification, seconds: f64) -> String
             Promise::Stand => "of the weight, m or of the ratio of friction",
             _ => "of the limit",
         };
-        lines.push(format!(
-            "{}: proved, least reserve {least:.2e} {unit}",
-            promise.name()
-        ));
+        // Beside a tube no reserve is claimed.
+        let reserve = match certificate.tracking_error {
+            0.0 => format!(", least reserve {least:.2e} {unit}"),
+            _ => String::new(),
+        };
+        lines.push(format!("{}: proved{reserve}", promise.name()));
     }
     if let Some(reserve) = certificate.goal {
         lines.push(format!(
