@@ -175,7 +175,11 @@ impl FrameRows {
         self.rows.push(FrameRow {
             square: 1.0,
             scale: 2.0 * r,
-            ..FrameRow::of_position("distance", Vector3::zeros(), -r * r)
+            ..FrameRow::of_position(
+                "squared distance, over twice its bound,",
+                Vector3::zeros(),
+                -r * r,
+            )
         });
         Ok(self)
     }

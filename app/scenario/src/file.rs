@@ -283,8 +283,12 @@ impl Scenario {
                 } else {
                     " that are not locked"
                 };
-                let joints =
-                    format!("the robot has {expected} joints{left}, but {found} values are given");
+                let joints = match (key, found) {
+                    ("q_goal", 0) => "neither q_goal nor goal is given".to_owned(),
+                    _ => format!(
+                        "the robot has {expected} joints{left}, but {found} values are given"
+                    ),
+                };
                 return refuse(key, joints);
             }
         }

@@ -5,7 +5,7 @@ use super::{Continuous, HorizonBounds, Limit, Scenario};
 use aghf::direct::DirectSettings;
 use aghf::dynamics::{Data, forward_kinematics, rnea};
 use aghf::error::{Error, Result, check_length, plain};
-use aghf::geometry::{Collider, Part};
+use aghf::geometry::{ClosestPair, Collider, Part};
 use aghf::model::Model;
 use aghf::spatial::Placement;
 
@@ -256,26 +256,19 @@ impl Scenario {
             |link| format!("link '{link}'"),
         );
         let [_, other] = self.names_of(&contact);
+        let (margin, remedy) = (contact.margin, remedy(&contact));
         let what = match contact.other {
             Collider::Robot(_) => "link ",
             Collider::Obstacle(_) => "",
         };
-        let margin = contact.margin;
         let mut condition = if depth < margin {
             let distance = margin - depth;
             format!(
-                "{link} is {distance:.3e} m from {what}'{other}', its clearance_m is {margin} m"
+                "{link} is {distance:.3e} m from {what}'{other}', its clearance_m is {margin} m{remedy}"
             )
         } else {
             let depth = depth - margin;
-            let but = match contact.other {
-                Collider::Robot(_) => {
-                    "; if they may touch, self_collision.ignored_pairs has to name them, and a smaller \
-                     robot_shape.collision.excess_m covers them more tightly"
-                }
-                Collider::Obstacle(_) => "",
-            };
-            format!("{link} is {depth:.3e} m inside {what}'{other}'{but}")
+            format!("{link} is {depth:.3e} m inside {what}'{other}'{remedy}")
         };
         let clear = self.scene.clearance(&placements)?;
         if margin == 0.0 && clear >= 0.0 {
@@ -316,5 +309,26 @@ impl Scenario {
 
     fn refuse(&self, key: &str, condition: String) -> Result<()> {
         Err(Error::input(&self.name, key, condition))
+    }
+}
+
+/// The keys that help against a contact at an end.
+fn remedy(contact: &ClosestPair<'_>) -> &'static str {
+    let is_inside = -contact.distance >= contact.margin;
+    match (contact.other, is_inside, contact.part.body) {
+        (Collider::Robot(_), true, _) => {
+            "; if they may touch, self_collision.ignored_pairs has to name them, and a smaller \
+             robot_shape.collision.excess_m covers them more tightly"
+        }
+        (Collider::Robot(_), false, _) => {
+            "; clearance_m.obstacles is the distance from obstacles alone, clearance_m.pairs that of two links"
+        }
+        (Collider::Obstacle(_), true, None) => {
+            "; that link does not move: the obstacle has to be elsewhere, or robot_shape.collision.excess_m smaller"
+        }
+        (Collider::Obstacle(_), false, None) => {
+            "; that link does not move: the clearance_m of the obstacle has to be smaller"
+        }
+        (Collider::Obstacle(_), _, Some(_)) => "",
     }
 }

@@ -149,7 +149,8 @@ fn pairs_of_links_have_distances_of_their_own() {
     let far = with_pairs(pair(2.0)).expect("it is good").check_feasible();
     let far = far.expect_err("they are nearer").to_string();
     assert!(
-        far.contains("its clearance_m is 2 m") && links.iter().all(|link| far.contains(link)),
+        far.contains("its clearance_m is 2 m; clearance_m.obstacles is")
+            && links.iter().all(|link| far.contains(link)),
         "{far}"
     );
     let twice = [pair(0.1)[0].clone(), pair(0.2)[0].clone()];

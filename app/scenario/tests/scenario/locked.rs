@@ -102,7 +102,8 @@ fn the_shape_is_that_of_the_whole_robot() {
         .to_string();
     let words = "base: q_start: a link that is locked to the base is ";
     assert!(
-        error.starts_with(words) && error.ends_with("inside 'obstacles[0]'"),
+        error.starts_with(words)
+            && error.contains("inside 'obstacles[0]'; that link does not move"),
         "{error}"
     );
 }
