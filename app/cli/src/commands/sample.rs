@@ -1,12 +1,13 @@
 //! `aghf sample`.
 
+use super::compare::summary_at;
 use super::output::SamplingArgs;
 use super::{print, printed};
 use crate::output::{Sampling, refuse_existing, write_table, write_trajectory};
 use aghf::error::Result;
 use aghf_scenario::Solved;
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Make a table of a motion from the summary of a solve, at any rate.
@@ -16,7 +17,7 @@ use std::process::ExitCode;
 /// the reason.
 #[derive(Debug, Args)]
 pub(super) struct Sample {
-    /// The summary.json of a solve.
+    /// Folder of a solve, or its summary.json.
     summary: String,
     #[command(flatten)]
     sampling: SamplingArgs,
@@ -34,7 +35,7 @@ impl Sample {
             scenario,
             curve,
             summary,
-        } = Solved::load(&self.summary)?;
+        } = Solved::load(&summary_at(Path::new(&self.summary))?)?;
         let (model, failure) = (&scenario.model, summary.failure.as_deref());
         let chosen = self.sampling.sampling();
         let times = Sampling::or_sufficient(chosen, &scenario, &curve)?.times(curve.horizon())?;

@@ -1,5 +1,6 @@
 //! `aghf solve`.
 
+use super::compare::summary_at;
 use super::options::OptionArgs;
 use super::output::{OutArgs, SamplingArgs};
 use super::progress::Progress;
@@ -38,9 +39,9 @@ pub(super) struct SolveArgs {
     robot: RobotArgs,
     #[command(flatten)]
     options: OptionArgs,
-    /// Start from the motion of another solve, its summary.json, instead of from several starts; goal, obstacles and
-    /// limits may be others. For direct.
-    #[arg(long, value_name = "SUMMARY")]
+    /// Start from the motion of another solve, its folder or summary.json, instead of from several starts; goal,
+    /// obstacles and limits may be others. For direct.
+    #[arg(long, value_name = "RUN")]
     start: Option<String>,
     #[command(flatten)]
     sampling: SamplingArgs,
@@ -94,7 +95,11 @@ impl SolveArgs {
         let hidden = self.json || self.verbose;
         let mut progress = Progress::new(&scenario, &options, hidden)?;
         let mut stages = Stages::default();
-        let start = self.start.as_deref().map(Solved::load).transpose()?;
+        let start = self
+            .start
+            .as_deref()
+            .map(|run| Solved::load(&summary_at(Path::new(run))?))
+            .transpose()?;
         let mut solve = Solve::new(&scenario).options(options).interrupt(interrupt);
         if let Some(start) = &start {
             solve = solve.start(start);

@@ -92,12 +92,13 @@ fn not_disabled(
     );
     let (condition, remedy) = match with_srdf {
         true => (
-            "they cannot keep clear of each other, and the SRDF does not disable them",
-            "disable_collisions in the SRDF, or \"self_collision\": {\"ignored_pairs\": [...]}"
+            "they are neighbours, or overlap in all samples, and the SRDF does not disable them",
+            "disable_collisions in the SRDF where they touch, or \"self_collision\": {\"ignored_pairs\": [...]}, which \
+             takes the place of the pairs of the SRDF"
                 .to_owned(),
         ),
         false => (
-            "they cannot keep clear of each other, and need not",
+            "they are neighbours, or overlap in all samples, and need not keep clear of each other",
             format!("nothing is needed; aghf pairs {robot} lists them"),
         ),
     };

@@ -116,7 +116,11 @@ fn each_finding_names_its_elements() {
         ("friction is not counted", note, &["turn"]),
         ("counts as massless", note, &["camera"]),
         ("exceeds the sum", note, &["mid"]),
-        ("cannot keep clear", note, &["arm and base (neighbours)"]),
+        (
+            "neighbours, or overlap in all samples, and the SRDF does not",
+            note,
+            &["arm and base (neighbours)"],
+        ),
         ("the state 'bent' of the SRDF has it", note, &["wheel"]),
         ("the SRDF disables collisions of it", note, &["tail"]),
         ("links overlap there", note, &["zero", "straight of arm"]),

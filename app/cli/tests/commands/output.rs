@@ -218,6 +218,16 @@ fn a_solve_is_repeated_from_its_summary() {
 }
 
 #[test]
+fn a_run_is_named_by_its_folder() {
+    let folder = empty_folder("run");
+    solved(&folder, &[SWING, "--out", "m"]);
+    let [by_folder, by_file] = ["m", "m/summary.json"].map(|of| aghf(&folder, &["sample", of]));
+    assert!(by_folder.stdout.starts_with("t,"), "{}", by_folder.stdout);
+    assert_eq!(by_folder.stdout, by_file.stdout);
+    solved(&folder, &[SWING, "--out", "again", "--start", "m"]);
+}
+
+#[test]
 fn a_summary_gives_tables_at_any_rate() {
     let folder = empty_folder("sample");
     solved(
