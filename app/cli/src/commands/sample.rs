@@ -7,7 +7,7 @@ use crate::output::{Sampling, refuse_existing, write_table, write_trajectory};
 use aghf::error::Result;
 use aghf_scenario::Solved;
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Make a table of a motion from the summary of a solve, at any rate.
@@ -18,7 +18,7 @@ use std::process::ExitCode;
 #[derive(Debug, Args)]
 pub(super) struct Sample {
     /// Folder of a solve, or its summary.json.
-    summary: String,
+    run: PathBuf,
     #[command(flatten)]
     sampling: SamplingArgs,
     /// File for the table [default: the standard output].
@@ -35,7 +35,7 @@ impl Sample {
             scenario,
             curve,
             summary,
-        } = Solved::load(&summary_at(Path::new(&self.summary))?)?;
+        } = Solved::load(&summary_at(&self.run)?)?;
         let (model, failure) = (&scenario.model, summary.failure.as_deref());
         let chosen = self.sampling.sampling();
         let times = Sampling::or_sufficient(chosen, &scenario, &curve)?.times(curve.horizon())?;

@@ -12,7 +12,7 @@ use aghf::error::Result;
 use aghf::motion::Interrupt;
 use aghf_scenario::{Solve, Solved};
 use clap::Args;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -42,7 +42,7 @@ pub(super) struct SolveArgs {
     /// Start from the motion of another solve, its folder or summary.json, instead of from several starts; goal,
     /// obstacles and limits may be others. For direct.
     #[arg(long, value_name = "RUN")]
-    start: Option<String>,
+    start: Option<PathBuf>,
     #[command(flatten)]
     sampling: SamplingArgs,
     #[command(flatten)]
@@ -95,11 +95,9 @@ impl SolveArgs {
         let hidden = self.json || self.verbose;
         let mut progress = Progress::new(&scenario, &options, hidden)?;
         let mut stages = Stages::default();
-        let start = self
-            .start
-            .as_deref()
-            .map(|run| Solved::load(&summary_at(Path::new(run))?))
-            .transpose()?;
+        let start = self.start.as_deref();
+        let start = start.map(|run| Solved::load(&summary_at(run)?));
+        let start = start.transpose()?;
         let mut solve = Solve::new(&scenario).options(options).interrupt(interrupt);
         if let Some(start) = &start {
             solve = solve.start(start);
