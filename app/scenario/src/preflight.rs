@@ -256,19 +256,21 @@ impl Scenario {
             |link| format!("link '{link}'"),
         );
         let [_, other] = self.names_of(&contact);
-        let (margin, remedy) = (contact.margin, remedy(&contact));
+        let margin = contact.margin;
+        let is_inside = depth >= margin;
+        let remedy = remedy(&contact, is_inside);
         let what = match contact.other {
             Collider::Robot(_) => "link ",
             Collider::Obstacle(_) => "",
         };
-        let mut condition = if depth < margin {
+        let mut condition = if is_inside {
+            let depth = depth - margin;
+            format!("{link} is {depth:.3e} m inside {what}'{other}'{remedy}")
+        } else {
             let distance = margin - depth;
             format!(
                 "{link} is {distance:.3e} m from {what}'{other}', its clearance_m is {margin} m{remedy}"
             )
-        } else {
-            let depth = depth - margin;
-            format!("{link} is {depth:.3e} m inside {what}'{other}'{remedy}")
         };
         let clear = self.scene.clearance(&placements)?;
         if margin == 0.0 && clear >= 0.0 {
@@ -312,9 +314,8 @@ impl Scenario {
     }
 }
 
-/// The keys that help against a contact at an end.
-fn remedy(contact: &ClosestPair<'_>) -> &'static str {
-    let is_inside = -contact.distance >= contact.margin;
+/// The keys that help against a contact at an end, an overlap or a distance below the margin.
+fn remedy(contact: &ClosestPair<'_>, is_inside: bool) -> &'static str {
     match (contact.other, is_inside, contact.part.body) {
         (Collider::Robot(_), true, _) => {
             "; if they may touch, self_collision.ignored_pairs has to name them, and a smaller \
