@@ -2,7 +2,7 @@
 //! $(t, q, v, a, u)$.
 
 use super::label::unit_of;
-use super::{RateLimit, RowKind, RowLabel, Side, StandingFoot};
+use super::{Phase, RateLimit, RowKind, RowLabel, Side, StandingFoot};
 use crate::error::{Error, Result, check_length};
 use crate::model::Model;
 use crate::scalar::Scalar;
@@ -231,8 +231,10 @@ pub struct StageConstraints {
     pub acceleration: Vec<Option<f64>>,
     /// Limits of the rate of the acceleration in rad/s^3 or m/s^3, one entry per joint; no entries if there are none.
     pub jerk: Vec<Option<f64>>,
-    /// A foot on which the robot stands.
+    /// A foot on which the robot stands, in the first phase if there are several.
     pub foot: Option<StandingFoot>,
+    /// The phases, which the direct method alone knows; none for one foot, or none.
+    pub phases: Vec<Phase>,
     /// Any other rows.
     pub others: Vec<Arc<dyn StageConstraint>>,
 }
@@ -245,6 +247,7 @@ impl PartialEq for StageConstraints {
         self.acceleration == other.acceleration
             && self.jerk == other.jerk
             && self.foot == other.foot
+            && self.phases == other.phases
             && self.others.len() == other.others.len()
             && self.others.iter().zip(&other.others).all(same)
     }
@@ -256,6 +259,7 @@ impl StageConstraints {
         acceleration: Vec::new(),
         jerk: Vec::new(),
         foot: None,
+        phases: Vec::new(),
         others: Vec::new(),
     };
 

@@ -183,7 +183,19 @@ impl<K: Constraint> Constraints<K> {
         if self.torque.dim() > 0 {
             self.torque.check(model)?;
         }
-        self.stage.check(model)
+        self.stage.check(model)?;
+        let StageConstraints { foot, phases, .. } = &self.stage;
+        let refuse = |condition: &str| Err(Error::input("constraints", "phases", condition));
+        for phase in phases {
+            let Some(foot) = foot else {
+                return refuse("no foot stands");
+            };
+            phase.check(model, self.state.dim(), foot)?;
+            if phase.rows.clone().any(|row| self.state.is_equality(row)) {
+                return refuse("a row that is kept in one of them is an equality");
+            }
+        }
+        Ok(())
     }
 
     /// The factor of each row, with which a badly violated row is of the order of 0.1, and one unit of the scaled row

@@ -144,6 +144,18 @@ impl<S: Scalar> PackedHessian<S> {
         }
     }
 
+    /// Copies the entries of a pair of joints, `i` not before `j`, from those of another pair, at all points.
+    pub(super) fn copy_entry(&mut self, [a, b]: [usize; 2], other: &Self, [i, j]: [usize; 2]) {
+        let (to, difference) = self.columns(a.max(b), a.min(b));
+        let (from, other_difference) = other.columns(i, j);
+        self.symmetric.set_column(to, &other.symmetric.column(from));
+        if i > j {
+            let sign = if a > b { S::one() } else { -S::one() };
+            let column = other.antisymmetric.column(other_difference) * sign;
+            self.antisymmetric.set_column(difference, &column);
+        }
+    }
+
     /// Adds to the second derivative in the acceleration of joint `i` at point `g`.
     pub(crate) fn add_acceleration(&mut self, g: usize, i: usize, second: S) {
         let (at, _) = self.columns(i, i);

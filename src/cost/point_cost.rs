@@ -11,6 +11,8 @@ use nalgebra::{DMatrix, DVector};
 pub struct Point<'a, S> {
     /// Index of the point along time.
     pub index: usize,
+    /// The phase of the motion.
+    pub phase: usize,
     /// Time, s.
     pub time: S,
     /// Configuration, `N` entries.
@@ -43,6 +45,7 @@ impl<'a, S: Scalar> Point<'a, S> {
     pub(crate) fn points<'b>(&'b self, states: &'b DMatrix<S>) -> Points<'b, S> {
         Points {
             first: self.index,
+            phase: self.phase,
             times: std::slice::from_ref(&self.time),
             states,
             jerks: None,
@@ -55,6 +58,8 @@ impl<'a, S: Scalar> Point<'a, S> {
 pub struct Points<'a, S: Scalar> {
     /// Index of the first point along time.
     pub first: usize,
+    /// The phase of the motion; zero in a motion without phases.
+    pub phase: usize,
     /// Times, s.
     pub times: &'a [S],
     /// $q, v, a$ at each point, one column each: `N` by `3 M`.
@@ -77,6 +82,7 @@ impl<'a, S: Scalar> Points<'a, S> {
         let state = &self.states.as_slice()[3 * g * n..(3 * g + 3) * n];
         Point {
             index: self.first + g,
+            phase: self.phase,
             time: self.times[g],
             q: &state[..n],
             v: &state[n..2 * n],
@@ -196,6 +202,11 @@ pub trait PointCost<S: Scalar> {
         false
     }
 
+    /// The number of phases of a motion, each of which has as many segments. One by default.
+    fn phases(&self) -> usize {
+        1
+    }
+
     /// Computes $l$ at all points into `costs`, `M` entries.
     ///
     /// # Errors
@@ -240,6 +251,10 @@ impl<S: Scalar, P: PointCost<S>> PointCost<S> for &mut P {
 
     fn needs_jerk(&self) -> bool {
         (**self).needs_jerk()
+    }
+
+    fn phases(&self) -> usize {
+        (**self).phases()
     }
 
     fn values(&mut self, points: Points<'_, S>, costs: &mut [S]) -> Result<()> {

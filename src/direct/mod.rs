@@ -128,6 +128,29 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
         }
     }
 
+    /// Refuses phases that are not those of the cost, or that segments do not share.
+    fn check_phases(&self, phases: usize) -> Result<()> {
+        let refuse = |what: &str, condition: String| Err(Error::input("settings", what, condition));
+        let stage = &self.constraints.stage;
+        if !stage.phases.is_empty() && stage.phases.len() != phases {
+            let given = stage.phases.len();
+            return refuse("phases", format!("there are {given}, the cost has {phases}"));
+        }
+        let segments = self.settings.segments;
+        if !segments.is_multiple_of(phases) {
+            let condition = format!("it is {segments}, a multiple of the {phases} phases is needed");
+            return refuse("segments", condition);
+        }
+        if phases > 1 && self.settings.continuous_acceleration {
+            let condition = "accelerations jump where the foot changes".to_owned();
+            return refuse("continuous_acceleration", condition);
+        }
+        if phases > 1 && self.constraints.torque.has_passive() {
+            return refuse("phases", "a joint has no motor".to_owned());
+        }
+        Ok(())
+    }
+
     /// Finds a motion of locally least cost.
     ///
     /// # Errors
@@ -137,6 +160,8 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
     pub fn solve(mut self) -> Result<DirectSolution> {
         let (problem, settings) = (self.problem, &self.settings);
         settings.check(problem)?;
+        let phases = self.cost.phases();
+        self.check_phases(phases)?;
         let grids = Grids::default();
         let rows = Rows::new(problem.model(), self.constraints, self.cost.clone())?;
         if let Some(known) = &settings.multipliers
@@ -195,7 +220,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
             let outcome = multistart(
                 context,
                 settings,
-                &settings.levels(settings.continuity(&problem), passive),
+                &settings.levels(settings.continuity(&problem), passive, phases),
                 &planned,
                 &mut log,
             )?;

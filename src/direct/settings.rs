@@ -161,8 +161,13 @@ impl DirectSettings {
     /// The sequence of bases: single polynomials of those degrees among 6, 9, 16, 24, 32, 48, ... that are below the
     /// final degree; then the final degree on fewer segments, each basis with all breakpoints of the previous one; then
     /// the final basis. With passive joints there are at least half of the final segments: a few polynomials leave such
-    /// a joint almost no freedom.
-    pub(crate) fn levels(&self, continuity: Continuity, passive: bool) -> Vec<Level> {
+    /// a joint almost no freedom. In phases there is at least one polynomial per phase.
+    pub(crate) fn levels(
+        &self,
+        continuity: Continuity,
+        passive: bool,
+        phases: usize,
+    ) -> Vec<Level> {
         let lower = self.search.lower();
         let fewer_segments = Stage {
             iterations: self.search.segment_iterations,
@@ -171,7 +176,7 @@ impl DirectSettings {
         let new = |segments, p| Basis::new(segments, p, continuity);
         let mut levels: Vec<_> = Basis::degrees_below(self.degree, self.lowest_degree)
             .map(|p| Level {
-                basis: new(1, p),
+                basis: new(phases, p),
                 stage: lower,
             })
             .collect();
@@ -179,6 +184,7 @@ impl DirectSettings {
             basis: new(n, self.degree),
             stage: fewer_segments,
         }));
+        levels.retain(|level| level.basis.segments().is_multiple_of(phases));
         // A low degree on one segment is the first level already.
         levels.dedup_by(|b, a| a.basis == b.basis);
         if passive {

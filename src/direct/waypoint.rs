@@ -19,8 +19,10 @@ pub struct Waypoint {
     pub constraints: Vec<AnyConstraint>,
     /// True if all velocities are zero there.
     pub stop: bool,
-    /// The time, s, between those of its neighbours, on a horizon that is fixed; an unknown by default.
-    pub time: Option<f64>,
+    /// True if a foot lands there: the rates of all equalities of the constraints are zero.
+    pub lands: bool,
+    /// The time as a share of the horizon, between those of its neighbours; an unknown by default.
+    pub share: Option<f64>,
 }
 
 impl Waypoint {
@@ -31,7 +33,8 @@ impl Waypoint {
             guesses: vec![q],
             constraints: Vec::new(),
             stop: false,
-            time: None,
+            lands: false,
+            share: None,
         }
     }
 
@@ -49,10 +52,10 @@ pub(super) fn conditions(waypoints: &[Waypoint]) -> usize {
 /// Checks waypoints for a problem.
 ///
 /// # Errors
-/// A waypoint has no guess, several without constraints, or one without `N` finite entries; its time is given on a free
-/// horizon or not between those of its neighbours; or there are more of them than the final basis can pass through.
+/// A waypoint has no guess, several without constraints, or one without `N` finite entries; its time is not between
+/// those of its neighbours; or there are more of them than the final basis can pass through.
 pub(super) fn check(settings: &DirectSettings, problem: &Problem<'_>) -> Result<()> {
-    let (mut before, horizon) = (0.0, problem.horizon());
+    let mut before = 0.0;
     for (i, waypoint) in settings.waypoints.iter().enumerate() {
         let refuse = |condition: String| {
             Err(Error::input(
@@ -74,17 +77,16 @@ pub(super) fn check(settings: &DirectSettings, problem: &Problem<'_>) -> Result<
                 return refuse("a number is not finite".to_owned());
             }
         }
-        let Some(time) = waypoint.time else {
+        let Some(share) = waypoint.share else {
             continue;
         };
-        if settings.free_horizon.is_some() {
-            return refuse("it has a time, which needs a horizon that is fixed".to_owned());
+        if !(share > before && share < 1.0) {
+            let range = format!("more than {before} and less than 1");
+            return refuse(format!(
+                "it has the share {share} of the horizon, {range} is needed"
+            ));
         }
-        if !(time > before && time < horizon) {
-            let range = format!("after {before} s and before {horizon} s");
-            return refuse(format!("it has the time {time} s, which is not {range}"));
-        }
-        before = time;
+        before = share;
     }
     let free = settings.basis(problem).free().len();
     let conditions = conditions(&settings.waypoints);

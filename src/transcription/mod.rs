@@ -12,5 +12,5 @@ pub(crate) use grid::Grids;
 pub use horizon::HorizonDerivatives;
 pub use objective::{Derivatives, Objective};
 pub(crate) use objective::{place, points};
-pub(crate) use rows::Rows;
+pub(crate) use rows::{Rows, Standing};
 pub(crate) use scan::{Maximum, Scan};

@@ -142,7 +142,8 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         let mut sum = S::zero();
         for e in 0..self.grid.segments {
             self.place(coefficients, e);
-            let here = points(self.grid, &self.times, &self.states, &self.jerks, e);
+            let phase = self.phase(e);
+            let here = points(self.grid, &self.times, (&self.states, &self.jerks), e, phase);
             self.cost.values(here, &mut self.costs)?;
             for (weight, cost) in self.grid.weights.iter().zip(&self.costs) {
                 sum += *weight * *cost;
@@ -192,7 +193,8 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         let mut sum = S::zero();
         for e in 0..grid.segments {
             self.place(coefficients, e);
-            let here = points(grid, &self.times, &self.states, &self.jerks, e);
+            let phase = self.phase(e);
+            let here = points(grid, &self.times, (&self.states, &self.jerks), e, phase);
             let Workspace {
                 at_points,
                 sums,
@@ -284,6 +286,11 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         gram
     }
 
+    /// The phase of segment `e`.
+    fn phase(&self, e: usize) -> usize {
+        e * self.cost.phases() / self.grid.segments
+    }
+
     /// Computes the curve at the points of segment `e`.
     fn place(&mut self, coefficients: &DMatrix<S>, e: usize) {
         let (grid, first) = (self.grid, self.grid.first(e));
@@ -364,17 +371,18 @@ pub(crate) fn place<S: Scalar>(
     multiply(&own, table, states);
 }
 
-/// The input of the running cost at the points of segment `e`.
+/// The input of the running cost at the points of segment `e`, which is in `phase`.
 pub(crate) fn points<'a, S: Scalar>(
     grid: &'a Grid<S>,
     times: &'a [S],
-    states: &'a DMatrix<S>,
-    jerks: &'a Option<DMatrix<S>>,
+    (states, jerks): (&'a DMatrix<S>, &'a Option<DMatrix<S>>),
     e: usize,
+    phase: usize,
 ) -> Points<'a, S> {
     let first = e * grid.points();
     Points {
         first,
+        phase,
         times: &times[first..first + grid.points()],
         states,
         jerks: jerks.as_ref(),

@@ -1,7 +1,7 @@
 //! The rows of constraints at the points of a curve.
 
 use crate::constraint::{
-    Constraint, Constraints, Evaluator, RateLimit, RowKind, WeightedDerivatives, Weights,
+    Constraint, Constraints, Evaluator, Phase, RateLimit, RowKind, StandingFoot, WeightedDerivatives, Weights,
 };
 use crate::cost::{CostWithControl, Points};
 use crate::dynamics::Data;
@@ -29,6 +29,12 @@ pub(crate) struct Rows<'a, K, P> {
     wide: Vec<Wide<f64>>,
     attributes: Attributes,
 }
+
+/// The first row of a foot, the robot on it, the foot, and the phase if there are several.
+pub(crate) type Standing<'a> = (usize, &'a Model, &'a StandingFoot, Option<&'a Phase>);
+
+/// The value of a row in a phase in which it is not kept: far from its bound.
+const NOT_KEPT: f64 = -1.0;
 
 /// The attributes of rows, one entry per row.
 #[derive(Clone, Debug, Default)]
@@ -113,6 +119,24 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         self.wide.len()
     }
 
+    /// Returns true if a row is kept in a phase.
+    pub fn is_kept(&self, row: usize, phase: usize) -> bool {
+        let phases = self.constraints.stage.phases.iter().enumerate();
+        let mut elsewhere = phases.filter(|(k, _)| *k != phase);
+        !elsewhere.any(|(_, other)| other.rows.contains(&row))
+    }
+
+    /// The robot, the foot, and the phase if there are several.
+    pub fn standing(&self, phase: usize) -> Option<Standing<'a>> {
+        let stage = &self.constraints.stage;
+        let (row, foot) = stage.foot()?;
+        let first = self.constraints.first_of_stage() + row;
+        Some(match stage.phases.get(phase) {
+            None => (first, self.model, foot, None),
+            Some(of) => (first, &of.model, &of.foot, Some(of)),
+        })
+    }
+
     /// The attributes of all rows.
     pub fn attributes(&self) -> &Attributes {
         &self.attributes
@@ -186,17 +210,19 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
 
     /// Computes the rows of a standing foot.
     fn of_foot(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
-        let Some((row, foot)) = self.constraints.stage.foot() else {
+        let Some((first, model, foot, phase)) = self.standing(points.phase) else {
             return Ok(());
         };
         let (n, count) = (self.model.dof(), self.count());
-        let first = self.constraints.first_of_stage() + row;
         let scales = &self.attributes.scales[first..first + foot.dim()];
         let mut g = vec![Wide::splat(0.0); foot.dim()];
         for start in (0..points.count()).step_by(LANES) {
             let found = points.gather(start, &mut self.z);
+            if let Some(phase) = phase {
+                phase.sort(&self.z.clone(), &mut self.z);
+            }
             let z = [0, 1, 2].map(|part| &self.z[part * n..(part + 1) * n]);
-            foot.value(self.model, &mut self.data, z, &mut g)?;
+            foot.value(model, &mut self.data, z, &mut g)?;
             for lane in 0..found {
                 let h = &mut h[(start + lane) * count + first..];
                 for (h, (g, scale)) in h.iter_mut().zip(g.iter().zip(scales)) {
@@ -235,6 +261,12 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
                 for (h, (row, scale)) in h.iter_mut().zip(rows) {
                     *h = row.0[lane] * scale;
                 }
+            }
+        }
+        let others = self.constraints.stage.phases.iter().enumerate();
+        for (_, other) in others.filter(|(k, _)| *k != points.phase) {
+            for h in h.chunks_exact_mut(count).take(points.count()) {
+                h[other.rows.clone()].fill(NOT_KEPT);
             }
         }
         Ok(())

@@ -84,6 +84,7 @@ impl Scan {
                 .collect();
             let points = Points {
                 first: 0,
+                phase: segment * rows.cost.phases() / segments,
                 times: &times,
                 states: &states,
                 jerks: jerks.as_ref(),
@@ -115,7 +116,7 @@ impl Scan {
                     }
                     if values[1] > floor && values[0] <= values[1] && values[2] < values[1] {
                         if bracket.is_valid() && bracket.may_exceed(0.0) {
-                            uncertain.push((found.len(), bracket));
+                            uncertain.push((found.len(), points.phase, bracket));
                         }
                         found.push(maximum(bracket.vertex()));
                     }
@@ -127,26 +128,28 @@ impl Scan {
         }
         if !uncertain.is_empty() {
             for _ in 0..Bracket::REFINEMENTS {
-                self.refine(rows, coefficients, horizon, &mut uncertain, &mut found)?;
+                for of_phase in uncertain.chunk_by_mut(|(_, a, _), (_, b, _)| a == b) {
+                    self.refine(rows, coefficients, horizon, of_phase, &mut found)?;
+                }
             }
         }
         Ok(found)
     }
 
-    /// Evaluates the rows at the estimated times of maxima, and estimates them again.
+    /// Evaluates the rows at the estimated times of maxima in one phase, and estimates them again.
     fn refine<K: Constraint, P: CostWithControl>(
         &self,
         rows: &mut Rows<'_, K, P>,
         coefficients: &DMatrix<f64>,
         horizon: f64,
-        uncertain: &mut [(usize, Bracket)],
+        uncertain: &mut [(usize, usize, Bracket)],
         found: &mut [Maximum],
     ) -> Result<()> {
         let (n, count, segments) = (coefficients.nrows(), rows.count(), self.basis.segments());
         let mut states = DMatrix::zeros(n, 3 * uncertain.len());
         let (mut one, mut times) = (DMatrix::zeros(n, 4), Vec::new());
         let mut jerks = DMatrix::zeros(n, uncertain.len());
-        for (k, (at, bracket)) in uncertain.iter().enumerate() {
+        for (k, (at, _, bracket)) in uncertain.iter().enumerate() {
             let (segment, time) = (found[*at].segment, bracket.next());
             let local = 2.0 * (time * segments as f64 - segment as f64) - 1.0;
             let table = self.basis.local(local).transpose();
@@ -159,12 +162,13 @@ impl Scan {
         let mut h = vec![0.0; count * times.len()];
         let points = Points {
             first: 0,
+            phase: uncertain[0].1,
             times: &times,
             states: &states,
             jerks: Some(&jerks),
         };
         rows.of_all(points, &mut h)?;
-        for (k, (at, bracket)) in uncertain.iter_mut().enumerate() {
+        for (k, (at, _, bracket)) in uncertain.iter_mut().enumerate() {
             let maximum = &mut found[*at];
             bracket.narrow(bracket.next(), h[k * count + maximum.row]);
             (maximum.time, maximum.height) = bracket.vertex();

@@ -17,6 +17,7 @@ fn point(z: &[f64]) -> Point<'_, f64> {
     let n = z.len() / 3;
     Point {
         index: 0,
+        phase: 0,
         time: 0.7,
         q: &z[..n],
         v: &z[n..2 * n],

@@ -22,6 +22,7 @@ mod waypoint;
 mod cost {
     mod chain_rule;
     mod composition;
+    mod in_phases;
     mod packed_hessian;
     mod point_cost;
 }

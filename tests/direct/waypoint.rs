@@ -107,7 +107,7 @@ fn the_time_is_the_best_one() {
     let best = free.waypoint_times[0];
     let at = |time: f64| {
         let waypoint = Waypoint {
-            time: Some(time),
+            share: Some(time / problem.horizon()),
             ..waypoint.clone()
         };
         let solution = solved(&problem, &through(vec![waypoint.clone()]));
@@ -220,8 +220,8 @@ fn refuses_what_cannot_be() {
     let problem = Problem::new(&model, vec![0.0; 4], vec![2.0, 0.0, 0.0, 0.0], 2.0).expect("valid");
     let with = |waypoints| Direct::new(&problem).settings(through(waypoints)).solve();
     let point = Waypoint::new(vec![1.0, 0.0]);
-    let timed = |time| Waypoint {
-        time: Some(time),
+    let timed = |share| Waypoint {
+        share: Some(share),
         ..point.clone()
     };
     let several = Waypoint {
@@ -235,9 +235,9 @@ fn refuses_what_cannot_be() {
     );
     assert_refused(with(vec![several]), "waypoints[0]: it has several");
     assert_refused(
-        with(vec![timed(1.0), timed(0.5)]),
-        "waypoints[1]: it has the time 0.5 s",
+        with(vec![timed(0.5), timed(0.25)]),
+        "waypoints[1]: it has the share 0.25 of the horizon",
     );
-    assert_refused(with(vec![timed(2.0)]), "before 2 s");
+    assert_refused(with(vec![timed(1.0)]), "less than 1 is needed");
     assert_refused(with(vec![point.clone(); 40]), "they fix 40 positions");
 }

@@ -36,7 +36,7 @@ pub(super) fn search_directly(
 }
 
 /// The result of a direct solve for a report.
-fn solution_of(
+pub(super) fn solution_of(
     scenario: &Scenario,
     settings: &DirectSettings,
     (start, solution): (Option<String>, DirectSolution),

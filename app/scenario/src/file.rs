@@ -12,6 +12,7 @@ use super::obstacles::{Obstacle, RobotShape, SelfCollision};
 use super::own_terms::OwnTerms;
 use super::passive::check_passive;
 use super::payload::Payload;
+use super::phases::{PhaseTerms, WalkPhase, complete, landings, phase_terms};
 use super::scene::scene;
 use super::schema::{self, FeedbackKeys, one_of};
 use super::self_collision::in_full;
@@ -113,6 +114,10 @@ pub struct ScenarioFile {
     /// For the direct method: the foot on which the robot stands; by default the base holds anything.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stand: Option<Stand>,
+    /// For the direct method: the phases of a walk, each as long as any other. The first foot is the root of the robot,
+    /// which gives the order of the joints.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub phases: Vec<WalkPhase>,
     /// For the direct method: true if the final velocity is free; `v_goal` then serves only as the first guess.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub free_final_velocity: bool,
@@ -196,6 +201,8 @@ pub struct Scenario {
     pub goal: Option<GoalSet>,
     /// The points on the way.
     pub waypoints: Vec<Waypoint>,
+    /// The phases of a walk.
+    pub(super) phases: Vec<PhaseTerms>,
     /// The constraints and the cost that no key can name.
     pub(super) own: OwnTerms,
 }
@@ -220,6 +227,7 @@ impl Scenario {
             let found = absolute(folder.join(&package));
             *package = found.map_err(|e| Error::input(path, "packages", e.to_string()))?;
         }
+        complete(&mut file, path)?;
         let options = UrdfOptions {
             mimic: match file.group {
                 Some(_) => Mimic::Independent,
@@ -266,7 +274,9 @@ impl Scenario {
             .check_regular(&source.name())
             .map_err(|e| Error::input(path, of_key, e.to_string()))?;
         let goal = goal_set(&mut file, &model, path)?;
-        let waypoints = waypoints(&file, &model, path)?;
+        let mut waypoints = waypoints(&file, &model, path)?;
+        waypoints.extend(landings(&file, &model, path)?);
+        let phases = phase_terms(&file, &model, (path, folder))?;
         let (kept, kept_between) = kept_rows(&file, &model, path)?;
         let foot = standing_foot(&file, &model, path)?;
         let states = [
@@ -338,6 +348,7 @@ impl Scenario {
             source,
             goal,
             waypoints,
+            phases,
             own: OwnTerms {
                 constraints: kept,
                 stage: kept_between,

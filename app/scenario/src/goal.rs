@@ -70,7 +70,9 @@ impl Goal {
             Error::input(path, format!("{key}.{key_of_goal}"), condition)
         };
         let frame = model.frames().iter().find(|frame| frame.name == self.frame);
-        let Some(frame) = frame.filter(|frame| frame.body.is_some()) else {
+        // The base moves against another frame.
+        let moves = |frame: &&Frame<f64>| frame.body.is_some() || self.relative_to.is_some();
+        let Some(frame) = frame.filter(moves) else {
             let condition = format!("the robot has no link '{}' that moves", self.frame);
             return Err(refuse("frame", condition));
         };

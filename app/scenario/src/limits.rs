@@ -2,7 +2,7 @@
 
 use super::{Limit, RateLimits, Scenario};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, Constraints, Side, StageConstraints, TorqueLimits,
+    AnyConstraint, Bound, Bounds, Constraint, Constraints, Side, StageConstraints, TorqueLimits,
 };
 use aghf::error::{Error, Result, plain};
 use aghf::geometry::Scene;
@@ -235,10 +235,17 @@ impl Scenario {
 
     /// The same among the obstacles of another scene.
     pub(super) fn constraints_in(&self, scene: &Scene) -> Constraints<Vec<AnyConstraint>> {
+        let mut state = self.state_constraints_in(scene);
+        let phases = self.phase_constraints(state.dim());
+        let kept = self.phases.iter().flat_map(|phase| &phase.kept);
+        state.extend(kept.cloned());
         Constraints {
-            state: self.state_constraints_in(scene),
+            state,
             torque: self.torque_limits(),
-            stage: self.stage_constraints(),
+            stage: StageConstraints {
+                phases,
+                ..self.stage_constraints()
+            },
         }
     }
 
@@ -255,6 +262,7 @@ impl Scenario {
             acceleration: all(Limit::Acceleration),
             jerk: all(Limit::Jerk),
             foot: self.own.foot.clone(),
+            phases: Vec::new(),
             others: self.own.stage.clone(),
         }
     }

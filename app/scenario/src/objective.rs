@@ -49,6 +49,11 @@ impl Objective {
         }
     }
 
+    /// Returns true if it has weights beside that of time alone.
+    pub(super) fn weights_squares(&self) -> bool {
+        self.preset().is_none()
+    }
+
     /// Returns true if a shorter motion is a better one, so that the horizon is an unknown.
     #[must_use]
     pub fn weighs_time(&self) -> bool {
@@ -239,7 +244,7 @@ impl ScenarioFile {
     /// The highest continuous derivative of motions by the direct method.
     #[must_use]
     pub fn continuity(&self) -> Continuous {
-        let default = match self.passive.is_empty() {
+        let default = match self.passive.is_empty() && self.phases.is_empty() {
             true => Continuous::Acceleration,
             false => Continuous::Velocity,
         };
@@ -369,6 +374,7 @@ impl Scenario {
             ("keep", !file.keep.is_empty()),
             ("waypoints", !file.waypoints.is_empty()),
             ("stand", file.stand.is_some()),
+            ("phases", !file.phases.is_empty()),
             ("free_horizon", file.free_horizon.is_some()),
             (
                 "enforced_limits.acceleration",

@@ -5,7 +5,7 @@ use aghf::constraint::{
     AnyConstraint, Constraint, Evaluator, RowLabel, StageConstraint, StandingFoot,
 };
 use aghf::cost::{
-    ControlEffort, ControlTerm, CostThroughDynamics, CostWithControl, Point, PointCost,
+    ControlEffort, ControlTerm, CostThroughDynamics, CostWithControl, InPhases, Point, PointCost,
     PointDerivatives, Points, PointsDerivatives, RunningCost,
 };
 use aghf::direct::DirectSettings;
@@ -107,6 +107,8 @@ pub(super) enum ScenarioCost<'m> {
     Squares(Box<ControlEffort<'m, f64, f64>>),
     /// A user-defined cost.
     Own(Box<CostThroughDynamics<'m, SharedCost>>),
+    /// The control effort in phases.
+    Phases(Box<InPhases<ControlEffort<'m, f64, f64>>>),
 }
 
 /// Applies the same expression to either variant.
@@ -115,6 +117,7 @@ macro_rules! either {
         match $of {
             ScenarioCost::Squares($it) => $what,
             ScenarioCost::Own($it) => $what,
+            ScenarioCost::Phases($it) => $what,
         }
     };
 }
@@ -138,6 +141,10 @@ impl PointCost<f64> for ScenarioCost<'_> {
 
     fn needs_jerk(&self) -> bool {
         either!(self, it => it.needs_jerk())
+    }
+
+    fn phases(&self) -> usize {
+        either!(self, it => it.phases())
     }
 
     fn values(&mut self, points: Points<'_, f64>, costs: &mut [f64]) -> Result<()> {

@@ -89,6 +89,16 @@ impl JointLimits {
 }
 
 impl RateLimits {
+    /// The same limits for a robot whose joint `i` is joint `order[i]` of this one.
+    fn in_order(&self, order: &[usize]) -> Self {
+        match self {
+            Self::Each(numbers) if numbers.len() == order.len() => {
+                Self::Each(order.iter().map(|joint| numbers[*joint]).collect())
+            }
+            other => other.clone(),
+        }
+    }
+
     /// The limit of a joint.
     pub(super) fn of(&self, joint: usize) -> Option<f64> {
         match self {
@@ -211,6 +221,17 @@ fn smallest(numbers: impl Iterator<Item = f64>) -> Option<f64> {
 }
 
 impl EnforcedLimits {
+    /// The same limits for a robot whose joint `i` is joint `order[i]` of this one.
+    pub(super) fn in_order(&self, order: &[usize]) -> Self {
+        let sorted = |of: &Option<RateLimits>| of.as_ref().map(|of| of.in_order(order));
+        Self {
+            max_velocity: sorted(&self.max_velocity),
+            acceleration: sorted(&self.acceleration),
+            jerk: sorted(&self.jerk),
+            ..self.clone()
+        }
+    }
+
     /// Replaces limits that come with the robot by their numbers. `folder` is that of the scenario, called `path`.
     pub(super) fn read(
         &mut self,

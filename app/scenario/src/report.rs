@@ -75,11 +75,11 @@ pub struct Trace {
 /// # Ok::<(), aghf::Error>(())
 /// ```
 pub struct Solve<'a> {
-    scenario: &'a Scenario,
-    options: SolveOptions,
-    interrupt: Interrupt,
-    start: Option<&'a Solved>,
-    observe: Box<dyn FnMut(&Record) + 'a>,
+    pub(super) scenario: &'a Scenario,
+    pub(super) options: SolveOptions,
+    pub(super) interrupt: Interrupt,
+    pub(super) start: Option<&'a Solved>,
+    pub(super) observe: Box<dyn FnMut(&Record) + 'a>,
 }
 
 impl<'a> Solve<'a> {
@@ -139,6 +139,10 @@ impl<'a> Solve<'a> {
         if start.is_some() && options.method() != Method::Direct {
             let condition = "only the direct method starts from another motion";
             return Err(Error::input("options", "start", condition));
+        }
+        if !scenario.file.phases.is_empty() {
+            let condition = "a walk has a report per phase, which aghf solve and Solve::run_walk make";
+            return Err(Error::input(&scenario.name, "phases", condition));
         }
         options.check(scenario)?;
         scenario.check_feasible()?;

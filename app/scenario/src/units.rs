@@ -2,7 +2,7 @@
 
 use super::own_terms::ScenarioCost;
 use super::{HorizonBounds, Objective, ObjectiveWeights, Scenario, Units};
-use aghf::cost::{ControlEffort, CostWithControl, Point, WeightedSquares};
+use aghf::cost::{ControlEffort, CostWithControl, InPhases, Point, WeightedSquares};
 use aghf::direct::FreeHorizon;
 use aghf::error::Result;
 use std::array::from_fn;
@@ -59,6 +59,7 @@ impl Scenario {
             sum += weight
                 * cost.value(Point {
                     index,
+                    phase: 0,
                     time: x * horizon,
                     q: &q,
                     v: &v,
@@ -123,6 +124,12 @@ impl Scenario {
     pub(super) fn scenario_cost(&self) -> Result<ScenarioCost<'_>> {
         if let Some(own) = self.own_cost() {
             return Ok(own);
+        }
+        if !self.phases.is_empty() {
+            let costs = self.phases.iter();
+            let costs = costs.map(|of| (ControlEffort::new(&of.model), of.order.clone()));
+            let costs = costs.collect();
+            return Ok(ScenarioCost::Phases(Box::new(InPhases::new(costs)?)));
         }
         let SiWeights { squares, .. } = self.weights()?;
         let [torque, velocity, acceleration, jerk] = squares;

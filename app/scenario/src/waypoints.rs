@@ -28,7 +28,7 @@ pub struct PointOnTheWay {
 /// The waypoints of a scenario file, those that are poses with the first guess of the end as their only guess; `path`
 /// names the scenario in errors.
 pub(super) fn waypoints(file: &ScenarioFile, model: &Model, path: &str) -> Result<Vec<Waypoint>> {
-    let mut all = Vec::new();
+    let (mut all, mut before) = (Vec::new(), 0.0);
     for (k, point) in file.waypoints.iter().enumerate() {
         let key = format!("waypoints[{k}]");
         let of_key = |e: Error| Error::input(path, &key, e.to_string());
@@ -44,14 +44,32 @@ pub(super) fn waypoints(file: &ScenarioFile, model: &Model, path: &str) -> Resul
             }
         };
         check_length("q", model.dof(), q.len()).map_err(of_key)?;
+        if let Some(time) = point.time_s {
+            let checked = check_time(file, before, time);
+            checked.map_err(|condition| Error::input(path, &key, condition))?;
+            before = time;
+        }
         all.push(Waypoint {
             constraints,
             stop: point.stop,
-            time: point.time_s,
+            share: point.time_s.map(|time| time / file.horizon_s),
             ..Waypoint::new(q)
         });
     }
     Ok(all)
+}
+
+/// Refuses the time of a waypoint on a horizon that is free, or not after the one `before` and before the end.
+fn check_time(file: &ScenarioFile, before: f64, time: f64) -> std::result::Result<(), String> {
+    let horizon = file.horizon_s;
+    if file.free_horizon.is_some() || file.objective.weighs_time() {
+        return Err("it has a time, which needs a horizon that is fixed".to_owned());
+    }
+    if time > before && time < horizon {
+        return Ok(());
+    }
+    let range = format!("after {before} s and before {horizon} s");
+    Err(format!("it has the time {time} s, which is not {range}"))
 }
 
 impl Scenario {
@@ -63,9 +81,9 @@ impl Scenario {
     pub fn waypoints_with_guesses(&self) -> Result<Vec<Waypoint>> {
         let mut all = self.waypoints.clone();
         let mut before = self.file.q_start.clone();
-        for (k, (point, waypoint)) in self.file.waypoints.iter().zip(&mut all).enumerate() {
-            let key = format!("waypoints[{k}]");
-            if let Some(poses) = &point.poses {
+        let points = self.sets_on_the_way();
+        for (k, ((key, poses), waypoint)) in points.into_iter().zip(&mut all).enumerate() {
+            if let Some(poses) = &poses {
                 let near = (&before[..], &before[..]);
                 let found = self.ends_of(poses, &waypoint.constraints, near, Some(&key))?;
                 let found = found.map_err(|condition| Error::input(&self.name, key, condition));
@@ -89,7 +107,7 @@ impl Scenario {
 
     /// The first configuration that is known after a waypoint, that of the goal at the latest.
     fn after(&self, waypoint: usize) -> &[f64] {
-        let later = self.file.waypoints[waypoint + 1..].iter();
+        let later = self.file.waypoints.iter().skip(waypoint + 1);
         let mut known = later.filter_map(|point| point.q.as_deref());
         known.next().unwrap_or(&self.file.q_goal)
     }

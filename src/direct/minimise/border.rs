@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::linalg::BlockTridiagonal;
 use crate::nlp::{Iterate, Kkt};
 use crate::transcription::{Grid, place};
-use nalgebra::{DMatrix, DVector, DVectorView};
+use nalgebra::{DMatrix, DVector};
 
 /// A row that is linear in the unknowns of the border.
 pub(super) struct LinearRow {
@@ -197,38 +197,39 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let horizon = self.free_horizon.map(|_| 0);
         let rates = Place::new(&self.basis, &self.rates, self.time_of_point(point)).q;
         // The unknown, with the derivatives of configuration and slope in it.
-        let in_horizon = horizon.map(|k| (k, [0, 1].map(|d| rates.column(d))));
-        let in_time = self.unknown_time(point);
-        let in_time = in_time.map(|k| (k, [1, 2].map(|d| place.q.column(d))));
-        let dot = |a: &[DVector<f64>; 2], b: &[DVectorView<'_, f64>; 2]| {
-            a[0].dot(&b[0]) + a[1].dot(&b[1])
+        // Two neighbouring columns, one below the other.
+        let pair = |of: &DMatrix<f64>, first: usize| {
+            DVector::from_column_slice(of.columns(first, 2).into_owned().as_slice())
         };
+        let in_horizon = horizon.map(|k| (k, pair(&rates, 0)));
+        let in_time = self.unknown_time(point);
+        let in_time = in_time.map(|k| (k, pair(&place.q, 1)));
         let Kkt {
             gradient, hessian, ..
         } = out;
         for (k, by) in in_horizon.iter().chain(&in_time) {
-            gradient[own + k] += measure * dot(&of.gradient, by);
-            let bent = [&of.hessian * by[0], of.of_slope.component_mul(&by[1])];
+            gradient[own + k] += measure * of.gradient.dot(by);
+            let bent = &of.hessian * by;
             let mut column = hessian.border.column_mut(*k);
             place.scatter(grid, &bent, 0, measure, column.as_mut_slice());
             for (j, by) in in_horizon.iter().chain(&in_time) {
-                hessian.corner[(*k, *j)] += measure * dot(&bent, by);
+                hessian.corner[(*k, *j)] += measure * bent.dot(by);
             }
         }
-        if let Some((k, _)) = in_time {
+        if let Some((k, _)) = &in_time {
+            let k = *k;
             let mut column = hessian.border.column_mut(k);
             place.scatter(grid, &of.of_multipliers, 1, measure, column.as_mut_slice());
-            let second = [2, 3].map(|d| place.q.column(d));
-            hessian.corner[(k, k)] += measure * dot(&of.of_multipliers, &second);
+            hessian.corner[(k, k)] += measure * of.of_multipliers.dot(&pair(&place.q, 2));
         }
         if let Some((k, by)) = in_horizon {
             gradient[own + k] += of.cost;
             let mut column = hessian.border.column_mut(k);
             place.scatter(grid, &of.gradient, 0, 1.0, column.as_mut_slice());
-            hessian.corner[(k, k)] += 2.0 * dot(&of.gradient, &by);
+            hessian.corner[(k, k)] += 2.0 * of.gradient.dot(&by);
             if let Some((j, by)) = in_time {
-                let late = [1, 2].map(|d| rates.column(d));
-                let both = measure * dot(&of.of_multipliers, &late) + dot(&of.gradient, &by);
+                let late = pair(&rates, 1);
+                let both = measure * of.of_multipliers.dot(&late) + of.gradient.dot(&by);
                 hessian.corner[(k, j)] += both;
                 hessian.corner[(j, k)] += both;
             }
@@ -242,16 +243,16 @@ impl Place {
     fn scatter(
         &self,
         grid: &Grid<f64>,
-        of: &[DVector<f64>; 2],
+        of: &DVector<f64>,
         d: usize,
         factor: f64,
         out: &mut [f64],
     ) {
-        let n = of[0].len();
+        let n = of.len() / 2;
         for (m, unknown) in self.unknowns(grid) {
             let [value, slope] = [d, d + 1].map(|d| factor * self.functions[(d, m)]);
             for (i, out) in out[unknown * n..(unknown + 1) * n].iter_mut().enumerate() {
-                *out += value * of[0][i] + slope * of[1][i];
+                *out += value * of[i] + slope * of[n + i];
             }
         }
     }
@@ -264,12 +265,12 @@ impl Place {
         factor: f64,
         out: &mut BlockTridiagonal<f64>,
     ) {
+        let n = of.gradient.len() / 2;
         for (a, b) in grid.pairs.iter().copied() {
-            let product = |d: usize| factor * self.functions[(d, a)] * self.functions[(d, b)];
-            if let Some(mut target) = grid.block_mut(self.segment, (a, b), of.of_slope.len(), out) {
-                target += product(0) * &of.hessian;
-                for (i, of_slope) in of.of_slope.iter().enumerate() {
-                    target[(i, i)] += product(1) * of_slope;
+            if let Some(mut target) = grid.block_mut(self.segment, (a, b), n, out) {
+                for (x, y) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                    let product = factor * self.functions[(x, a)] * self.functions[(y, b)];
+                    target += product * of.hessian.view((x * n, y * n), (n, n));
                 }
             }
         }

@@ -1,23 +1,27 @@
 //! The derivatives of the weighted rows of a standing foot along a motion, side by side.
 
-use crate::constraint::{FootDerivatives, FootWeights, StandingFoot};
+use crate::constraint::{FootDerivatives, FootWeights, Phase, StandingFoot};
 use crate::cost::{Points, PointsDerivatives};
 use crate::dynamics::Data;
 use crate::error::Result;
 use crate::model::Model;
 use crate::nlp::Term;
 use crate::scalar::{LANES, Wide};
+use crate::transcription::Standing;
 
 /// A workspace that adds the derivatives of the rows of a foot with the weights of their terms.
 #[derive(Clone, Debug)]
 pub(super) struct FootTerms<'a> {
     model: &'a Model,
     foot: &'a StandingFoot,
+    /// The phase, whose joints have another order.
+    phase: Option<&'a Phase>,
     /// The rows of the foot among all, and their factors.
     first: usize,
     scales: Vec<f64>,
     data: Data<Wide>,
-    /// $[q; v; a]$.
+    /// $[q; v; a]$, of the motion and of the robot on this foot.
+    state: Vec<Wide>,
     z: Vec<Wide>,
     /// Slopes, multipliers and curvatures.
     weights: [Vec<Wide>; 3],
@@ -25,15 +29,17 @@ pub(super) struct FootTerms<'a> {
 }
 
 impl<'a> FootTerms<'a> {
-    /// A workspace for the foot whose rows begin at `first` of all rows with these factors.
-    pub fn new(model: &'a Model, foot: &'a StandingFoot, first: usize, scales: &[f64]) -> Self {
+    /// A workspace for a foot, with the factors of all rows.
+    pub fn new((first, model, foot, phase): Standing<'a>, scales: &[f64]) -> Self {
         let (n, zero) = (model.dof(), Wide::splat(0.0));
         Self {
             model,
             foot,
+            phase,
             first,
             scales: scales[first..first + foot.dim()].to_vec(),
             data: Data::new(model),
+            state: vec![zero; 3 * n],
             z: vec![zero; 3 * n],
             weights: [(); 3].map(|()| vec![zero; foot.dim()]),
             out: FootDerivatives::new(n),
@@ -49,7 +55,11 @@ impl<'a> FootTerms<'a> {
     ) -> Result<()> {
         let n = self.model.dof();
         for start in (0..points.count()).step_by(LANES) {
-            let count = points.gather(start, &mut self.z);
+            let count = points.gather(start, &mut self.state);
+            match self.phase {
+                Some(phase) => phase.sort(&self.state, &mut self.z),
+                None => self.z.clone_from(&self.state),
+            }
             if !self.weigh(&terms[points.first + start..][..count]) {
                 continue;
             }
@@ -63,12 +73,19 @@ impl<'a> FootTerms<'a> {
             let (data, found) = (&mut self.data, &mut self.out);
             self.foot
                 .weighted_derivatives(self.model, data, z, weights, found)?;
+            let joint = |i: usize| self.phase.map_or(i, |phase| phase.order[i]);
             for (i, slope) in found.gradient.iter().enumerate() {
                 for lane in 0..count {
-                    out.gradients[(i % n, 3 * (start + lane) + i / n)] += slope.0[lane];
+                    out.gradients[(joint(i % n), 3 * (start + lane) + i / n)] += slope.0[lane];
                 }
             }
-            out.hessians.add_wide(start, &found.hessian);
+            match self.phase {
+                Some(phase) => {
+                    let hessian = phase.restored(&found.hessian);
+                    out.hessians.add_wide(start, &hessian);
+                }
+                None => out.hessians.add_wide(start, &found.hessian),
+            }
         }
         Ok(())
     }

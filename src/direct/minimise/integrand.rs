@@ -34,8 +34,8 @@ pub(crate) struct Integrand<'a, K, P> {
     slopes: Vec<Wide<f64>>,
     curvatures: Vec<Wide<f64>>,
     multipliers: Vec<Wide<f64>>,
-    /// The derivatives of the rows of a standing foot, if there is one.
-    foot: Option<FootTerms<'a>>,
+    /// The derivatives of the rows of a standing foot, if there is one: of that of each phase.
+    feet: Vec<FootTerms<'a>>,
     /// The derivatives of the rows in $(t, q, v, a, u)$, if there are any.
     stage: Option<StageTerms<'a>>,
 }
@@ -52,12 +52,11 @@ impl<'a, K: Constraint, P: CostWithControl> Integrand<'a, K, P> {
             _ => (joint, *scale),
         });
         let Constraints { stage, .. } = rows.constraints;
-        let first = rows.constraints.first_of_stage();
         let scales = &rows.attributes().scales;
-        let foot = stage.foot();
-        let foot = foot.map(|(row, foot)| FootTerms::new(rows.model, foot, first + row, scales));
+        let feet = (0..rows.cost.phases()).filter_map(|phase| rows.standing(phase));
+        let feet = feet.map(|foot| FootTerms::new(foot, scales)).collect();
         Self {
-            foot,
+            feet,
             stage: (!stage.others.is_empty()).then(|| StageTerms::new(rows.model)),
             torques: torques.collect(),
             h: vec![0.0; points * rows.count()],
@@ -82,7 +81,7 @@ impl<'a, K: Constraint, P: CostWithControl> Integrand<'a, K, P> {
         let mut any = false;
         for lane in 0..found {
             for (row, term) in &self.terms[points.first + start + lane] {
-                if *row < states {
+                if *row < states && self.rows.is_kept(*row, points.phase) {
                     let scale = self.rows.attributes().scales[*row];
                     self.slopes[*row].0[lane] = term.slope * scale;
                     self.curvatures[*row].0[lane] = term.curvature * scale * scale;
@@ -176,6 +175,10 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
         self.rows.needs_jerk()
     }
 
+    fn phases(&self) -> usize {
+        self.rows.cost.phases()
+    }
+
     fn values(&mut self, points: Points<'_, f64>, costs: &mut [f64]) -> Result<()> {
         let count = self.rows.count();
         let own = points.first * count..(points.first + points.count()) * count;
@@ -217,7 +220,7 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
                 .sum::<f64>();
         }
         self.add_rates(points, out);
-        if let Some(foot) = &mut self.foot {
+        if let Some(foot) = self.feet.get_mut(points.phase) {
             foot.add(points, &self.terms, out)?;
         }
         if let Some(stage) = &mut self.stage {

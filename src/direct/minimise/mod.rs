@@ -14,6 +14,7 @@ mod integrand;
 mod margins;
 mod point_rows;
 mod program;
+mod rate_rows;
 mod real_time;
 mod stage_terms;
 pub(crate) mod working_set;

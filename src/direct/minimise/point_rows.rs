@@ -1,5 +1,6 @@
 //! The rows of a waypoint, and of a goal on the final configuration.
 
+use super::rate_rows::RateRows;
 use crate::constraint::{AnyConstraint, Constraint, Evaluator, Weights};
 use crate::curve::Basis;
 use crate::direct::Waypoint;
@@ -9,14 +10,16 @@ use crate::nlp::Term;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// The rows of constraints on the configuration at one time, and equalities on single entries of it or of the slope,
-/// divided by their scales. They follow those of the points of the quadrature.
+/// The rows of constraints on the configuration at one time, equalities on single entries of it or of the slope, and
+/// rates of equalities, divided by their scales. They follow those of the points of the quadrature.
 pub(super) struct PointRows<'g> {
     constraints: &'g [AnyConstraint],
     evaluator: Evaluator<'g>,
     scales: Vec<f64>,
     /// The entries of $(q, q')$ that have given values, after the rows of the constraints.
     given: Vec<(usize, f64)>,
+    /// The rates that are zero, after those.
+    rates: RateRows<'g>,
     /// True for each equality.
     pub equalities: Vec<bool>,
     /// The values at the last evaluation.
@@ -36,16 +39,15 @@ pub(super) struct Place {
     pub q: DMatrix<f64>,
 }
 
-/// The derivatives of weighted rows in the configuration $q$ and the slope $q'$, without the measure.
+/// The derivatives of weighted rows in $(q, q')$, the configuration and the slope, without the measure.
 pub(super) struct PointDerivatives {
     pub cost: f64,
-    /// Gradients with the slopes of the rows.
-    pub gradient: [DVector<f64>; 2],
+    /// The gradient with the slopes of the rows, `2 N` entries.
+    pub gradient: DVector<f64>,
     /// The same with the multipliers, for the second derivatives of the curve.
-    pub of_multipliers: [DVector<f64>; 2],
-    /// The Hessian in the configuration, and the diagonal one in the slope.
+    pub of_multipliers: DVector<f64>,
+    /// The Hessian, `2 N` by `2 N`.
     pub hessian: DMatrix<f64>,
-    pub of_slope: DVector<f64>,
 }
 
 impl Place {
@@ -63,22 +65,29 @@ impl Place {
 }
 
 impl<'g> PointRows<'g> {
-    /// The rows of constraints and of given entries; `first` rows come before.
+    /// The rows of constraints, of given entries and, where a foot lands, of the rates of all equalities; `first` rows
+    /// come before.
     fn new(
         model: &'g Model,
         constraints: &'g [AnyConstraint],
-        given: Vec<(usize, f64)>,
+        (given, lands): (Vec<(usize, f64)>, bool),
         first: usize,
     ) -> Self {
         let rows = constraints.dim();
         let mut scales = vec![1.0; rows];
         constraints.row_scales(&mut scales);
-        let equalities = (0..rows).map(|row| constraints.is_equality(row));
+        let scales: Vec<_> = scales.into_iter().map(f64::recip).collect();
+        let is_equality = |row: &usize| constraints.is_equality(*row);
+        let rates: Vec<_> = (0..rows).filter(|row| lands && is_equality(row)).collect();
+        let others = given.len() + rates.len();
+        let equalities = (0..rows).map(|row| is_equality(&row));
+        let of_rates = rates.iter().map(|row| scales[*row]).collect();
         Self {
-            equalities: equalities.chain(given.iter().map(|_| true)).collect(),
-            scales: scales.into_iter().map(f64::recip).collect(),
+            equalities: equalities.chain(std::iter::repeat_n(true, others)).collect(),
+            rates: RateRows::new(model, constraints, (rates, of_rates)),
+            scales,
             evaluator: Evaluator::new(model),
-            h: vec![0.0; rows + given.len()],
+            h: vec![0.0; rows + others],
             state: vec![0.0; 2 * model.dof()],
             constraints,
             given,
@@ -88,7 +97,7 @@ impl<'g> PointRows<'g> {
 
     /// The rows of a goal.
     pub fn of_goal(model: &'g Model, goal: &'g [AnyConstraint], first: usize) -> Self {
-        Self::new(model, goal, Vec::new(), first)
+        Self::new(model, goal, (Vec::new(), false), first)
     }
 
     /// The rows of a waypoint.
@@ -101,7 +110,7 @@ impl<'g> PointRows<'g> {
         if waypoint.stop {
             given.extend((n..2 * n).map(|entry| (entry, 0.0)));
         }
-        Self::new(model, &waypoint.constraints, given, first)
+        Self::new(model, &waypoint.constraints, (given, waypoint.lands), first)
     }
 
     /// The indices of the rows among all.
@@ -113,7 +122,8 @@ impl<'g> PointRows<'g> {
     pub fn evaluate(&mut self, place: &Place) -> Result<()> {
         let n = self.state.len() / 2;
         self.state[..n].copy_from_slice(place.q.column(0).as_slice());
-        let (rows, given) = self.h.split_at_mut(self.scales.len());
+        let (rows, others) = self.h.split_at_mut(self.scales.len());
+        let (given, rates) = others.split_at_mut(self.given.len());
         if !rows.is_empty() {
             let placed = self.evaluator.at(&self.state)?;
             placed.value(self.constraints, rows)?;
@@ -124,7 +134,7 @@ impl<'g> PointRows<'g> {
         for (h, (entry, value)) in given.iter_mut().zip(&self.given) {
             *h = place.q.as_slice()[*entry] - value;
         }
-        Ok(())
+        self.rates.evaluate(place, rates)
     }
 
     /// The largest violation, in m or rad.
@@ -141,17 +151,25 @@ impl<'g> PointRows<'g> {
     ) -> Result<PointDerivatives> {
         let (rows, n) = (self.scales.len(), self.state.len() / 2);
         let [mut slopes, mut multipliers, mut curvatures] = [(); 3].map(|()| vec![0.0; rows]);
-        let [mut gradient, mut of_multipliers, mut second] =
-            [(); 3].map(|()| DVector::zeros(2 * n));
-        let mut cost = 0.0;
+        let mut out = PointDerivatives {
+            cost: 0.0,
+            gradient: DVector::zeros(2 * n),
+            of_multipliers: DVector::zeros(2 * n),
+            hessian: DMatrix::zeros(2 * n, 2 * n),
+        };
+        let mut of_rates = Vec::new();
         for (at, term) in terms {
             let row = at - self.first;
-            cost += term.cost;
+            out.cost += term.cost;
             if let Some(row) = row.checked_sub(rows) {
-                let entry = self.given[row].0;
-                gradient[entry] += term.slope;
-                of_multipliers[entry] += term.multiplier;
-                second[entry] += term.curvature;
+                match self.given.get(row) {
+                    Some((entry, _)) => {
+                        out.gradient[*entry] += term.slope;
+                        out.of_multipliers[*entry] += term.multiplier;
+                        out.hessian[(*entry, *entry)] += term.curvature;
+                    }
+                    None => of_rates.push((row - self.given.len(), term)),
+                }
                 continue;
             }
             let scale = self.scales[row];
@@ -159,7 +177,6 @@ impl<'g> PointRows<'g> {
             multipliers[row] = scale * term.multiplier;
             curvatures[row] = scale * scale * term.curvature;
         }
-        let mut hessian = DMatrix::from_diagonal(&second.rows(0, n).into_owned());
         if rows > 0 {
             let mut placed = self.evaluator.at(&self.state)?;
             let weights = Weights {
@@ -167,25 +184,19 @@ impl<'g> PointRows<'g> {
                 gauss_newton: None,
             };
             let first = placed.weighted_derivatives(self.constraints, weights)?;
-            let mut own = gradient.rows_mut(0, n);
+            let mut own = out.gradient.rows_mut(0, n);
             own += first.gradient().rows(0, n);
             let weights = Weights {
                 first_order: &multipliers,
                 gauss_newton: Some(&curvatures),
             };
             let both = placed.weighted_derivatives(self.constraints, weights)?;
-            let mut own = of_multipliers.rows_mut(0, n);
+            let mut own = out.of_multipliers.rows_mut(0, n);
             own += both.gradient().rows(0, n);
-            hessian += both.hessian().view((0, 0), (n, n));
+            let mut own = out.hessian.view_mut((0, 0), (n, n));
+            own += both.hessian().view((0, 0), (n, n));
         }
-        let parts = |of: DVector<f64>| [0, n].map(|first| of.rows(first, n).into_owned());
-        let [_, of_slope] = parts(second);
-        Ok(PointDerivatives {
-            cost,
-            gradient: parts(gradient),
-            of_multipliers: parts(of_multipliers),
-            hessian,
-            of_slope,
-        })
+        self.rates.add(&of_rates, &mut out)?;
+        Ok(out)
     }
 }

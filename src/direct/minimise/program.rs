@@ -109,7 +109,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             let goal = &goal.alternatives[*alternative];
             points.push(PointRows::of_goal(model, goal, first));
         }
-        let unknown = waypoints.iter().map(|waypoint| waypoint.time.is_none());
+        let unknown = waypoints.iter().map(|waypoint| waypoint.share.is_none());
         let unknown = unknown.enumerate().filter(|(_, unknown)| *unknown);
         let mut program = Self {
             scans: [looks, last].map(|times| grids.scan(basis, times)),

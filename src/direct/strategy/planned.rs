@@ -189,7 +189,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
                 if let Some(jerks) = &mut jerks {
                     place(&path.coefficients, grid.first(e), &grid.thirds[0], jerks);
                 }
-                let mut here = points(&grid, &grid.times, &states, &jerks, e);
+                let mut here = points(&grid, &grid.times, (&states, &jerks), e, 0);
                 here.first = 0;
                 rows.of_all(here, &mut h)?;
                 kept &= h.iter().all(|h| *h <= 0.0);

@@ -28,7 +28,7 @@ pub(crate) fn times_by_length(
         lengths.push(length);
         before = q;
     }
-    let given = |k: usize| waypoints.get(k)?.time.map(|time| time / problem.horizon());
+    let given = |k: usize| waypoints.get(k)?.share;
     let mut times = Vec::new();
     let [mut from, mut to] = [(0.0, 0.0); 2];
     for (k, length) in lengths[..waypoints.len()].iter().enumerate() {
@@ -50,7 +50,7 @@ pub(crate) fn nearest_times(
     problem: &Problem<'_>,
     waypoints: &[Waypoint],
 ) -> Vec<f64> {
-    if waypoints.iter().any(|waypoint| waypoint.time.is_some()) {
+    if waypoints.iter().any(|waypoint| waypoint.share.is_some()) {
         return times_by_length(problem, waypoints, 0);
     }
     let looks = LOOKS * (waypoints.len() + 1);

@@ -66,6 +66,7 @@ pub fn check_weak_form(model: &Model, options: &CheckOptions) -> Result<Vec<Find
         let (times, columns) = (vec![0.0; count], DMatrix::from_columns(&columns));
         let points = Points {
             first: 1,
+            phase: 0,
             times: &times,
             states: &columns,
             jerks: None,

@@ -117,6 +117,7 @@ fn flow_of_the_objective(p: &RandomInstance) -> Result<Vec<Equality>> {
     let [q, v, a] = state.each_ref().map(|part| part.as_slice());
     let point = CurvePoint {
         index: 0,
+        phase: 0,
         time: Gf::zero(),
         q,
         v,

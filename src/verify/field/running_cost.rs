@@ -52,6 +52,7 @@ fn chain_rule(p: &RandomInstance) -> Result<Vec<Equality>> {
     let z = [p.x.as_slice(), &p.xdot.as_slice()[n..]].concat();
     let point = CurvePoint {
         index: 0,
+        phase: 0,
         time: Gf::zero(),
         q: &z[..n],
         v: &z[n..2 * n],

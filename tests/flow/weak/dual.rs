@@ -18,6 +18,7 @@ fn found(
     let rest = vec![0.0; x.len()];
     let point = Point {
         index: 0,
+        phase: 0,
         time: 0.2,
         q: x,
         v: xdot,

@@ -22,6 +22,7 @@ fn at(model: &Model, kind: RestMetric, n: usize) -> aghf::Result<DMatrix<f64>> {
     };
     let point = Point {
         index: 0,
+        phase: 0,
         time: 0.0,
         q: &x,
         v: &xdot,

@@ -79,6 +79,7 @@ fn the_slip_costs_its_square_and_its_multiplier() {
     lagrangian.multipliers = DMatrix::from_column_slice(2, 5, &wave(10, 1.1));
     let point = |q, v, a| Point {
         index: 4,
+        phase: 0,
         time: 0.2,
         q,
         v,

@@ -6,11 +6,11 @@ use super::output::{OutArgs, SamplingArgs};
 use super::progress::Progress;
 use super::stages::Stages;
 use super::{FAILED, RobotArgs, print, print_json, signals, tell};
-use crate::output::{OutputFolder, REPORT_FILES, summary_table, write_report};
+use crate::output::{OutputFolder, REPORT_FILES, summary_table, walk_table, write_report};
 use crate::report::{Motion, page};
 use aghf::error::Result;
 use aghf::motion::Interrupt;
-use aghf_scenario::{Solve, Solved};
+use aghf_scenario::{Solve, Solved, Walk};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -76,9 +76,9 @@ impl Default for SolveArgs {
 }
 
 impl SolveArgs {
-    pub(super) fn run(self) -> Result<ExitCode> {
+    pub(super) fn run(mut self) -> Result<ExitCode> {
         let (scenario, repeated) = self.robot.scenario_with_options(&self.scenario)?;
-        let options = self.options.over(&repeated)?;
+        let options = std::mem::take(&mut self.options).over(&repeated)?;
         let sampling = self.sampling.sampling();
         // Better to learn now than in the end that it cannot be written.
         if let Some(sampling) = sampling {
@@ -102,13 +102,19 @@ impl SolveArgs {
         if let Some(start) = &start {
             solve = solve.start(start);
         }
-        let outcome = solve.observe(|record| {
+        let solve = solve.observe(|record| {
             if self.verbose {
                 stages.observe(record);
             }
             progress.observe(record);
         });
-        let outcome = outcome.run()?;
+        if !scenario.file.phases.is_empty() {
+            let walk = solve.run_walk()?;
+            stages.finish();
+            progress.finish();
+            return self.write_walk(&walk, &folder);
+        }
+        let outcome = solve.run()?;
         stages.finish();
         progress.finish();
 
@@ -136,10 +142,36 @@ impl SolveArgs {
                 print(&format!("wrote {}", file.display()))?;
             }
         }
-        Ok(if outcome.summary.success {
-            ExitCode::SUCCESS
+        Ok(code(outcome.summary.success))
+    }
+
+    /// Writes the files of a walk: a folder per phase, whose motion is that of an ordinary scenario.
+    fn write_walk(&self, walk: &Walk, folder: &OutputFolder) -> Result<ExitCode> {
+        for (k, (phase, outcome)) in walk.phases.iter().enumerate() {
+            let path = folder.path().join(format!("phase_{}", k + 1));
+            let folder = OutputFolder::open(&path, &REPORT_FILES, folder.replaces())?;
+            let page = match self.no_report {
+                true => None,
+                false => Some(page(&[Motion::of_report(phase, outcome)])?),
+            };
+            let sampling = self.sampling.sampling();
+            write_report(phase, outcome, page.as_deref(), &folder, sampling)?;
+        }
+        if self.json {
+            let summaries = walk.phases.iter().map(|(_, outcome)| &outcome.summary);
+            print_json(&summaries.collect::<Vec<_>>())?;
         } else {
-            ExitCode::from(FAILED)
-        })
+            print(&walk_table(walk))?;
+            print(&format!("wrote {}/phase_*", folder.path().display()))?;
+        }
+        Ok(code(walk.is_valid()))
+    }
+}
+
+/// The exit code of a solve.
+fn code(success: bool) -> ExitCode {
+    match success {
+        true => ExitCode::SUCCESS,
+        false => ExitCode::from(FAILED),
     }
 }

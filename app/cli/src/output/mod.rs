@@ -10,6 +10,7 @@ mod rows;
 mod table;
 mod tradeoff;
 mod trajectory;
+mod walk;
 
 pub use certification::certification_text;
 pub use evaluation::{Evaluation, evaluate};
@@ -25,4 +26,5 @@ pub use table::{
 };
 pub(crate) use table::{short, summary_rows, table};
 pub use tradeoff::{TradeoffRow, tradeoff_rows, tradeoff_table, write_tradeoff};
+pub use walk::walk_table;
 pub use trajectory::{REPORT_FILES, Sampling, write_report, write_table, write_trajectory};

@@ -308,6 +308,7 @@ impl Family {
             keep: Vec::new(),
             waypoints: Vec::new(),
             stand: None,
+            phases: Vec::new(),
             v_goal,
             free_final_velocity: false,
             continuity: Some(Continuous::Velocity),

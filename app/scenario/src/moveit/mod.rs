@@ -179,6 +179,7 @@ impl MoveIt {
             keep: kept(&request, &model, &request_name)?,
             waypoints: Vec::new(),
             stand: None,
+            phases: Vec::new(),
             free_final_velocity: false,
             continuity: None,
             // On a given horizon nothing can be weighed against effort.

@@ -11,6 +11,9 @@ use serde::{Deserialize, Serialize};
 /// The number of starts by default if the goal is a set, so that several of its ends are tried.
 const GOAL_STARTS: usize = 6;
 
+/// The degree of the polynomial of each phase of a walk.
+const WALK_DEGREE: usize = 10;
+
 /// The distance from limits and obstacles by default. Between the times at which rows are looked at they may be beyond
 /// their bounds by some 1e-6 of these, which no certificate accepts.
 const RESERVE: f64 = 3e-6;
@@ -68,6 +71,12 @@ impl DirectOptions {
             default.start_amplitude = DirectSettings::default().start_amplitude;
             default.lowest_degree = DirectSettings::default().lowest_degree;
         }
+        let phases = scenario.file.phases.len();
+        if phases > 0 {
+            (default.degree, default.segments) = (WALK_DEGREE, phases);
+            // There is nothing to plan around.
+            default.planned_starts = PlannedStarts::Never;
+        }
         if scenario.goal.is_some() {
             default.starts = default.starts.max(GOAL_STARTS);
         }
@@ -82,7 +91,7 @@ impl DirectOptions {
                 ..default.search.clone()
             },
             seed: self.seed.unwrap_or(default.seed),
-            planned_starts: self.planned_starts.unwrap_or_default(),
+            planned_starts: self.planned_starts.unwrap_or(default.planned_starts),
             time_limit: time_limit(self.time_limit_s)?,
             threads: self.threads.unwrap_or_else(all_cores),
             free_final_velocity: scenario.file.free_final_velocity,

@@ -21,6 +21,7 @@ pub(super) fn analytic_lagrangian(p: &RandomInstance) -> Result<Vec<Equality>> {
     let direction = DVector::from_fn(4 * n, |_, _| number());
     let points = Points {
         first: 0,
+        phase: 0,
         times: &[Gf::zero(); POINTS],
         states: &states,
         jerks: None,

@@ -1,0 +1,255 @@
+//! The phases of a walk, in each of which the robot stands on another foot.
+
+use super::{Continuous, Goal, Kept, Scenario, ScenarioFile, Stand};
+use aghf::constraint::{AnyConstraint, Constraint, Phase, StandingFoot};
+use aghf::curve::Curve;
+use aghf::direct::Waypoint;
+use aghf::error::{Error, Result, check_length};
+use aghf::model::{Joint, Model};
+use nalgebra::DMatrix;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A phase of a walk: the robot stands on a foot, and at the end another one lands.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WalkPhase {
+    /// The foot on which the robot stands: a link with `z` upwards, which becomes the root of the robot in this phase.
+    pub stand: Stand,
+    /// The pose at which another foot lands at the end, by default in the frame of the foot that stands: a position and
+    /// an orientation without tolerances, which it reaches without speed. The last phase may have `q_goal` instead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub land: Option<Goal>,
+    /// The sets of poses in which frames stay in this phase, by default in the frame of the foot that stands.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub keep: Vec<Goal>,
+}
+
+impl WalkPhase {
+    /// A set of poses in the frame of the foot that stands, unless it is in another one.
+    fn relative(&self, poses: &Goal) -> Goal {
+        let relative_to = poses.relative_to.clone();
+        Goal {
+            relative_to: relative_to.or_else(|| Some(self.stand.frame.clone())),
+            ..poses.clone()
+        }
+    }
+}
+
+/// A phase on the robot of a walk.
+#[derive(Clone, Debug)]
+pub(super) struct PhaseTerms {
+    /// The robot with the foot as its root.
+    pub model: Model,
+    /// The joint of the walk for each joint of this robot.
+    pub order: Vec<usize>,
+    foot: StandingFoot,
+    /// The rows of what is kept, on the robot of the walk.
+    pub kept: Vec<AnyConstraint>,
+}
+
+/// Completes the keys of a walk by those of its first phase and the landing of its last one; `path` names the scenario
+/// in errors.
+pub(super) fn complete(file: &mut ScenarioFile, path: &str) -> Result<()> {
+    let Some((first, last)) = file.phases.first().zip(file.phases.last()) else {
+        return Ok(());
+    };
+    let refuse =
+        |key: &str, condition: &str| Err(Error::input(path, key, format!("phases: {condition}")));
+    for (key, given) in [
+        ("waypoints", !file.waypoints.is_empty()),
+        ("keep", !file.keep.is_empty()),
+        ("passive", !file.passive.is_empty()),
+        ("obstacles", !file.obstacles.is_empty()),
+        ("free_final_velocity", file.free_final_velocity),
+    ] {
+        if given {
+            return refuse(key, "a walk does not know it");
+        }
+    }
+    if file.continuity() == Continuous::Acceleration {
+        return refuse("continuity", "accelerations jump where the foot changes");
+    }
+    if file.objective.weights_squares() {
+        return refuse("objective", "a walk knows the objectives by their names alone");
+    }
+    if file.stand.as_ref().is_some_and(|stand| *stand != first.stand) {
+        return refuse("stand", "it is not that of the first phase");
+    }
+    if file.root.as_ref().is_some_and(|root| *root != first.stand.frame) {
+        return refuse("root", "it is not the foot of the first phase");
+    }
+    let goal: Vec<_> = last.land.iter().map(|land| last.relative(land)).collect();
+    match (goal.is_empty(), file.goal.is_empty(), file.q_goal.is_empty()) {
+        (false, true, true) => (),
+        (false, false, _) if file.goal == goal => (),
+        (true, ..) => (),
+        _ => {
+            let condition = "the last one has one, beside another goal of the walk";
+            return refuse("phases.land", condition);
+        }
+    }
+    let (stand, root) = (first.stand.clone(), first.stand.frame.clone());
+    if !goal.is_empty() {
+        file.goal = goal;
+    }
+    (file.stand, file.root) = (Some(stand), Some(root));
+    Ok(())
+}
+
+/// The scenario of one phase: the robot on its foot, with the states of the walk by the joints of the walk.
+fn of_phase(file: &ScenarioFile, phase: &WalkPhase) -> ScenarioFile {
+    let horizon_s = file.horizon_s / file.phases.len() as f64;
+    let kept = phase.keep.iter().map(|poses| Kept {
+        poses: Some(phase.relative(poses)),
+        speed: None,
+        from_s: None,
+        to_s: None,
+    });
+    ScenarioFile {
+        root: Some(phase.stand.frame.clone()),
+        stand: Some(phase.stand.clone()),
+        keep: kept.collect(),
+        horizon_s,
+        free_horizon: None,
+        objective: Default::default(),
+        phases: Vec::new(),
+        goal: Vec::new(),
+        q_goal: file.q_start.clone(),
+        v_goal: vec![0.0; file.q_start.len()],
+        ..file.clone()
+    }
+}
+
+/// The phases of a walk on its robot; `path` names the scenario in errors, and the robot is looked for in `folder`.
+pub(super) fn phase_terms(
+    file: &ScenarioFile,
+    model: &Model,
+    (path, folder): (&str, &Path),
+) -> Result<Vec<PhaseTerms>> {
+    let mut all = Vec::new();
+    for (k, phase) in file.phases.iter().enumerate() {
+        let key = format!("phases[{k}]");
+        let of_key = |e: Error| Error::input(path, &key, e.to_string());
+        let of = Scenario::new(of_phase(file, phase), path, folder).map_err(of_key)?;
+        let names = of.model.joints().iter().map(Joint::name);
+        let order = names.map(|name| model.joints().iter().position(|of| of.name() == name));
+        let order = order.collect::<Option<_>>().ok_or_else(|| {
+            let condition = "its robot has other joints than that of the first one";
+            Error::input(path, &key, condition)
+        })?;
+        let Some(foot) = of.own.foot.clone() else {
+            return Err(Error::input(path, key, "no foot stands"));
+        };
+        let mut kept = Vec::new();
+        for (i, poses) in phase.keep.iter().enumerate() {
+            let poses = phase.relative(poses);
+            kept.extend(poses.rows(model, &format!("{key}.keep[{i}]"), path)?);
+        }
+        all.push(PhaseTerms {
+            model: of.model,
+            order,
+            foot,
+            kept,
+        });
+    }
+    Ok(all)
+}
+
+/// The landings at the ends of all phases but the last one, each at its share of the horizon.
+pub(super) fn landings(file: &ScenarioFile, model: &Model, path: &str) -> Result<Vec<Waypoint>> {
+    let (mut all, count) = (Vec::new(), file.phases.len());
+    for (k, phase) in file.phases.iter().enumerate().take(count.saturating_sub(1)) {
+        let key = format!("phases[{k}].land");
+        let Some(land) = &phase.land else {
+            return Err(Error::input(path, key, "it is missing"));
+        };
+        let has_tolerance = land.tolerance_m.is_some() || land.tolerance_rad.is_some();
+        if land.position_m.is_none() || land.orientation_xyzw.is_none() || has_tolerance {
+            let condition = "a position and an orientation without tolerances are needed";
+            return Err(Error::input(path, key, condition));
+        }
+        all.push(Waypoint {
+            constraints: phase.relative(land).rows(model, &key, path)?,
+            lands: true,
+            share: Some((k + 1) as f64 / count as f64),
+            ..Waypoint::new(file.q_start.clone())
+        });
+    }
+    Ok(all)
+}
+
+impl Scenario {
+    /// The sets of poses at the points on the way, with their keys: of landings in a walk.
+    pub(super) fn sets_on_the_way(&self) -> Vec<(String, Option<Goal>)> {
+        let file = &self.file;
+        if file.phases.is_empty() {
+            let points = file.waypoints.iter().enumerate();
+            let points = points.map(|(k, of)| (format!("waypoints[{k}]"), of.poses.clone()));
+            return points.collect();
+        }
+        let phases = file.phases[..file.phases.len() - 1].iter().enumerate();
+        let landing = |(k, phase): (usize, &WalkPhase)| {
+            let land = phase.land.as_ref();
+            let land = land.map(|land| phase.relative(land));
+            (format!("phases[{k}].land"), land)
+        };
+        phases.map(landing).collect()
+    }
+
+    /// The phases as constraints, whose rows of the state begin after `first` others.
+    pub(super) fn phase_constraints(&self, first: usize) -> Vec<Phase> {
+        let mut end = first;
+        let phases = self.phases.iter().map(|of| {
+            let start = end;
+            end += of.kept.dim();
+            Phase {
+                model: of.model.clone(),
+                order: of.order.clone(),
+                foot: of.foot.clone(),
+                rows: start..end,
+            }
+        });
+        phases.collect()
+    }
+
+    /// The phases of a walk along a motion: ordinary scenarios, each with its robot, its ends and its part of the
+    /// motion.
+    ///
+    /// # Errors
+    /// The motion has other joints than the scenario, or no segments that belong to one phase each.
+    pub fn split(&self, curve: &Curve) -> Result<Vec<(Self, Curve)>> {
+        let (n, count) = (self.model.dof(), self.phases.len());
+        check_length("motion", n, curve.dof())?;
+        if count == 0 || !curve.segments().is_multiple_of(count) {
+            let condition = format!("{} segments are not those of {count} phases", curve.segments());
+            return Err(Error::input(&self.name, "phases", condition));
+        }
+        let (segments, horizon) = (curve.segments() / count, curve.horizon() / count as f64);
+        let columns = segments * (curve.chebyshev().degree() + 1);
+        let mut all = Vec::new();
+        for (k, (phase, terms)) in self.file.phases.iter().zip(&self.phases).enumerate() {
+            let at = |i: usize| i - i % n + terms.order[i % n];
+            let own = |i: usize, j: usize| curve.x()[(at(i), k * columns + j)];
+            let x = DMatrix::from_fn(2 * n, columns, own);
+            let part = |j: usize, first: usize| x.column(j).as_slice()[first..first + n].to_vec();
+            let [[q_start, v_start], [q_goal, v_goal]] =
+                [0, columns - 1].map(|j| [part(j, 0), part(j, n)]);
+            let file = ScenarioFile {
+                robot: self.robot_place.clone(),
+                horizon_s: horizon,
+                q_start,
+                v_start,
+                q_goal,
+                v_goal,
+                enforced_limits: self.file.enforced_limits.in_order(&terms.order),
+                ..of_phase(&self.file, phase)
+            };
+            let mut of = Self::new(file, &self.name, Path::new(""))?;
+            of.name = format!("{}_phase_{}", self.name, k + 1);
+            all.push((of, Curve::piecewise(horizon, segments, x)?));
+        }
+        Ok(all)
+    }
+}
