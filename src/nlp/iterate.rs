@@ -146,16 +146,16 @@ impl Iterate {
     }
 
     /// Updates the multipliers of equalities, $\lambda \leftarrow \lambda + \rho h$, and multiplies their penalties by
-    /// `factor`, at most to `largest`, if the largest equality is more than a quarter of that before (NW, framework
-    /// 17.3).
-    pub fn update_equalities(&mut self, h: &[f64], factor: f64, largest: f64) {
+    /// `factor`, at most to `largest`, if the largest equality is beyond what is accepted and more than a quarter of
+    /// that before (NW, framework 17.3).
+    pub fn update_equalities(&mut self, h: &[f64], factor: f64, largest: f64, feasible: f64) {
         let mut most = 0.0_f64;
         for equality in &mut self.equalities {
             let value = h[equality.row.at];
             equality.multiplier += equality.penalty * value;
             most = most.max(value.abs());
         }
-        if most > PROGRESS * self.before {
+        if most > feasible && most > PROGRESS * self.before {
             for equality in &mut self.equalities {
                 let now = equality.penalty;
                 // The objective may have been far smaller when they were first set.
@@ -235,7 +235,9 @@ impl Iterate {
         Term {
             slope: lambda + rho * h,
             curvature: rho,
-            multiplier: lambda + rho * h,
+            // The second derivatives of the row have the multiplier of the last update: with that of the penalty, which
+            // follows every step along a curved row, the matrix is often indefinite.
+            multiplier: lambda,
             cost: (lambda + 0.5 * rho * h) * h,
         }
     }

@@ -162,7 +162,7 @@ impl State {
     fn update_equalities(&mut self, options: &Options) {
         let most = options.largest_penalty * self.scale() / self.measure;
         self.iterate
-            .update_equalities(&self.h, options.equality_factor, most);
+            .update_equalities(&self.h, options.equality_factor, most, options.feasible);
     }
 
     /// Raises the penalty if a multiplier has reached it, up to the largest one; returns true if it is raised.

@@ -126,6 +126,12 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         !elsewhere.any(|(_, other)| other.rows.contains(&row))
     }
 
+    /// Returns true if a row is kept in one phase alone.
+    pub fn is_of_phase(&self, row: usize) -> bool {
+        let mut phases = self.constraints.stage.phases.iter();
+        phases.any(|phase| phase.rows.contains(&row))
+    }
+
     /// The robot, the foot, and the phase if there are several.
     pub fn standing(&self, phase: usize) -> Option<Standing<'a>> {
         let stage = &self.constraints.stage;

@@ -12,7 +12,7 @@ use super::obstacles::{Obstacle, RobotShape, SelfCollision};
 use super::own_terms::OwnTerms;
 use super::passive::check_passive;
 use super::payload::Payload;
-use super::phases::{PhaseTerms, WalkPhase, complete, landings, phase_terms};
+use super::phases::{PhaseTerms, WalkPhase, complete, phase_terms, points_of_walk};
 use super::scene::scene;
 use super::schema::{self, FeedbackKeys, one_of};
 use super::self_collision::in_full;
@@ -275,7 +275,7 @@ impl Scenario {
             .map_err(|e| Error::input(path, of_key, e.to_string()))?;
         let goal = goal_set(&mut file, &model, path)?;
         let mut waypoints = waypoints(&file, &model, path)?;
-        waypoints.extend(landings(&file, &model, path)?);
+        waypoints.extend(points_of_walk(&file, &model, path)?);
         let phases = phase_terms(&file, &model, (path, folder))?;
         let (kept, kept_between) = kept_rows(&file, &model, path)?;
         let foot = standing_foot(&file, &model, path)?;

@@ -1,6 +1,8 @@
 //! The phases of a walk, in each of which the robot stands on another foot.
 
-use super::{Continuous, Goal, Kept, Scenario, ScenarioFile, Stand};
+use super::{
+    Continuous, Goal, Kept, PointOnTheWay, Pose, PositionBox, Scenario, ScenarioFile, Stand,
+};
 use aghf::constraint::{AnyConstraint, Constraint, Phase, StandingFoot};
 use aghf::curve::Curve;
 use aghf::direct::Waypoint;
@@ -21,6 +23,10 @@ pub struct WalkPhase {
     /// an orientation without tolerances, which it reaches without speed. The last phase may have `q_goal` instead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub land: Option<Goal>,
+    /// The least height of that foot over the one that stands halfway through the phase, m; by default the effort
+    /// decides.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lift_m: Option<f64>,
     /// The sets of poses in which frames stay in this phase, by default in the frame of the foot that stands.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub keep: Vec<Goal>,
@@ -35,7 +41,39 @@ impl WalkPhase {
             ..poses.clone()
         }
     }
+
+    /// The set of poses halfway through the phase, of a foot that is lifted.
+    fn lifted(&self) -> Option<Goal> {
+        let (height, land) = self.lift_m.zip(self.land.as_ref())?;
+        let pose = Pose {
+            position_m: [0.0, 0.0, height + 0.5 * HIGHEST],
+            orientation_xyzw: None,
+        };
+        let size_m = [None, None, Some(HIGHEST)];
+        Some(self.relative(&Goal {
+            frame: land.frame.clone(),
+            relative_to: land.relative_to.clone(),
+            position_m: None,
+            tolerance_m: None,
+            within: Some(PositionBox { size_m, pose }),
+            orientation_xyzw: None,
+            axis: None,
+            tolerance_rad: None,
+        }))
+    }
+
+    /// The sets of poses on the way, each with its key and its share of the phase: that of a foot halfway, and where it
+    /// lands.
+    fn sets(&self, k: usize) -> impl Iterator<Item = (String, Goal, f64)> {
+        let lifted = self.lifted().map(|set| (format!("phases[{k}].lift_m"), set, 0.5));
+        let land = self.land.as_ref().map(|land| self.relative(land));
+        let land = land.map(|land| (format!("phases[{k}].land"), land, 1.0));
+        lifted.into_iter().chain(land)
+    }
 }
+
+/// The height of the box of poses in which a foot is that is lifted, m: beyond the reach of any leg.
+const HIGHEST: f64 = 10.0;
 
 /// A phase on the robot of a walk.
 #[derive(Clone, Debug)]
@@ -107,7 +145,13 @@ fn of_phase(file: &ScenarioFile, phase: &WalkPhase) -> ScenarioFile {
         from_s: None,
         to_s: None,
     });
+    let lifted = phase.lifted().map(|poses| PointOnTheWay {
+        poses: Some(poses),
+        time_s: Some(0.5 * horizon_s),
+        ..PointOnTheWay::default()
+    });
     ScenarioFile {
+        waypoints: lifted.into_iter().collect(),
         root: Some(phase.stand.frame.clone()),
         stand: Some(phase.stand.clone()),
         keep: kept.collect(),
@@ -157,31 +201,49 @@ pub(super) fn phase_terms(
     Ok(all)
 }
 
-/// The landings at the ends of all phases but the last one, each at its share of the horizon.
-pub(super) fn landings(file: &ScenarioFile, model: &Model, path: &str) -> Result<Vec<Waypoint>> {
+/// The points on the way of a walk, each at its share of the horizon: feet that are lifted, and the landings at the ends
+/// of all phases but the last one.
+pub(super) fn points_of_walk(
+    file: &ScenarioFile,
+    model: &Model,
+    path: &str,
+) -> Result<Vec<Waypoint>> {
     let (mut all, count) = (Vec::new(), file.phases.len());
-    for (k, phase) in file.phases.iter().enumerate().take(count.saturating_sub(1)) {
-        let key = format!("phases[{k}].land");
-        let Some(land) = &phase.land else {
-            return Err(Error::input(path, key, "it is missing"));
-        };
-        let has_tolerance = land.tolerance_m.is_some() || land.tolerance_rad.is_some();
-        if land.position_m.is_none() || land.orientation_xyzw.is_none() || has_tolerance {
-            let condition = "a position and an orientation without tolerances are needed";
-            return Err(Error::input(path, key, condition));
+    for (k, phase) in file.phases.iter().enumerate() {
+        let refuse =
+            |key: &str, condition: &str| Err(Error::input(path, format!("phases[{k}].{key}"), condition));
+        let is_last = k + 1 == count;
+        match (&phase.land, phase.lift_m) {
+            (None, _) if !is_last => return refuse("land", "it is missing"),
+            (None, Some(_)) => return refuse("lift_m", "it needs land, which names the foot"),
+            (_, Some(height)) if !(height >= 0.0 && height <= HIGHEST) => {
+                return refuse("lift_m", "a height that is not negative is needed");
+            }
+            _ => (),
         }
-        all.push(Waypoint {
-            constraints: phase.relative(land).rows(model, &key, path)?,
-            lands: true,
-            share: Some((k + 1) as f64 / count as f64),
-            ..Waypoint::new(file.q_start.clone())
-        });
+        for (key, set, share) in phase.sets(k) {
+            let lands = share == 1.0;
+            if lands && is_last {
+                continue;
+            }
+            let has_tolerance = set.tolerance_m.is_some() || set.tolerance_rad.is_some();
+            if lands && (set.position_m.is_none() || set.orientation_xyzw.is_none() || has_tolerance) {
+                let condition = "a position and an orientation without tolerances are needed";
+                return refuse("land", condition);
+            }
+            all.push(Waypoint {
+                constraints: set.rows(model, &key, path)?,
+                lands,
+                share: Some((k as f64 + share) / count as f64),
+                ..Waypoint::new(file.q_start.clone())
+            });
+        }
     }
     Ok(all)
 }
 
 impl Scenario {
-    /// The sets of poses at the points on the way, with their keys: of landings in a walk.
+    /// The sets of poses at the points on the way, with their keys.
     pub(super) fn sets_on_the_way(&self) -> Vec<(String, Option<Goal>)> {
         let file = &self.file;
         if file.phases.is_empty() {
@@ -189,13 +251,11 @@ impl Scenario {
             let points = points.map(|(k, of)| (format!("waypoints[{k}]"), of.poses.clone()));
             return points.collect();
         }
-        let phases = file.phases[..file.phases.len() - 1].iter().enumerate();
-        let landing = |(k, phase): (usize, &WalkPhase)| {
-            let land = phase.land.as_ref();
-            let land = land.map(|land| phase.relative(land));
-            (format!("phases[{k}].land"), land)
-        };
-        phases.map(landing).collect()
+        let last = file.phases.len() - 1;
+        let phases = file.phases.iter().enumerate();
+        let sets = phases.flat_map(|(k, phase)| phase.sets(k).map(move |set| (k, set)));
+        let sets = sets.filter(|(k, (.., share))| *k < last || *share < 1.0);
+        sets.map(|(_, (key, set, _))| (key, Some(set))).collect()
     }
 
     /// The phases as constraints, whose rows of the state begin after `first` others.

@@ -79,11 +79,36 @@ impl<'s, 'o> Search<'s, 'o> {
     pub fn run(&mut self) -> Result<DirectSolution> {
         match self.scenario.file.objective.preset() {
             None | Some(Preset::LeastEffort) => {
-                self.solve(&self.scenario.problem()?, self.settings.clone())
+                self.first(self.settings.clone())
             }
             Some(Preset::LeastTime) => self.least_time(),
             Some(Preset::Balanced) => self.balanced(),
         }
+    }
+
+    /// The first solve. A walk on a free horizon is first solved on the given one: from the longest one the search
+    /// makes it short at once, while feet are not yet at their places.
+    fn first(&mut self, settings: DirectSettings) -> Result<DirectSolution> {
+        let problem = self.scenario.problem()?;
+        let is_walk = !self.scenario.file.phases.is_empty();
+        let Some(free) = settings.free_horizon.filter(|_| is_walk) else {
+            return self.solve(&problem, settings);
+        };
+        let fixed = DirectSettings {
+            free_horizon: None,
+            ..settings
+        };
+        let before = self.solve(&problem, fixed)?;
+        if self.goes_on(&before) {
+            let found = self.from(&before, problem.horizon(), Some(free), None)?;
+            if is_valid(&found) {
+                return Ok(joined(before, found));
+            }
+        }
+        Ok(DirectSolution {
+            converged: false,
+            ..before
+        })
     }
 
     /// The motion of least time.
@@ -105,7 +130,7 @@ impl<'s, 'o> Search<'s, 'o> {
         settings.time_limit = settings
             .time_limit
             .map(|limit| limit.mul_f64(PART_OF_STARTS));
-        let first = self.solve(&scenario.problem()?, settings)?;
+        let first = self.first(settings)?;
         let (mut others, mut share) = (Vec::new(), FIRST_SHARE);
         for _ in 0..STEPS {
             let before = others.last().unwrap_or(&first);

@@ -109,7 +109,8 @@ impl Scenario {
     /// The landings between the phases along a motion.
     fn landings_of(&self, curve: &Curve) -> Result<Vec<Landing>> {
         let (n, mut all) = (self.model.dof(), Vec::new());
-        let phases = self.file.phases.iter().zip(&self.waypoints);
+        let landings = self.waypoints.iter().filter(|point| point.lands);
+        let phases = self.file.phases.iter().zip(landings);
         for (k, (phase, waypoint)) in phases.enumerate() {
             let time_s = (k + 1) as f64 * curve.horizon() / self.phases.len() as f64;
             let (x, _) = curve.at(time_s);

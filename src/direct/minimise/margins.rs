@@ -79,7 +79,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let with_ends = self.grid.times[0] == 0.0;
         let last = integrand.h.len() - rows.count();
         let reserve = |row: usize| {
-            if attributes.equalities[row] {
+            // A foot that lands is at the ground.
+            if attributes.equalities[row] || rows.is_of_phase(row) {
                 return 0.0;
             }
             let ends = [row, last + row].into_iter().zip(fixed);
@@ -122,9 +123,13 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         // Times are sums of intervals.
         let is_at = |time: f64, end: f64| (time - end).abs() <= 8.0 * f64::EPSILON;
         let is_fixed = |time: f64| (fixed[0] && is_at(time, 0.0)) || (fixed[1] && is_at(time, 1.0));
+        let phases = integrand.rows.cost.phases() as f64;
+        let changes = |time: f64| is_at(phases * time, (phases * time).round());
         for maximum in maxima {
-            // Margins do not change the state at a fixed end.
-            if maximum.row < states && is_fixed(maximum.time) {
+            // Margins do not change the state at a fixed end, nor the place of a foot that lands.
+            let at_ends = is_fixed(maximum.time);
+            let of_phase = integrand.rows.is_of_phase(maximum.row);
+            if maximum.row < states && (at_ends || (of_phase && changes(maximum.time))) {
                 continue;
             }
             let reserve = reserves[maximum.row];

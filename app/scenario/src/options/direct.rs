@@ -13,6 +13,10 @@ const GOAL_STARTS: usize = 6;
 
 /// The degree of the polynomial of each phase of a walk.
 const WALK_DEGREE: usize = 10;
+/// The largest number of iterations of a walk: where edges of soles hold for long, a free horizon takes many.
+const WALK_ITERATIONS: usize = 2000;
+/// The same at lower degrees: the first one brings all feet to their places.
+const WALK_LOWER_ITERATIONS: usize = 200;
 
 /// The distance from limits and obstacles by default. Between the times at which rows are looked at they may be beyond
 /// their bounds by some 1e-6 of these, which no certificate accepts.
@@ -74,6 +78,9 @@ impl DirectOptions {
         let phases = scenario.file.phases.len();
         if phases > 0 {
             (default.degree, default.segments) = (WALK_DEGREE, phases);
+            default.iterations = WALK_ITERATIONS;
+            default.search.lower_iterations = WALK_LOWER_ITERATIONS;
+            default.lowest_degree = DirectSettings::default().lowest_degree;
             // There is nothing to plan around.
             default.planned_starts = PlannedStarts::Never;
         }
