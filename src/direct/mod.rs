@@ -134,11 +134,15 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
         let stage = &self.constraints.stage;
         if !stage.phases.is_empty() && stage.phases.len() != phases {
             let given = stage.phases.len();
-            return refuse("phases", format!("there are {given}, the cost has {phases}"));
+            return refuse(
+                "phases",
+                format!("there are {given}, the cost has {phases}"),
+            );
         }
         let segments = self.settings.segments;
         if !segments.is_multiple_of(phases) {
-            let condition = format!("it is {segments}, a multiple of the {phases} phases is needed");
+            let condition =
+                format!("it is {segments}, a multiple of the {phases} phases is needed");
             return refuse("segments", condition);
         }
         if phases > 1 && self.settings.continuous_acceleration {

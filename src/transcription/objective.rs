@@ -143,7 +143,13 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         for e in 0..self.grid.segments {
             self.place(coefficients, e);
             let phase = self.phase(e);
-            let here = points(self.grid, &self.times, (&self.states, &self.jerks), e, phase);
+            let here = points(
+                self.grid,
+                &self.times,
+                (&self.states, &self.jerks),
+                e,
+                phase,
+            );
             self.cost.values(here, &mut self.costs)?;
             for (weight, cost) in self.grid.weights.iter().zip(&self.costs) {
                 sum += *weight * *cost;

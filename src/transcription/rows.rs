@@ -1,7 +1,8 @@
 //! The rows of constraints at the points of a curve.
 
 use crate::constraint::{
-    Constraint, Constraints, Evaluator, Phase, RateLimit, RowKind, StandingFoot, WeightedDerivatives, Weights,
+    Constraint, Constraints, Evaluator, Phase, RateLimit, RowKind, StandingFoot,
+    WeightedDerivatives, Weights,
 };
 use crate::cost::{CostWithControl, Points};
 use crate::dynamics::Data;

@@ -92,6 +92,6 @@ pub use summary::{
 };
 pub use tracker::{ScenarioTracker, ScenarioTrackerOptions};
 pub use tradeoff::Tradeoff;
-pub use warm_start::MultipliersFile;
 pub use walk::{Landing, Walk};
+pub use warm_start::MultipliersFile;
 pub use waypoints::PointOnTheWay;

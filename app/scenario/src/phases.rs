@@ -65,7 +65,9 @@ impl WalkPhase {
     /// The sets of poses on the way, each with its key and its share of the phase: that of a foot halfway, and where it
     /// lands.
     fn sets(&self, k: usize) -> impl Iterator<Item = (String, Goal, f64)> {
-        let lifted = self.lifted().map(|set| (format!("phases[{k}].lift_m"), set, 0.5));
+        let lifted = self
+            .lifted()
+            .map(|set| (format!("phases[{k}].lift_m"), set, 0.5));
         let land = self.land.as_ref().map(|land| self.relative(land));
         let land = land.map(|land| (format!("phases[{k}].land"), land, 1.0));
         lifted.into_iter().chain(land)
@@ -110,16 +112,31 @@ pub(super) fn complete(file: &mut ScenarioFile, path: &str) -> Result<()> {
         return refuse("continuity", "accelerations jump where the foot changes");
     }
     if file.objective.weights_squares() {
-        return refuse("objective", "a walk knows the objectives by their names alone");
+        return refuse(
+            "objective",
+            "a walk knows the objectives by their names alone",
+        );
     }
-    if file.stand.as_ref().is_some_and(|stand| *stand != first.stand) {
+    if file
+        .stand
+        .as_ref()
+        .is_some_and(|stand| *stand != first.stand)
+    {
         return refuse("stand", "it is not that of the first phase");
     }
-    if file.root.as_ref().is_some_and(|root| *root != first.stand.frame) {
+    if file
+        .root
+        .as_ref()
+        .is_some_and(|root| *root != first.stand.frame)
+    {
         return refuse("root", "it is not the foot of the first phase");
     }
     let goal: Vec<_> = last.land.iter().map(|land| last.relative(land)).collect();
-    match (goal.is_empty(), file.goal.is_empty(), file.q_goal.is_empty()) {
+    match (
+        goal.is_empty(),
+        file.goal.is_empty(),
+        file.q_goal.is_empty(),
+    ) {
         (false, true, true) => (),
         (false, false, _) if file.goal == goal => (),
         (true, ..) => (),
@@ -210,8 +227,9 @@ pub(super) fn points_of_walk(
 ) -> Result<Vec<Waypoint>> {
     let (mut all, count) = (Vec::new(), file.phases.len());
     for (k, phase) in file.phases.iter().enumerate() {
-        let refuse =
-            |key: &str, condition: &str| Err(Error::input(path, format!("phases[{k}].{key}"), condition));
+        let refuse = |key: &str, condition: &str| {
+            Err(Error::input(path, format!("phases[{k}].{key}"), condition))
+        };
         let is_last = k + 1 == count;
         match (&phase.land, phase.lift_m) {
             (None, _) if !is_last => return refuse("land", "it is missing"),
@@ -227,7 +245,9 @@ pub(super) fn points_of_walk(
                 continue;
             }
             let has_tolerance = set.tolerance_m.is_some() || set.tolerance_rad.is_some();
-            if lands && (set.position_m.is_none() || set.orientation_xyzw.is_none() || has_tolerance) {
+            if lands
+                && (set.position_m.is_none() || set.orientation_xyzw.is_none() || has_tolerance)
+            {
                 let condition = "a position and an orientation without tolerances are needed";
                 return refuse("land", condition);
             }
@@ -283,7 +303,10 @@ impl Scenario {
         let (n, count) = (self.model.dof(), self.phases.len());
         check_length("motion", n, curve.dof())?;
         if count == 0 || !curve.segments().is_multiple_of(count) {
-            let condition = format!("{} segments are not those of {count} phases", curve.segments());
+            let condition = format!(
+                "{} segments are not those of {count} phases",
+                curve.segments()
+            );
             return Err(Error::input(&self.name, "phases", condition));
         }
         let (segments, horizon) = (curve.segments() / count, curve.horizon() / count as f64);

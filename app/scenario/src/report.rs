@@ -141,7 +141,8 @@ impl<'a> Solve<'a> {
             return Err(Error::input("options", "start", condition));
         }
         if !scenario.file.phases.is_empty() {
-            let condition = "a walk has a report per phase, which aghf solve and Solve::run_walk make";
+            let condition =
+                "a walk has a report per phase, which aghf solve and Solve::run_walk make";
             return Err(Error::input(&scenario.name, "phases", condition));
         }
         options.check(scenario)?;

@@ -78,9 +78,7 @@ impl<'s, 'o> Search<'s, 'o> {
     /// Finds the motion of the objective.
     pub fn run(&mut self) -> Result<DirectSolution> {
         match self.scenario.file.objective.preset() {
-            None | Some(Preset::LeastEffort) => {
-                self.first(self.settings.clone())
-            }
+            None | Some(Preset::LeastEffort) => self.first(self.settings.clone()),
             Some(Preset::LeastTime) => self.least_time(),
             Some(Preset::Balanced) => self.balanced(),
         }

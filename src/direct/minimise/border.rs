@@ -240,14 +240,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 impl Place {
     /// Adds `factor` times the derivatives in the unknown coefficients of a function of $q$ and $q'$, or, with `d` one,
     /// those of its derivative in time where the functions themselves change.
-    fn scatter(
-        &self,
-        grid: &Grid<f64>,
-        of: &DVector<f64>,
-        d: usize,
-        factor: f64,
-        out: &mut [f64],
-    ) {
+    fn scatter(&self, grid: &Grid<f64>, of: &DVector<f64>, d: usize, factor: f64, out: &mut [f64]) {
         let n = of.len() / 2;
         for (m, unknown) in self.unknowns(grid) {
             let [value, slope] = [d, d + 1].map(|d| factor * self.functions[(d, m)]);

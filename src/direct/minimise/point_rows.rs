@@ -83,7 +83,9 @@ impl<'g> PointRows<'g> {
         let equalities = (0..rows).map(|row| is_equality(&row));
         let of_rates = rates.iter().map(|row| scales[*row]).collect();
         Self {
-            equalities: equalities.chain(std::iter::repeat_n(true, others)).collect(),
+            equalities: equalities
+                .chain(std::iter::repeat_n(true, others))
+                .collect(),
             rates: RateRows::new(model, constraints, (rates, of_rates)),
             scales,
             evaluator: Evaluator::new(model),

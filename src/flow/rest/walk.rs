@@ -287,7 +287,9 @@ impl RestSettings {
     fn levels<K: Constraint>(&self, constraints: &Constraints<K>) -> Vec<Level> {
         let passive = constraints.torque.has_passive();
         let rows = usize::from(constraints.dim() > 0);
-        let mut levels = self.as_direct(rows).levels(Continuity::default(), passive, 1);
+        let mut levels = self
+            .as_direct(rows)
+            .levels(Continuity::default(), passive, 1);
         if self.start.is_some() {
             levels.drain(..levels.len() - 1);
         }

@@ -26,5 +26,5 @@ pub use table::{
 };
 pub(crate) use table::{short, summary_rows, table};
 pub use tradeoff::{TradeoffRow, tradeoff_rows, tradeoff_table, write_tradeoff};
-pub use walk::walk_table;
 pub use trajectory::{REPORT_FILES, Sampling, write_report, write_table, write_trajectory};
+pub use walk::walk_table;

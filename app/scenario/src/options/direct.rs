@@ -11,8 +11,9 @@ use serde::{Deserialize, Serialize};
 /// The number of starts by default if the goal is a set, so that several of its ends are tried.
 const GOAL_STARTS: usize = 6;
 
-/// The degree of the polynomial of each phase of a walk.
-const WALK_DEGREE: usize = 10;
+/// The degree of the polynomial of each phase of a walk: with 10 the effort of ten steps of a humanoid is 2 to 5 % less,
+/// and one of three walks ends at no motion.
+const WALK_DEGREE: usize = 8;
 /// The largest number of iterations of a walk: where edges of soles hold for long, a free horizon takes many.
 const WALK_ITERATIONS: usize = 2000;
 /// The same at lower degrees: the first one brings all feet to their places.
@@ -81,6 +82,8 @@ impl DirectOptions {
             default.iterations = WALK_ITERATIONS;
             default.search.lower_iterations = WALK_LOWER_ITERATIONS;
             default.lowest_degree = DirectSettings::default().lowest_degree;
+            // As many looks at each phase as at a motion.
+            default.search.last_scan *= phases;
             // There is nothing to plan around.
             default.planned_starts = PlannedStarts::Never;
         }
