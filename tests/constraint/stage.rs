@@ -54,6 +54,7 @@ fn rows_have_names_and_units() {
         acceleration: vec![None, Some(4.0)],
         jerk: vec![Some(9.0), None],
         foot: None,
+        phases: Vec::new(),
         others: vec![rows()],
     };
     limits.check(&model).expect("valid");

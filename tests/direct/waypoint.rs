@@ -3,12 +3,14 @@
 use crate::common::direct::{solved, solved_within};
 use crate::common::{assert_refused, point_mass, robot};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, Constraints, Side, StageConstraints, TorqueLimits,
+    AnyConstraint, Bound, Bounds, Constraints, FrameRows, Side, StageConstraints, TorqueLimits,
 };
 use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, Waypoint};
-use aghf::model::Model;
+use aghf::dynamics::{forward_kinematics, frame_placement};
+use aghf::model::{Frame, Model};
 use aghf::motion::Problem;
-use nalgebra::Vector3;
+use aghf::spatial::Placement;
+use nalgebra::{Matrix3, Vector3};
 
 fn through(waypoints: Vec<Waypoint>) -> DirectSettings {
     DirectSettings {
@@ -185,6 +187,52 @@ fn a_set_is_touched_at_its_best_point() {
         (solution.waypoint_times[0] - 1.0).abs() < 1e-3 && (x[1] - 0.5).abs() < 1e-6,
         "{x}"
     );
+}
+
+/// A foot that lands has no speed at its share of the horizon, though the joints have: here the tip of an arm, which
+/// is held in one place across a line.
+#[test]
+fn a_frame_lands_without_speed() {
+    let model = robot("pendulum_3");
+    let tip = model.frames().last().expect("it has links");
+    let (start, goal) = ([0.2, 0.3, 0.4], [1.0, 0.2, 0.1]);
+    let problem = Problem::new(
+        &model,
+        [start, [0.0; 3]].concat(),
+        [goal, [0.0; 3]].concat(),
+        1.5,
+    )
+    .expect("valid");
+    let between = [0.6, 0.4, 0.2];
+    let place = |q: &[f64]| {
+        let mut bodies = vec![Placement::identity(); 3];
+        forward_kinematics(&model, q, &mut bodies).expect("its joints");
+        frame_placement(tip, &bodies).expect("its body").translation
+    };
+    let at = Placement::new(Matrix3::identity(), place(&between));
+    let rows = FrameRows::new(tip, Frame::new("place", None, at)).at_origin();
+    let through = |lands| Waypoint {
+        constraints: vec![AnyConstraint::Frame(rows.clone())],
+        share: Some(0.5),
+        lands,
+        ..Waypoint::new(between.to_vec())
+    };
+    let speeds = [false, true].map(|lands| {
+        let settings = DirectSettings {
+            waypoints: vec![through(lands)],
+            ..DirectSettings::constrained()
+        };
+        let solution = solved(&problem, &settings);
+        assert!(solution.converged, "{:e}", solution.gradient_norm);
+        assert_eq!(solution.waypoint_times, [0.75]);
+        let (x, _) = solution.curve.at(0.75);
+        let (q, v) = x.as_slice().split_at(3);
+        assert!((place(q) - at.translation).norm() < 1e-6);
+        let later = |by: f64| place(&[0, 1, 2].map(|i| q[i] + by * v[i]));
+        assert!(v.iter().any(|v| v.abs() > 0.1), "{v:?}");
+        (later(1e-5) - later(-1e-5)).norm() / 2e-5
+    });
+    assert!(speeds[0] > 0.1 && speeds[1] < 1e-5, "{speeds:?}");
 }
 
 /// The order is kept: through one point, another, and the first one again, within limits of the joints.

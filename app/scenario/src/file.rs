@@ -273,10 +273,10 @@ impl Scenario {
         model
             .check_regular(&source.name())
             .map_err(|e| Error::input(path, of_key, e.to_string()))?;
+        let phases = phase_terms(&file, &model, (path, folder))?;
         let goal = goal_set(&mut file, &model, path)?;
         let mut waypoints = waypoints(&file, &model, path)?;
         waypoints.extend(points_of_walk(&file, &model, path)?);
-        let phases = phase_terms(&file, &model, (path, folder))?;
         let (kept, kept_between) = kept_rows(&file, &model, path)?;
         let foot = standing_foot(&file, &model, path)?;
         let states = [

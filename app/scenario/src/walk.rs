@@ -88,6 +88,8 @@ fn part(
     whole: &Solution,
 ) -> Result<Solution> {
     let settings = options.settings(phase)?;
+    let points = phase.file.waypoints.iter();
+    let times = points.filter_map(|point| point.time_s).collect();
     let own = DirectSolution {
         cost: aghf::flow::effort_of(&phase.model, &curve, 1.0)?.control_effort,
         first_guess: curve.clone(),
@@ -95,7 +97,7 @@ fn part(
         multipliers: Default::default(),
         minima: Vec::new(),
         minima_curves: Vec::new(),
-        waypoint_times: Vec::new(),
+        waypoint_times: times,
         ..found.clone()
     };
     let part = solution_of(phase, &settings, (None, own), whole.solve_seconds)?;

@@ -1,0 +1,136 @@
+//! The phases of a walk, as they are read.
+
+use crate::written::{load, with};
+use serde_json::{Value, json};
+
+/// A step of Digit with its arms held, and the other foot beside it; found by `benches/walk.py`.
+pub fn walk() -> Value {
+    let arms = ["shoulder_roll", "shoulder_pitch", "shoulder_yaw", "elbow"];
+    let arms = arms
+        .iter()
+        .flat_map(|joint| ["left", "right"].map(|side| format!("{side}_{joint}")));
+    let locked: serde_json::Map<_, _> = arms.map(|joint| (joint, json!(0.0))).collect();
+    let phase = |stand: &str, land: &str, at: [f64; 3]| {
+        json!({
+            "stand": { "frame": stand, "half_length_m": 0.1175, "half_width_m": 0.04, "friction": 0.7 },
+            "land": { "frame": land, "position_m": at, "orientation_xyzw": [0.0, 0.0, 0.0, 1.0] },
+            "lift_m": 0.05,
+            "keep": [{ "frame": land, "box": { "size_m": [null, null, 1.0], "pose": { "position_m": [0.0, 0.0, 0.5] } } }],
+        })
+    };
+    json!({
+        "robot": "digit_v3_pinned", "locked_joints": locked, "horizon_s": 2.0,
+        "q_start": [-0.085951193449, -0.030281170575, -0.056296148722, 0.022515342384, -0.015117954510, 0.049612044164,
+            -0.346289345584, -0.333627173292, 0.015287077171, 0.007902287714, -0.024476267364, 0.025909973863,
+            -0.043688123910, 0.181811749803],
+        "v_start": vec![0.0; 14],
+        "phases": [
+            phase("left_toe_roll", "right_sole", [0.2, -0.25, 0.0]),
+            phase("right_sole", "left_toe_roll", [0.0, 0.25, 0.0]),
+        ],
+        "enforced_limits": { "torque": false },
+    })
+}
+
+/// The first foot is the root and the foot that stands, the last landing the goal; read once more it is the same.
+#[test]
+fn the_first_phase_gives_the_root_and_the_last_one_the_goal() {
+    let scenario = load("first", &walk()).expect("it is good");
+    let file = &scenario.file;
+    assert_eq!(file.root.as_deref(), Some("left_toe_roll"));
+    assert_eq!(file.stand.as_ref(), Some(&file.phases[0].stand));
+    assert_eq!(file.goal.len(), 1);
+    assert_eq!(file.goal[0].relative_to.as_deref(), Some("right_sole"));
+    let points: Vec<_> = scenario
+        .waypoints
+        .iter()
+        .map(|of| (of.share, of.lands))
+        .collect();
+    assert_eq!(
+        points,
+        [(Some(0.25), false), (Some(0.5), true), (Some(0.75), false)]
+    );
+    let written = serde_json::to_value(file).expect("it is JSON");
+    let again = load("again", &written).expect("it is good");
+    assert_eq!(again.file, *file);
+}
+
+#[test]
+fn walks_that_cannot_be_meant_are_refused() {
+    let in_phase = |k: usize, keys: Value| {
+        let mut walk = walk();
+        walk["phases"][k] = with(walk["phases"][k].clone(), keys);
+        walk
+    };
+    let tolerant = json!({ "frame": "right_sole", "position_m": [0.2, -0.25, 0.0], "tolerance_m": 0.01,
+        "orientation_xyzw": [0.0, 0.0, 0.0, 1.0] });
+    let edges = json!({ "frame": "right_sole", "half_length_m": 0.1, "half_width_m": 0.04, "friction": 0.7,
+        "torsion": 0.05 });
+    let other_root = with(walk(), json!({ "root": "right_sole" }));
+    for (name, walk, words) in [
+        (
+            "points",
+            with(walk(), json!({ "waypoints": [{ "q": vec![0.0; 14] }] })),
+            "waypoints: phases: a walk does not know it",
+        ),
+        (
+            "jumps",
+            with(walk(), json!({ "continuity": "acceleration" })),
+            "continuity: phases: accelerations jump where the foot changes",
+        ),
+        (
+            "weights",
+            with(
+                walk(),
+                json!({ "objective": { "effort": 1.0, "velocity": 1.0 } }),
+            ),
+            "objective: phases: a walk knows the objectives by their names alone",
+        ),
+        (
+            "root",
+            other_root,
+            "root: phases: it is not the foot of the first phase",
+        ),
+        (
+            "no_landing",
+            in_phase(0, json!({ "land": null, "lift_m": null })),
+            "phases[0].land: it is missing",
+        ),
+        (
+            "no_foot",
+            in_phase(1, json!({ "land": null })),
+            "phases[1].lift_m: it needs land, which names the foot",
+        ),
+        (
+            "tolerance",
+            in_phase(0, json!({ "land": tolerant })),
+            "phases[0].land: a position and an orientation without tolerances are needed",
+        ),
+        (
+            "depth",
+            in_phase(0, json!({ "lift_m": -0.1 })),
+            "phases[0].lift_m: a height that is not negative",
+        ),
+        (
+            "link",
+            in_phase(
+                1,
+                json!({ "stand": { "frame": "nose", "half_length_m": 0.1, "half_width_m": 0.1,
+            "friction": 0.7 } }),
+            ),
+            "phases[1]:",
+        ),
+    ] {
+        let refused = load(name, &walk).expect_err(name);
+        assert!(
+            refused.contains(words),
+            "{name}: '{refused}' does not say '{words}'"
+        );
+    }
+    let scenario = load("edges", &in_phase(1, json!({ "stand": edges }))).expect("each is good");
+    let refused = aghf_scenario::Solve::new(&scenario)
+        .run_walk()
+        .expect_err("their rows differ");
+    let words = "phases: right_sole: its foot has more or fewer bounds than the first one";
+    assert!(refused.to_string().contains(words), "{refused}");
+}
