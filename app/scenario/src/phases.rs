@@ -20,7 +20,8 @@ pub struct WalkPhase {
     /// The foot on which the robot stands: a link with `z` upwards, which becomes the root of the robot in this phase.
     pub stand: Stand,
     /// The pose at which another foot lands at the end, by default in the frame of the foot that stands: a position and
-    /// an orientation without tolerances, which it reaches without speed. The last phase may have `q_goal` instead.
+    /// an orientation without tolerances, which it reaches without speed. The last one may have tolerances, or the scenario
+    /// `q_goal` or `goal` instead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub land: Option<Goal>,
     /// The least height of that foot over the one that stands halfway through the phase, m; by default the effort
@@ -77,6 +78,9 @@ impl WalkPhase {
 /// The height of the box of poses in which a foot is that is lifted, m: beyond the reach of any leg.
 const HIGHEST: f64 = 10.0;
 
+/// The accepted difference of a cosine from one between upright feet: 1e-4 rad, for quaternions that are rounded.
+const UPRIGHT: f64 = 5e-9;
+
 /// A phase on the robot of a walk.
 #[derive(Clone, Debug)]
 pub(super) struct PhaseTerms {
@@ -117,6 +121,9 @@ pub(super) fn complete(file: &mut ScenarioFile, path: &str) -> Result<()> {
             "a walk knows the objectives by their names alone",
         );
     }
+    if last.land.is_some() && file.v_goal.iter().any(|v| *v != 0.0) {
+        return refuse("v_goal", "where the last foot lands it ends at rest");
+    }
     if file
         .stand
         .as_ref()
@@ -153,9 +160,9 @@ pub(super) fn complete(file: &mut ScenarioFile, path: &str) -> Result<()> {
     Ok(())
 }
 
-/// The scenario of one phase: the robot on its foot, with the states of the walk by the joints of the walk.
-fn of_phase(file: &ScenarioFile, phase: &WalkPhase) -> ScenarioFile {
-    let horizon_s = file.horizon_s / file.phases.len() as f64;
+/// The scenario of one phase of this duration: the robot on its foot, with the states of the walk by the joints of the
+/// walk.
+fn of_phase(file: &ScenarioFile, phase: &WalkPhase, horizon_s: f64) -> ScenarioFile {
     let kept = phase.keep.iter().map(|poses| Kept {
         poses: Some(phase.relative(poses)),
         speed: None,
@@ -174,6 +181,7 @@ fn of_phase(file: &ScenarioFile, phase: &WalkPhase) -> ScenarioFile {
         keep: kept.collect(),
         horizon_s,
         free_horizon: None,
+        continuity: Some(Continuous::Velocity),
         objective: Default::default(),
         phases: Vec::new(),
         goal: Vec::new(),
@@ -193,7 +201,8 @@ pub(super) fn phase_terms(
     for (k, phase) in file.phases.iter().enumerate() {
         let key = format!("phases[{k}]");
         let of_key = |e: Error| Error::input(path, &key, e.to_string());
-        let of = Scenario::new(of_phase(file, phase), path, folder).map_err(of_key)?;
+        let horizon = file.horizon_s / file.phases.len() as f64;
+        let of = Scenario::new(of_phase(file, phase, horizon), path, folder).map_err(of_key)?;
         let names = of.model.joints().iter().map(Joint::name);
         let order = names.map(|name| model.joints().iter().position(|of| of.name() == name));
         let order = order.collect::<Option<_>>().ok_or_else(|| {
@@ -234,8 +243,8 @@ pub(super) fn points_of_walk(
         match (&phase.land, phase.lift_m) {
             (None, _) if !is_last => return refuse("land", "it is missing"),
             (None, Some(_)) => return refuse("lift_m", "it needs land, which names the foot"),
-            (_, Some(height)) if !(height >= 0.0 && height <= HIGHEST) => {
-                return refuse("lift_m", "a height that is not negative is needed");
+            (_, Some(height)) if !(0.0..=HIGHEST).contains(&height) => {
+                return refuse("lift_m", "a height from 0 to 10 m is needed");
             }
             _ => (),
         }
@@ -244,12 +253,22 @@ pub(super) fn points_of_walk(
             if lands && is_last {
                 continue;
             }
+            let next = file.phases.get(k + 1).map(|next| &next.stand.frame);
+            if lands && next.is_some_and(|next| *next != set.frame) {
+                return refuse("land.frame", "it is not the foot of the next phase");
+            }
             let has_tolerance = set.tolerance_m.is_some() || set.tolerance_rad.is_some();
             if lands
                 && (set.position_m.is_none() || set.orientation_xyzw.is_none() || has_tolerance)
             {
                 let condition = "a position and an orientation without tolerances are needed";
                 return refuse("land", condition);
+            }
+            if lands && !is_upright(&set) {
+                return refuse(
+                    "land.orientation_xyzw",
+                    "the z axis of the foot is not upwards",
+                );
             }
             all.push(Waypoint {
                 constraints: set.rows(model, &key, path)?,
@@ -262,7 +281,26 @@ pub(super) fn points_of_walk(
     Ok(all)
 }
 
+/// Returns true if the frame has its `z` axis along that of the frame in which the pose is.
+fn is_upright(land: &Goal) -> bool {
+    let pose = Pose {
+        position_m: [0.0; 3],
+        orientation_xyzw: land.orientation_xyzw,
+    };
+    let up = pose.placement().map(|placement| placement.rotation[(2, 2)]);
+    up.is_ok_and(|up| up > 1.0 - UPRIGHT)
+}
+
 impl Scenario {
+    /// Refuses a walk, which has a scenario per phase.
+    pub(super) fn refuse_walk(&self) -> Result<()> {
+        if self.phases.is_empty() {
+            return Ok(());
+        }
+        let condition = "a walk has a scenario and a report per phase, which aghf solve and Solve::run_walk make";
+        Err(Error::input(&self.name, "phases", condition))
+    }
+
     /// The sets of poses at the points on the way, with their keys.
     pub(super) fn sets_on_the_way(&self) -> Vec<(String, Option<Goal>)> {
         let file = &self.file;
@@ -321,13 +359,12 @@ impl Scenario {
                 [0, columns - 1].map(|j| [part(j, 0), part(j, n)]);
             let file = ScenarioFile {
                 robot: self.robot_place.clone(),
-                horizon_s: horizon,
                 q_start,
                 v_start,
                 q_goal,
                 v_goal,
                 enforced_limits: self.file.enforced_limits.in_order(&terms.order),
-                ..of_phase(&self.file, phase)
+                ..of_phase(&self.file, phase, horizon)
             };
             let mut of = Self::new(file, &self.name, Path::new(""))?;
             of.name = format!("{}_phase_{}", self.name, k + 1);

@@ -140,11 +140,7 @@ impl<'a> Solve<'a> {
             let condition = "only the direct method starts from another motion";
             return Err(Error::input("options", "start", condition));
         }
-        if !scenario.file.phases.is_empty() {
-            let condition =
-                "a walk has a report per phase, which aghf solve and Solve::run_walk make";
-            return Err(Error::input(&scenario.name, "phases", condition));
-        }
+        scenario.refuse_walk()?;
         options.check(scenario)?;
         scenario.check_feasible()?;
         scenario.check_for(options.method())?;

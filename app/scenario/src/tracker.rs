@@ -64,6 +64,7 @@ impl ScenarioTracker {
         options: &ScenarioTrackerOptions,
         interrupt: Interrupt,
     ) -> Result<Self> {
+        scenario.refuse_walk()?;
         let mut options = options.in_full(&scenario)?;
         options.settings.interrupt = interrupt;
         let cell = Cell::try_new(scenario, |scenario| {

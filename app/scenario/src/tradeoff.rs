@@ -95,6 +95,7 @@ impl<'a> Tradeoff<'a> {
             let condition = format!("it is {points}, at least 2 and at most {most} are needed");
             return Err(Error::input("options", "points", condition));
         }
+        scenario.refuse_walk()?;
         let fastest = with_objective(scenario, Preset::LeastTime, |_| ())?;
         let bounds = fastest.horizon_bounds();
         fastest.check_feasible()?;

@@ -9,6 +9,7 @@ use aghf::constraint::{Constraint, Evaluator, Weights};
 use aghf::curve::Curve;
 use aghf::direct::{DirectSettings, DirectSolution};
 use aghf::error::{Error, Result};
+use serde::Serialize;
 
 /// The solve of a walk.
 #[derive(Debug)]
@@ -20,7 +21,7 @@ pub struct Walk {
 }
 
 /// The landing of a foot, on the robot of the walk.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Landing {
     /// The time, s.
     pub time_s: f64,
@@ -73,7 +74,12 @@ impl Solve<'_> {
         let landings = scenario.landings_of(&found.curve)?;
         for (phase, curve) in scenario.split(&found.curve)? {
             let part = part(&phase, own, (&found, curve), &whole)?;
-            let report = report_of(&phase, &options, part)?;
+            let of_phase = DirectOptions {
+                degree: Some(part.curve.chebyshev().degree()),
+                segments: Some(part.curve.segments()),
+                ..own.clone()
+            };
+            let report = report_of(&phase, &of_phase.into(), part)?;
             phases.push((phase, report));
         }
         Ok(Walk { phases, landings })

@@ -8,7 +8,7 @@ use super::stages::Stages;
 use super::{FAILED, RobotArgs, print, print_json, signals, tell};
 use crate::output::{OutputFolder, REPORT_FILES, summary_table, walk_table, write_report};
 use crate::report::{Motion, page};
-use aghf::error::Result;
+use aghf::error::{Error, Result};
 use aghf::motion::Interrupt;
 use aghf_scenario::{Solve, Solved, Walk};
 use clap::Args;
@@ -28,7 +28,8 @@ const TIME_LIMIT: Duration = Duration::from_secs(60);
 /// shows the motion (`aghf view` opens it). The verdict is optimal, valid, which is a motion that keeps everything of a
 /// search that has not converged, or not valid, with the worst violations; then the files are called
 /// trajectory.failed.csv and so on, next to those of an earlier motion. Ctrl-C ends the search with the best motion so
-/// far, and so do 60 s unless --time-limit-s is given.
+/// far, and so do 60 s unless --time-limit-s is given. A walk, a scenario with phases, gets a folder of such files per
+/// phase: phase_1 and so on.
 #[derive(Debug, Args)]
 pub(super) struct SolveArgs {
     /// A built-in scenario, or the path of a JSON file, "-" for the standard input: a scenario, or the summary.json of
@@ -87,6 +88,7 @@ impl SolveArgs {
         }
         let default = Path::new("out").join(&scenario.name);
         let folder = self.out.folder(&default, &REPORT_FILES)?;
+        let folders = phase_folders(&folder, scenario.file.phases.len())?;
         let interrupt = match options.keys()?.contains_key("time_limit_s") {
             true => Interrupt::default(),
             false => Interrupt::after(TIME_LIMIT),
@@ -112,7 +114,7 @@ impl SolveArgs {
             let walk = solve.run_walk()?;
             stages.finish();
             progress.finish();
-            return self.write_walk(&walk, &folder);
+            return self.write_walk(&walk, &folders, &scenario.name);
         }
         let outcome = solve.run()?;
         stages.finish();
@@ -145,27 +147,59 @@ impl SolveArgs {
         Ok(code(outcome.summary.success))
     }
 
-    /// Writes the files of a walk: a folder per phase, whose motion is that of an ordinary scenario.
-    fn write_walk(&self, walk: &Walk, folder: &OutputFolder) -> Result<ExitCode> {
-        for (k, (phase, outcome)) in walk.phases.iter().enumerate() {
-            let path = folder.path().join(format!("phase_{}", k + 1));
-            let folder = OutputFolder::open(&path, &REPORT_FILES, folder.replaces())?;
+    /// Writes the files of a walk, a folder per phase, and prints the result.
+    fn write_walk(&self, walk: &Walk, folders: &[OutputFolder], name: &str) -> Result<ExitCode> {
+        let written = self.write_phases(walk, folders);
+        let folder = written.or_else(|error| {
+            tell(&format!("aghf: {error}"));
+            let spare = OutputFolder::private(name)?;
+            tell(&format!(
+                "aghf: the files are in {}",
+                spare.path().display()
+            ));
+            self.write_phases(walk, &phase_folders(&spare, walk.phases.len())?)
+        })?;
+        if self.json {
+            let summaries = walk.phases.iter().map(|(_, outcome)| &outcome.summary);
+            let phases: Vec<_> = summaries.collect();
+            print_json(&serde_json::json!({ "phases": phases, "landings": walk.landings }))?;
+        } else {
+            print(&walk_table(walk))?;
+            print(&format!("wrote {}", folder.join("phase_*").display()))?;
+        }
+        Ok(code(walk.is_valid()))
+    }
+
+    /// Writes the files of the phases; returns the folder that has theirs.
+    fn write_phases(&self, walk: &Walk, folders: &[OutputFolder]) -> Result<PathBuf> {
+        for ((phase, outcome), folder) in walk.phases.iter().zip(folders) {
             let page = match self.no_report {
                 true => None,
                 false => Some(page(&[Motion::of_report(phase, outcome)])?),
             };
             let sampling = self.sampling.sampling();
-            write_report(phase, outcome, page.as_deref(), &folder, sampling)?;
+            write_report(phase, outcome, page.as_deref(), folder, sampling)?;
         }
-        if self.json {
-            let summaries = walk.phases.iter().map(|(_, outcome)| &outcome.summary);
-            print_json(&summaries.collect::<Vec<_>>())?;
-        } else {
-            print(&walk_table(walk))?;
-            print(&format!("wrote {}/phase_*", folder.path().display()))?;
-        }
-        Ok(code(walk.is_valid()))
+        let parent = folders.first().and_then(|folder| folder.path().parent());
+        Ok(parent.unwrap_or(Path::new("")).to_owned())
     }
+}
+
+/// The folders of the phases of a walk in another one.
+fn phase_folders(folder: &OutputFolder, phases: usize) -> Result<Vec<OutputFolder>> {
+    let path = |k: usize| folder.path().join(format!("phase_{k}"));
+    let further = path(phases + 1);
+    if phases > 0 && further.exists() {
+        let condition =
+            "it is of a longer walk, whose phases would be mistaken for those of this one";
+        return Err(Error::input(
+            further.display().to_string(),
+            "output",
+            condition,
+        ));
+    }
+    let open = |k| OutputFolder::open(&path(k), &REPORT_FILES, folder.replaces());
+    (1..=phases).map(open).collect()
 }
 
 /// The exit code of a solve.

@@ -9,6 +9,7 @@ mod tables;
 #[path = "../output"]
 mod output {
     mod folder;
+    mod walk;
 }
 
 use aghf_cli::report::{Motion, page};

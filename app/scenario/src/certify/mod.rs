@@ -49,6 +49,7 @@ pub fn certify(
     waypoint_times: &[f64],
     tracking_error: f64,
 ) -> Result<Certification> {
+    scenario.refuse_walk()?;
     check_length("curve", scenario.model.dof(), curve.dof())?;
     check_length(
         "waypoint_times_s",

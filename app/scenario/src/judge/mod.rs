@@ -70,6 +70,7 @@ pub fn judge(
     trajectory: &Trajectory,
     tolerances: Tolerances,
 ) -> Result<Judgement> {
+    scenario.refuse_walk()?;
     for (what, value) in [
         ("tolerance", tolerances.tolerance),
         ("overlap", tolerances.overlap_m),

@@ -27,9 +27,10 @@ const RESERVE: f64 = 3e-6;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DirectOptions {
-    /// Degree of the polynomial, or of each segment; by default 16, with passive joints 8.
+    /// Degree of the polynomial, or of each segment; by default 16, with passive joints and in a walk 8.
     pub degree: Option<usize>,
-    /// Number of polynomials on equal parts of the horizon; by default 1, with passive joints 8.
+    /// Number of polynomials on equal parts of the horizon; by default 1, with passive joints 8, in a walk one
+    /// per phase.
     pub segments: Option<usize>,
     /// Relative change of the effort between two degrees at which the degree stops growing, such as 0.01; by default
     /// the degree does not grow.

@@ -5,31 +5,7 @@ use serde_json::{Value, json};
 
 /// A step of Digit with its arms held, and the other foot beside it; found by `benches/walk.py`.
 pub fn walk() -> Value {
-    let arms = ["shoulder_roll", "shoulder_pitch", "shoulder_yaw", "elbow"];
-    let arms = arms
-        .iter()
-        .flat_map(|joint| ["left", "right"].map(|side| format!("{side}_{joint}")));
-    let locked: serde_json::Map<_, _> = arms.map(|joint| (joint, json!(0.0))).collect();
-    let phase = |stand: &str, land: &str, at: [f64; 3]| {
-        json!({
-            "stand": { "frame": stand, "half_length_m": 0.1175, "half_width_m": 0.04, "friction": 0.7 },
-            "land": { "frame": land, "position_m": at, "orientation_xyzw": [0.0, 0.0, 0.0, 1.0] },
-            "lift_m": 0.05,
-            "keep": [{ "frame": land, "box": { "size_m": [null, null, 1.0], "pose": { "position_m": [0.0, 0.0, 0.5] } } }],
-        })
-    };
-    json!({
-        "robot": "digit_v3_pinned", "locked_joints": locked, "horizon_s": 2.0,
-        "q_start": [-0.085951193449, -0.030281170575, -0.056296148722, 0.022515342384, -0.015117954510, 0.049612044164,
-            -0.346289345584, -0.333627173292, 0.015287077171, 0.007902287714, -0.024476267364, 0.025909973863,
-            -0.043688123910, 0.181811749803],
-        "v_start": vec![0.0; 14],
-        "phases": [
-            phase("left_toe_roll", "right_sole", [0.2, -0.25, 0.0]),
-            phase("right_sole", "left_toe_roll", [0.0, 0.25, 0.0]),
-        ],
-        "enforced_limits": { "torque": false },
-    })
+    serde_json::from_str(include_str!("walk.json")).expect("it is JSON")
 }
 
 /// The first foot is the root and the foot that stands, the last landing the goal; read once more it is the same.
@@ -66,6 +42,9 @@ fn walks_that_cannot_be_meant_are_refused() {
         "orientation_xyzw": [0.0, 0.0, 0.0, 1.0] });
     let edges = json!({ "frame": "right_sole", "half_length_m": 0.1, "half_width_m": 0.04, "friction": 0.7,
         "torsion": 0.05 });
+    let land = |frame: &str, orientation: [f64; 4]| json!({ "frame": frame, "position_m": [0.2, -0.25, 0.0], "orientation_xyzw": orientation });
+    let turned = land("right_sole", [0.1, 0.0, 0.0, 0.99_f64.sqrt()]);
+    let nearer = land("right_toe_roll", [0.0, 0.0, 0.0, 1.0]);
     let other_root = with(walk(), json!({ "root": "right_sole" }));
     for (name, walk, words) in [
         (
@@ -107,9 +86,24 @@ fn walks_that_cannot_be_meant_are_refused() {
             "phases[0].land: a position and an orientation without tolerances are needed",
         ),
         (
+            "turned",
+            in_phase(0, json!({ "land": turned })),
+            "phases[0].land.orientation_xyzw: the z axis of the foot is not upwards",
+        ),
+        (
+            "stumbles",
+            in_phase(0, json!({ "land": nearer })),
+            "phases[0].land.frame: it is not the foot of the next phase",
+        ),
+        (
+            "runs",
+            with(walk(), json!({ "v_goal": vec![0.1; 14] })),
+            "v_goal: phases: where the last foot lands it ends at rest",
+        ),
+        (
             "depth",
             in_phase(0, json!({ "lift_m": -0.1 })),
-            "phases[0].lift_m: a height that is not negative",
+            "phases[0].lift_m: a height from 0 to 10 m",
         ),
         (
             "link",

@@ -146,7 +146,7 @@ fn a_walk_is_solved_as_one_and_by_the_direct_method() {
     assert!(
         alone
             .to_string()
-            .contains("phases: a walk has a report per phase"),
+            .contains("phases: a walk has a scenario and a report per phase"),
         "{alone}"
     );
     let flow = Solve::new(&scenario)
