@@ -2,8 +2,9 @@
 
     python benches/walk.py talos --steps 10 --out walk_talos.json
 
-Needs Python packages alone: `pin`, `scipy` and, for the robots but Digit, `example-robot-data`. The robot begins at rest
-on its left foot, with the weight above it and the right foot beside it on the ground, and ends so after the last step.
+Needs Python packages alone: `pin`, `scipy` and, for the robots but Digit, `example-robot-data`. The robot begins at
+rest on its left foot, with the weight above it and the right foot beside it on the ground, and ends with both feet
+side by side after the last step.
 """
 
 import argparse
@@ -20,9 +21,9 @@ from scipy.optimize import least_squares
 HERE = pathlib.Path(__file__).resolve().parent
 DIGIT = HERE.parent / "robots/digit_v3_pinned/digit_v3_pinned.urdf"
 
-# The soles, half of their lengths and widths, the distance of the feet, the joints that walk, and the bend of the knees
-# from which the first posture is looked for. Half sizes are those of the collision shapes, for G1 of its contact points;
-# that of Digit is RAPTOR's.
+# The soles, half of their lengths and widths, the distance of the feet, the joints that walk, and the bend of the
+# knees from which the first posture is looked for. Half sizes are estimates but that of Digit, which is that of the
+# scenarios in robots/digit_v3_pinned.
 ROBOTS = {
     "talos": {
         "urdf": ("talos_data", "talos_reduced.urdf"),

@@ -201,6 +201,11 @@ def compose(a, b):
     return product(a[0], b[0]), apply(a[0], b[1]) + a[1]
 
 
+def inverse(a):
+    back = transpose(a[0])
+    return back, -apply(back, a[1])
+
+
 def number(value, what="a number"):
     good = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
     require(good, f"{what} is {value}, no finite number")
@@ -309,32 +314,43 @@ class Robot:
     def __init__(self, urdf, scenario, names):
         root = ElementTree.fromstring(urdf)
         links = {link.get("name"): link for link in root.findall("link")}
-        by_parent = {}
+        by_link = {}
         for joint in root.findall("joint"):
-            by_parent.setdefault(joint.find("parent").get("link"), []).append(joint)
+            for end in ("parent", "child"):
+                by_link.setdefault(joint.find(end).get("link"), []).append((joint, end == "child"))
         carried = {joint.find("child").get("link") for joint in root.findall("joint")}
         bases = [link for link in links if link not in carried]
         require(bases, "no link is the base")
-        joints, placed, opened = {}, {}, [(bases[0], None, IDENTITY)]
+        base = option(scenario, "root", bases[0])
+        require(base in links, "the robot has no such root")
+        joints, placed, opened = {}, {}, [(base, None, IDENTITY, None)]
         while opened:
-            link, body, at = opened.pop()
+            link, body, at, before = opened.pop()
             require(link not in placed, "links form a loop")
             placed[link] = (body, at)
-            for node in by_parent.get(link, []):
-                child, kind = node.find("child").get("link"), node.get("type")
-                joint = Joint(node, body, compose(at, pose(node.find("origin"))))
+            for node, turned in by_link.get(link, []):
+                if node is before:
+                    continue
+                # From a new root some joints are met from their other side: they turn back, and then comes the origin.
+                step = pose(node.find("origin"))
+                origin, then = (at, inverse(step)) if turned else (compose(at, step), IDENTITY)
+                beyond, kind = node.find("parent" if turned else "child").get("link"), node.get("type")
+                joint = Joint(node, body, origin)
+                if turned:
+                    joint.axis = -joint.axis
                 locked = option(option(scenario, "locked_joints", {}), joint.name)
                 if kind == "fixed":
-                    opened.append((child, body, joint.origin))
+                    opened.append((beyond, body, compose(origin, then), node))
                 elif locked is not None:
-                    opened.append((child, body, joint.placement(Model.constant([number(locked)]))))
+                    placement = joint.placement(Model.constant([number(locked)]))
+                    opened.append((beyond, body, compose(placement, then), node))
                 else:
                     require(kind in ("revolute", "continuous", "prismatic"), f"joint type '{kind}'")
                     require(joint.name in names, f"joint '{joint.name}' has no motion{GROUP}")
                     joint.read(node, scenario)
                     i = names.index(joint.name)
                     joints[i] = joint
-                    opened.append((child, i, IDENTITY))
+                    opened.append((beyond, i, then, node))
         require(len(joints) == len(names), "the motion has a joint that the robot has not")
         self.joints = [joints[i] for i in range(len(names))]
         self.base, self.links = (Model.constant([0.0]), vector([0.0] * 3)), placed

@@ -23,6 +23,11 @@ pub(crate) fn compose(a: &Pose, b: &Pose) -> Pose {
     (product(a.0, b.0), add(apply(a.0, b.1), a.1))
 }
 
+fn inverse(pose: &Pose) -> Pose {
+    let back = transpose(pose.0);
+    (back, times(apply(back, pose.1), Tm::new(-1.0)))
+}
+
 /// A joint and its body, in the frame of the joint.
 pub(crate) struct Joint {
     pub(crate) name: String,
@@ -132,25 +137,36 @@ impl Robot {
         let base = links.keys().find(|link| !carried(link)).ok_or("no link is the base")?;
         let mut joints: Vec<Option<Joint>> = names.iter().map(|_| None).collect();
         let mut placed: BTreeMap<String, (Option<usize>, Pose)> = BTreeMap::new();
-        let mut open = vec![(base.clone(), None, identity())];
-        while let Some((link, body, at)) = open.pop() {
-            for j in all("joint").filter(|j| of(*j, "parent") == link) {
-                let origin = compose(&at, &pose(child(j, "origin"))?);
+        let base = option(scenario, "root").map_or(Ok(base.clone()), |root| text(root).map(str::to_owned))?;
+        require(links.contains_key(&base), "the robot has no such root")?;
+        let mut open = vec![(base, None, identity(), String::new())];
+        while let Some((link, body, at, from)) = open.pop() {
+            for j in all("joint").filter(|j| name(*j) != from) {
+                // From a new root some joints are met from their other side: they turn back, and then comes the origin.
+                let (step, turned) = (pose(child(j, "origin"))?, of(j, "child") == link);
+                if !turned && of(j, "parent") != link {
+                    continue;
+                }
+                let (origin, then, next) = match turned {
+                    true => (at, inverse(&step), of(j, "parent")),
+                    false => (compose(&at, &step), identity(), of(j, "child")),
+                };
                 let kind = j.attribute("type").unwrap_or_default();
                 let axis = unit(triple(child(j, "axis"), "xyz", [1.0, 0.0, 0.0])?);
+                let axis = if turned { times(axis, Tm::new(-1.0)) } else { axis };
                 let mut joint = Joint::new(name(j), body, origin, axis, kind == "prismatic");
                 let locked = option(scenario, "locked_joints").and_then(|l| l.get(&joint.name));
                 if kind == "fixed" {
-                    open.push((of(j, "child"), body, origin));
+                    open.push((next, body, compose(&origin, &then), name(j)));
                 } else if let Some(q) = locked {
-                    open.push((of(j, "child"), body, joint.placement(Tm::new(number(q)?))));
+                    open.push((next, body, compose(&joint.placement(Tm::new(number(q)?)), &then), name(j)));
                 } else {
                     require(["revolute", "continuous", "prismatic"].contains(&kind), format!("joint type '{kind}'"))?;
                     let i = names.iter().position(|n| *n == joint.name);
                     let i = i.ok_or_else(|| format!("joint '{}' has no motion{GROUP}", joint.name))?;
                     joint.read(j, kind, scenario)?;
                     require(joints[i].replace(joint).is_none(), "a joint is there twice")?;
-                    open.push((of(j, "child"), Some(i), identity()));
+                    open.push((next, Some(i), then, name(j)));
                 }
             }
             require(placed.insert(link, (body, at)).is_none(), "links form a loop")?;

@@ -20,8 +20,8 @@ pub struct WalkPhase {
     /// The foot on which the robot stands: a link with `z` upwards, which becomes the root of the robot in this phase.
     pub stand: Stand,
     /// The pose at which another foot lands at the end, by default in the frame of the foot that stands: a position and
-    /// an orientation without tolerances, which it reaches without speed. The last one may have tolerances, or the scenario
-    /// `q_goal` or `goal` instead.
+    /// an orientation without tolerances, which it reaches without speed. The last one may have tolerances, or the
+    /// scenario `q_goal` or `goal` instead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub land: Option<Goal>,
     /// The least height of that foot over the one that stands halfway through the phase, m; by default the effort
@@ -227,8 +227,8 @@ pub(super) fn phase_terms(
     Ok(all)
 }
 
-/// The points on the way of a walk, each at its share of the horizon: feet that are lifted, and the landings at the ends
-/// of all phases but the last one.
+/// The points on the way of a walk, each at its share of the horizon: feet that are lifted, and the landings at the
+/// ends of all phases but the last one.
 pub(super) fn points_of_walk(
     file: &ScenarioFile,
     model: &Model,

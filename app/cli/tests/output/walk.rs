@@ -37,6 +37,25 @@ fn a_walk_has_a_folder_per_phase() {
             .expect("two");
         let judged = aghf(&folder, &["judge", &summary, &table]);
         assert_eq!(judged.code, Some(0), "{}{}", judged.stdout, judged.stderr);
+        // The checker finds the joints from the foot that stands.
+        let certified = aghf(
+            &folder,
+            &[
+                "certify",
+                &summary,
+                phase,
+                "--output",
+                "certificate.json",
+                "--force",
+            ],
+        );
+        assert_eq!(
+            certified.code,
+            Some(0),
+            "{}{}",
+            certified.stdout,
+            certified.stderr
+        );
     }
     // Nothing is overwritten, nor left of a longer walk.
     assert_bad_input(

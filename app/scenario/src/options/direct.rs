@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 /// The number of starts by default if the goal is a set, so that several of its ends are tried.
 const GOAL_STARTS: usize = 6;
 
-/// The degree of the polynomial of each phase of a walk: with 10 the effort of ten steps of a humanoid is 2 to 5 % less,
-/// and one of three walks ends at no motion.
+/// The degree of the polynomial of each phase of a walk: with 10 the effort of ten steps of a humanoid is 2 to 5 %
+/// less, and one of three walks ends at no motion.
 const WALK_DEGREE: usize = 8;
 /// The largest number of iterations of a walk: where edges of soles hold for long, a free horizon takes many.
 const WALK_ITERATIONS: usize = 2000;

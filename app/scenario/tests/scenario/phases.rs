@@ -42,7 +42,10 @@ fn walks_that_cannot_be_meant_are_refused() {
         "orientation_xyzw": [0.0, 0.0, 0.0, 1.0] });
     let edges = json!({ "frame": "right_sole", "half_length_m": 0.1, "half_width_m": 0.04, "friction": 0.7,
         "torsion": 0.05 });
-    let land = |frame: &str, orientation: [f64; 4]| json!({ "frame": frame, "position_m": [0.2, -0.25, 0.0], "orientation_xyzw": orientation });
+    let land = |frame: &str, turn: [f64; 4]| {
+        let at = [0.2, -0.25, 0.0];
+        json!({ "frame": frame, "position_m": at, "orientation_xyzw": turn })
+    };
     let turned = land("right_sole", [0.1, 0.0, 0.0, 0.99_f64.sqrt()]);
     let nearer = land("right_toe_roll", [0.0, 0.0, 0.0, 1.0]);
     let other_root = with(walk(), json!({ "root": "right_sole" }));
