@@ -235,9 +235,7 @@ impl Iterate {
         Term {
             slope: lambda + rho * h,
             curvature: rho,
-            // The second derivatives of the row have the multiplier of the last update: with that of the penalty, which
-            // follows every step along a curved row, the matrix is often indefinite.
-            multiplier: lambda,
+            multiplier: lambda + rho * h,
             cost: (lambda + 0.5 * rho * h) * h,
         }
     }

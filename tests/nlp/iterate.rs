@@ -198,9 +198,9 @@ fn rows_at_the_penalty() {
     assert!(!at(0.95).is_at_penalty(&[-1.0], 1e-6));
 }
 
-/// The terms of an equality are those of $\lambda h + \rho h^2 / 2$, second derivatives of the row with $\lambda$ alone, and
-/// an update moves the multiplier to the slope. The penalty grows unless the equality has shrunk to a quarter or is
-/// accepted; another working set of inequalities changes neither.
+/// The terms of an equality are those of $\lambda h + \rho h^2 / 2$, and an update moves the multiplier to the slope. The
+/// penalty grows unless the equality has shrunk to a quarter or is accepted; another working set of inequalities
+/// changes neither.
 #[test]
 fn equalities_have_the_terms_of_an_augmented_lagrangian() {
     let (row, penalty, h) = (Row { at: 1, weight: 0.5 }, 8.0, 0.25);
@@ -215,7 +215,7 @@ fn equalities_have_the_terms_of_an_augmented_lagrangian() {
     let term = iterate.equality_term(&iterate.equalities[0], h);
     assert_eq!(
         [term.cost, term.slope, term.multiplier, term.curvature],
-        [-0.5, -1.0, -3.0, 8.0]
+        [-0.5, -1.0, -1.0, 8.0]
     );
     assert_eq!(iterate.barrier_terms(&[0.0, h]), -0.25);
     // The first update has nothing to compare with.

@@ -6,7 +6,7 @@ use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::error::Result;
 use crate::linalg::BlockTridiagonal;
-use crate::nlp::{Iterate, Kkt};
+use crate::nlp::{Iterate, Kkt, Term};
 use crate::transcription::{Grid, place};
 use nalgebra::{DMatrix, DVector};
 
@@ -161,7 +161,13 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
                 .equalities
                 .iter()
                 .filter(|of| own.contains(&of.row.at));
-            let held = held.map(|of| (of.row, iterate.equality_term(of, value(of.row.at))));
+            // The second derivatives have the multiplier of the last update: with that of the slope, which follows
+            // every step along the curved row of a frame, the matrix is often indefinite.
+            let held = held.map(|of| {
+                let term = iterate.equality_term(of, value(of.row.at));
+                let multiplier = of.multiplier;
+                (of.row, Term { multiplier, ..term })
+            });
             let near = iterate.working.iter().filter(|of| own.contains(&of.row.at));
             let near = near.map(|of| (of.row, self.term(iterate, of, value(of.row.at))));
             let terms = held.chain(near);
