@@ -51,25 +51,28 @@ impl Solve<'_> {
     /// Solves a walk, a scenario with [phases](crate::ScenarioFile::phases), in one search.
     ///
     /// # Errors
-    /// As [`run`](Self::run); the scenario has no phases, or the method is another than the direct one.
+    /// As [`run`](Self::run); the scenario has no phases, there is a start, or the method is another than
+    /// the direct one.
     pub fn run_walk(self) -> Result<Walk> {
         let (scenario, options) = (self.scenario, self.options.clone());
         let SolveOptions::Direct(own) = &options else {
             let condition = "a walk is solved by the method 'direct' alone";
             return Err(Error::input("options", "method", condition));
         };
+        if self.start.is_some() {
+            let condition = "a walk starts from no motion: a run is that of one phase";
+            return Err(Error::input("options", "start", condition));
+        }
         scenario.check_for(options.method())?;
         options.check(scenario)?;
         scenario.check_feasible()?;
         let Self {
             interrupt,
-            start,
             mut observe,
             ..
         } = self;
         let run = |search: &mut Search<'_, '_>| search.run();
-        let (found, whole) =
-            search_directly(scenario, own, (start, interrupt), &mut *observe, run)?;
+        let (found, whole) = search_directly(scenario, own, (None, interrupt), &mut *observe, run)?;
         let mut phases = Vec::new();
         let landings = scenario.landings_of(&found.curve)?;
         for (phase, curve) in scenario.split(&found.curve)? {

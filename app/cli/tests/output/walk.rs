@@ -44,7 +44,7 @@ fn a_walk_has_a_folder_per_phase() {
                 "certify",
                 &summary,
                 phase,
-                "--output",
+                "--out",
                 "certificate.json",
                 "--force",
             ],
