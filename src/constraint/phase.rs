@@ -62,7 +62,7 @@ impl Phase {
         let mut found = of.clone();
         for j in 0..of.ncols() {
             for i in 0..of.nrows() {
-                found[(at(i), at(j))] = of[(i, j)].clone();
+                found[(at(i), at(j))] = of[(i, j)];
             }
         }
         found

@@ -39,9 +39,8 @@ pub fn walk_table(walk: &Walk) -> String {
     for summary in reports.clone() {
         let notes = summary.failure.iter().chain(&summary.notes);
         for note in notes {
-            let line = format!("{note}");
-            if !lines.contains(&line) {
-                lines.push(line);
+            if !lines.contains(note) {
+                lines.push(note.clone());
             }
         }
     }
