@@ -123,8 +123,7 @@ impl DirectSettings {
     pub const LARGEST_DEGREE: usize = 64;
     /// The largest degree times the number of segments: beyond it the Hessians of a large robot do not.
     pub const LARGEST_SIZE: usize = 256;
-    /// The largest number of starts: the record of each, a cost and about fifty iterations, takes up to 4 kB, 400 MB in
-    /// all.
+    /// The largest number of starts: the record of each, a cost and about fifty iterations, is up to 4 kB, all 400 MB.
     pub const LARGEST_STARTS: usize = 100_000;
     /// The largest number of iterations at one degree, each of which is recorded.
     pub const MOST_ITERATIONS: usize = 100_000;

@@ -122,7 +122,7 @@ pub struct ScenarioFile {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub free_final_velocity: bool,
     /// For the direct method: the highest derivative that is continuous. If that is the acceleration, it is zero at an
-    /// end at which all velocities are; by default `acceleration`, with passive joints `velocity`.
+    /// end at which all velocities are; by default `acceleration`, with passive joints and in a walk `velocity`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "one_of::<Continuous>")]
     pub continuity: Option<Continuous>,

@@ -49,11 +49,6 @@ impl Objective {
         }
     }
 
-    /// Returns true if it has weights beside that of time alone.
-    pub(super) fn weights_squares(&self) -> bool {
-        self.preset().is_none()
-    }
-
     /// Returns true if a shorter motion is a better one, so that the horizon is an unknown.
     #[must_use]
     pub fn weighs_time(&self) -> bool {
@@ -374,7 +369,6 @@ impl Scenario {
             ("keep", !file.keep.is_empty()),
             ("waypoints", !file.waypoints.is_empty()),
             ("stand", file.stand.is_some()),
-            ("phases", !file.phases.is_empty()),
             ("free_horizon", file.free_horizon.is_some()),
             (
                 "enforced_limits.acceleration",

@@ -115,7 +115,7 @@ pub(super) fn complete(file: &mut ScenarioFile, path: &str) -> Result<()> {
     if file.continuity() == Continuous::Acceleration {
         return refuse("continuity", "accelerations jump where the foot changes");
     }
-    if file.objective.weights_squares() {
+    if file.objective.preset().is_none() {
         return refuse(
             "objective",
             "a walk knows the objectives by their names alone",
