@@ -43,6 +43,7 @@ pub use evaluator::{Evaluator, Placed};
 pub use frame_rows::{FrameRow, FrameRows};
 pub use label::{RowKind, RowLabel};
 pub use phase::Phase;
+pub(crate) use phase::is_permutation;
 pub use point_speed::PointSpeedLimit;
 pub use self_clearance::SelfClearance;
 pub use solid_clearance::SolidClearance;

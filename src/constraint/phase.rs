@@ -31,13 +31,18 @@ impl PartialEq for Phase {
     }
 }
 
+/// Returns true if an order has each of `n` joints once.
+pub(crate) fn is_permutation(order: &[usize], n: usize) -> bool {
+    let mut all = order.to_vec();
+    all.sort_unstable();
+    all.into_iter().eq(0..n)
+}
+
 impl Phase {
     /// Refuses a phase of a motion of `model` with other rows than those of the first `foot`.
     pub(super) fn check(&self, model: &Model, states: usize, foot: &StandingFoot) -> Result<()> {
         let refuse = |condition: String| Err(Error::input("phases", &self.foot.name, condition));
-        let mut all = self.order.clone();
-        all.sort_unstable();
-        if self.model.dof() != model.dof() || !all.into_iter().eq(0..model.dof()) {
+        if self.model.dof() != model.dof() || !is_permutation(&self.order, model.dof()) {
             return refuse("its joints are not those of the motion".to_owned());
         }
         if self.foot.dim() != foot.dim() {

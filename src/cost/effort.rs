@@ -331,11 +331,9 @@ impl<C: Scalar, S: AlgebraOver<C>> PointCost<S> for ControlEffort<'_, C, S> {
 
 impl CostWithControl for ControlEffort<'_, f64, f64> {
     fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
-        let (states, mut cost) = (point.states(), [0.0]);
-        let mut controls = DMatrix::zeros(u.len(), 1);
-        self.values_with_control(point.points(&states), &mut cost, &mut controls)?;
-        u.copy_from_slice(controls.as_slice());
-        Ok(cost[0])
+        control_alone(point, u, |points, costs, controls| {
+            self.values_with_control(points, costs, controls)
+        })
     }
 
     fn derivatives_with(
@@ -364,6 +362,19 @@ impl CostWithControl for ControlEffort<'_, f64, f64> {
     ) -> Result<()> {
         self.with_term(points, out, term)
     }
+}
+
+/// The cost and the control at a single point, from the function for many points.
+pub(crate) fn control_alone(
+    point: Point<'_, f64>,
+    u: &mut [f64],
+    values: impl FnOnce(Points<'_, f64>, &mut [f64], &mut DMatrix<f64>) -> Result<()>,
+) -> Result<f64> {
+    let (states, mut cost) = (point.states(), [0.0]);
+    let mut controls = DMatrix::zeros(u.len(), 1);
+    values(point.points(&states), &mut cost, &mut controls)?;
+    u.copy_from_slice(controls.as_slice());
+    Ok(cost[0])
 }
 
 /// The derivatives at a single point, from the function for many points.

@@ -2,8 +2,9 @@
 
 use super::{
     ControlDerivatives, ControlTerm, CostWithControl, PackedHessian, Point, PointCost,
-    PointDerivatives, Points, PointsDerivatives, alone,
+    PointDerivatives, Points, PointsDerivatives, alone, control_alone,
 };
+use crate::constraint::is_permutation;
 use crate::error::{Error, Result, check_length};
 use nalgebra::DMatrix;
 
@@ -38,12 +39,8 @@ impl<P> InPhases<P> {
             return refuse("there is none");
         };
         let n = first.len();
-        for (_, order) in &phases {
-            let mut all = order.clone();
-            all.sort_unstable();
-            if !all.into_iter().eq(0..n) {
-                return refuse("an order is no permutation of the joints");
-            }
+        if !phases.iter().all(|(_, order)| is_permutation(order, n)) {
+            return refuse("an order is no permutation of the joints");
         }
         let new = |(cost, order)| OfPhase {
             cost,
@@ -192,11 +189,9 @@ impl<P: PointCost<f64>> PointCost<f64> for InPhases<P> {
 
 impl<P: CostWithControl> CostWithControl for InPhases<P> {
     fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
-        let (states, mut cost) = (point.states(), [0.0]);
-        let mut controls = DMatrix::zeros(u.len(), 1);
-        self.values_with_control(point.points(&states), &mut cost, &mut controls)?;
-        u.copy_from_slice(controls.as_slice());
-        Ok(cost[0])
+        control_alone(point, u, |points, costs, controls| {
+            self.values_with_control(points, costs, controls)
+        })
     }
 
     fn derivatives_with(

@@ -17,7 +17,7 @@ pub use autodiff::AutodiffCost;
 pub use chain_rule::ChainRule;
 pub use composition::Weighted;
 pub use effort::ControlEffort;
-pub(crate) use effort::alone;
+pub(crate) use effort::{alone, control_alone};
 pub use in_phases::InPhases;
 pub use num_dual::HyperDual64;
 pub use packed_hessian::PackedHessian;

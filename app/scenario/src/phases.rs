@@ -63,13 +63,14 @@ impl WalkPhase {
         }))
     }
 
-    /// The sets of poses on the way, each with its key and its share of the phase: that of a foot halfway, and where it
-    /// lands.
-    fn sets(&self, k: usize) -> impl Iterator<Item = (String, Goal, f64)> {
+    /// The sets of poses on the way, each with its key and its share of phase `k`: that of a foot halfway, and where it
+    /// lands unless the walk ends there.
+    fn sets(&self, k: usize, is_last: bool) -> impl Iterator<Item = (String, Goal, f64)> {
         let lifted = self
             .lifted()
             .map(|set| (format!("phases[{k}].lift_m"), set, 0.5));
-        let land = self.land.as_ref().map(|land| self.relative(land));
+        let land = self.land.as_ref().filter(|_| !is_last);
+        let land = land.map(|land| self.relative(land));
         let land = land.map(|land| (format!("phases[{k}].land"), land, 1.0));
         lifted.into_iter().chain(land)
     }
@@ -248,11 +249,8 @@ pub(super) fn points_of_walk(
             }
             _ => (),
         }
-        for (key, set, share) in phase.sets(k) {
+        for (key, set, share) in phase.sets(k, is_last) {
             let lands = share == 1.0;
-            if lands && is_last {
-                continue;
-            }
             let next = file.phases.get(k + 1).map(|next| &next.stand.frame);
             if lands && next.is_some_and(|next| *next != set.frame) {
                 return refuse("land.frame", "it is not the foot of the next phase");
@@ -311,9 +309,8 @@ impl Scenario {
         }
         let last = file.phases.len() - 1;
         let phases = file.phases.iter().enumerate();
-        let sets = phases.flat_map(|(k, phase)| phase.sets(k).map(move |set| (k, set)));
-        let sets = sets.filter(|(k, (.., share))| *k < last || *share < 1.0);
-        sets.map(|(_, (key, set, _))| (key, Some(set))).collect()
+        let sets = phases.flat_map(|(k, phase)| phase.sets(k, k == last));
+        sets.map(|(key, set, _)| (key, Some(set))).collect()
     }
 
     /// The phases as constraints, whose rows of the state begin after `first` others.

@@ -47,12 +47,12 @@ impl<'g> RateRows<'g> {
 
     /// Computes the rates at a place of a curve.
     pub fn evaluate(&mut self, place: &Place, h: &mut [f64]) -> Result<()> {
+        if h.is_empty() {
+            return Ok(());
+        }
         let slopes = place.q.column(1);
         for ((state, q), slope) in self.state.iter_mut().zip(&place.q.column(0)).zip(&slopes) {
             *state = Dual64::new(*q, *slope);
-        }
-        if h.is_empty() {
-            return Ok(());
         }
         let mut g = vec![Dual64::from(0.0); self.constraints.dim()];
         let placed = self.evaluator.at(&self.state)?;
