@@ -4,6 +4,11 @@ use crate::error::{Error, Result};
 use std::fmt::Display;
 use std::str::FromStr;
 
+/// The number of names up to which a message lists all.
+const FEW: usize = 8;
+/// The number of nearest names in a message otherwise.
+const NEAREST: usize = 3;
+
 /// An enum whose values are selected by name, in files and on the command line. [`Display`] writes the name and
 /// [`FromStr`] reads it.
 pub trait Named: Copy + Display + FromStr<Err = Error> + Send + Sync + 'static {
@@ -29,6 +34,26 @@ pub fn parse<T: Named>(name: &str) -> Result<T> {
 pub fn none_of<'a>(what: &str, name: &str, names: impl Iterator<Item = &'a str>) -> Error {
     let names = names.collect::<Vec<_>>().join(", ");
     Error::input("options", what, format!("'{name}' is none of {names}"))
+}
+
+/// The end of a message about a `name` that is none of `names`: these if they are few, otherwise the nearest.
+pub fn instead<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> String {
+    let mut all: Vec<_> = names.collect();
+    let count = all.len();
+    let mut words = "there are".to_owned();
+    if count > FEW {
+        // The one is for pieces of a longer name, the other for a digit that differs.
+        let likeness =
+            |other: &str| strsim::sorensen_dice(name, other) + strsim::jaro_winkler(name, other);
+        all.sort_by(|a, b| likeness(b).total_cmp(&likeness(a)));
+        all.truncate(NEAREST);
+        words = format!("the nearest of {count} are");
+    }
+    let all: Vec<_> = all.iter().map(|name| format!("'{name}'")).collect();
+    match all.as_slice() {
+        [] => String::new(),
+        all => format!("; {words} {}", all.join(", ")),
+    }
 }
 
 /// Defines a [`Named`] enum: each value has documentation, which is also its line of help, and a name, by which it is

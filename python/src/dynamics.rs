@@ -12,6 +12,7 @@ use aghf::dynamics::{
 };
 use aghf::linalg::Tensor3;
 use aghf::model::{Frame, Model};
+use aghf::names::instead;
 use aghf::scalar::Scalar;
 use aghf::spatial::Placement;
 use nalgebra::DMatrix;
@@ -194,7 +195,8 @@ function_of_states! {
 fn frame_of<'m>(model: &'m Model, name: &str) -> PyResult<&'m Frame<f64>> {
     let found = model.frames().iter().find(|frame| frame.name == name);
     found.ok_or_else(|| {
-        let message = format!("{}: it has no frame '{name}'", model.name());
+        let names = instead(name, model.frames().iter().map(|frame| frame.name.as_str()));
+        let message = format!("{}: it has no frame '{name}'{names}", model.name());
         PyKeyError::new_err(message)
     })
 }

@@ -49,7 +49,7 @@ impl<C: Scalar> Collision<C> {
         let frame = model.frames().iter().find(|f| f.name == link);
         let Some(frame) = frame else {
             let element = format!("link '{link}'");
-            return Err(Error::input(model.name(), element, "there is no such link"));
+            return Err(Error::input(model.name(), element, model.no_link(link)));
         };
         Ok(Self {
             link: link.to_owned(),
@@ -141,11 +141,7 @@ impl<C: Scalar> CollisionSphere<C> {
     pub fn at_link(model: &Model<C>, link: &str, radius: C) -> Result<Self> {
         let frame = model.frames().iter().find(|f| f.name == link);
         let frame = frame.ok_or_else(|| {
-            Error::input(
-                model.name(),
-                format!("link '{link}'"),
-                "there is no such link",
-            )
+            Error::input(model.name(), format!("link '{link}'"), model.no_link(link))
         })?;
         Ok(Self {
             body: frame.body,

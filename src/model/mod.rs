@@ -29,6 +29,7 @@ mod collision;
 mod drive;
 mod joint;
 mod lock;
+mod missing;
 mod random;
 
 pub use build::{JointSpec, LARGEST_DOF, pendulum};

@@ -165,7 +165,7 @@ impl Srdf {
         let to_world = name == ROOT || self.virtual_joints.iter().any(|joint| joint == name);
         match to_world || carriers.any(|carrier| carrier.joint == name) {
             true => Ok(None),
-            false => Err(format!("the robot has no joint '{name}'")),
+            false => Err(model.no_moving_joint(name)),
         }
     }
 
@@ -204,7 +204,7 @@ impl Srdf {
 /// The index of the frame of a link.
 fn frame(link: &str, model: &Model) -> Read<usize> {
     let found = model.frames().iter().position(|frame| frame.name == link);
-    found.ok_or_else(|| format!("the robot has no link '{link}'"))
+    found.ok_or_else(|| model.no_link(link))
 }
 
 /// The moving joint that carries the link of a frame.

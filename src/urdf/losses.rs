@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result, plain};
 use crate::model::{Drive, JointSpec};
+use crate::names::instead;
 use std::collections::BTreeMap;
 use urdf_rs::Dynamics;
 
@@ -60,7 +61,8 @@ impl Losses {
             };
             let unknown = |name: &&String| joints.iter().all(|joint| joint.name != **name);
             if let Some(name) = numbers.keys().find(unknown) {
-                let condition = "the robot has no such joint that moves";
+                let names = instead(name, joints.iter().map(|joint| joint.name.as_str()));
+                let condition = format!("the robot has no such joint that moves{names}");
                 return Err(Error::input(
                     file,
                     format!("losses.{key}.{name}"),

@@ -4,6 +4,7 @@ use super::build::convert_pose;
 use super::tree::walk;
 use super::write::roll_pitch_yaw;
 use crate::error::{Error, Result};
+use crate::names::instead;
 use crate::spatial::Placement;
 use urdf_rs::{Joint, JointType, Link, Pose, Robot, Vec3};
 
@@ -18,7 +19,8 @@ use urdf_rs::{Joint, JointType, Link, Pose, Robot, Vec3};
 pub fn reroot(robot: &Robot, root: &str, file: &str) -> Result<Robot> {
     let visits = walk(robot, file)?;
     let Some(mut at) = visits.iter().position(|visit| visit.link.name == root) else {
-        let condition = "the robot has no such link";
+        let links = visits.iter().map(|visit| visit.link.name.as_str());
+        let condition = format!("the robot has no such link{}", instead(root, links));
         return Err(Error::input(file, format!("root '{root}'"), condition));
     };
     let mut all = robot.clone();

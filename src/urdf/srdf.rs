@@ -135,7 +135,7 @@ fn link(node: Node<'_, '_>, attribute: &str, model: &Model) -> Read<String> {
     let name = required(node, attribute)?;
     match has_link(model, name) {
         true => Ok(name.to_owned()),
-        false => Err(format!("{attribute}: the robot has no link '{name}'")),
+        false => Err(format!("{attribute}: {}", model.no_link(name))),
     }
 }
 

@@ -346,7 +346,7 @@ fn links_are_found_by_name_and_other_robots_are_errors() {
     assert!(
         error
             .to_string()
-            .contains("link 'tail': there is no such link"),
+            .contains("link 'tail': the robot has no link 'tail'"),
         "{error}"
     );
 

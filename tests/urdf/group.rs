@@ -50,7 +50,10 @@ fn the_joints_of_a_group_are_those_of_its_members() {
             "group 'nobody': there is no such group, but 'arm', 'hand'",
         ),
         ("joint", "group 'joint': the robot has no joint 'wheel'"),
-        ("link", "group 'link': the robot has no link 'wheel'"),
+        (
+            "link",
+            "group 'link': the robot has no link 'wheel'; there are '",
+        ),
         ("chain", "group 'chain': the robot has no link 'wheel'"),
     ] {
         let error = srdf.joints_of_group(group, &model, "shapes.srdf");
@@ -106,7 +109,7 @@ fn states_have_positions_of_joints_that_move() {
         ),
         (
             "wheels",
-            "group_state 'wheels' of 'arm': the robot has no joint 'wheel'",
+            "group_state 'wheels' of 'arm': the robot has no joint 'wheel' that moves; there are 'turn', 'grip'",
         ),
     ] {
         let error = of(name).expect_err(name).to_string();

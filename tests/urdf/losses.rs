@@ -132,7 +132,7 @@ fn numbers_that_cannot_be_are_refused_by_name() {
                 armature: named("elbow", 1.0),
                 ..Losses::default()
             },
-            "losses.armature.elbow: the robot has no such joint that moves",
+            "losses.armature.elbow: the robot has no such joint that moves; there are 'shoulder'",
         ),
         (
             Losses {

@@ -36,5 +36,6 @@ mod model {
     mod build;
     mod drive;
     mod lock;
+    mod missing;
     mod random;
 }

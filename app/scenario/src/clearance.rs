@@ -130,7 +130,7 @@ impl Margins<'_> {
             let [a, b] = links;
             let unknown = |link: &&String| robot.frames().iter().all(|f| f.name != **link);
             if let Some(link) = links.iter().find(unknown) {
-                return refuse(format!("the robot has no link '{link}'"));
+                return refuse(robot.no_link(link));
             }
             let is_it = |other: &[String; 2]| other == links || *other == [b.clone(), a.clone()];
             if self.pairs[..i].iter().any(|other| is_it(&other.links)) {

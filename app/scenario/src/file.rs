@@ -381,12 +381,8 @@ fn lock(robot: &Model, joints: &BTreeMap<String, f64>, path: &str) -> Result<Opt
     let mut locked = Vec::with_capacity(joints.len());
     for (name, position) in joints {
         let Some(i) = robot.joints().iter().position(|j| j.name() == name) else {
-            let condition = "the robot has no such joint that moves";
-            return Err(Error::input(
-                path,
-                format!("locked_joints.{name}"),
-                condition,
-            ));
+            let key = format!("locked_joints.{name}");
+            return Err(Error::input(path, key, robot.no_moving_joint(name)));
         };
         locked.push((i, *position));
     }

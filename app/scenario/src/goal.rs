@@ -7,6 +7,7 @@ use aghf::constraint::{AnyConstraint, FrameRows, RowLabel};
 use aghf::direct::{GoalEnd, GoalSet};
 use aghf::error::{Error, Result, plain};
 use aghf::model::{Frame, Model};
+use aghf::names::instead;
 use aghf::spatial::Placement;
 use nalgebra::{Matrix3, Vector3};
 use schemars::JsonSchema;
@@ -73,17 +74,21 @@ impl Goal {
         // The base moves against another frame.
         let moves = |frame: &&Frame<f64>| frame.body.is_some() || self.relative_to.is_some();
         let Some(frame) = frame.filter(moves) else {
-            let condition = format!("the robot has no link '{}' that moves", self.frame);
-            return Err(refuse("frame", condition));
+            return Err(refuse("frame", model.no_moving_link(&self.frame)));
         };
         let reference = match &self.relative_to {
             None => Frame::new("goal", None, Placement::identity()),
             Some(name) => {
                 let found = model.frames().iter().find(|frame| frame.name == *name);
                 let Some(found) = found.filter(|found| found.body != frame.body) else {
+                    let others = model
+                        .frames()
+                        .iter()
+                        .filter(|other| other.body != frame.body);
                     let condition = format!(
-                        "the robot has no link '{name}' that moves against '{}'",
-                        self.frame
+                        "the robot has no link '{name}' that moves against '{}'{}",
+                        self.frame,
+                        instead(name, others.map(|other| other.name.as_str()))
                     );
                     return Err(refuse("relative_to", condition));
                 };

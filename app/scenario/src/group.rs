@@ -3,6 +3,7 @@
 use super::{RobotShape, ScenarioFile, SelfCollision};
 use aghf::error::{Error, Result};
 use aghf::model::Model;
+use aghf::names::instead;
 use aghf::urdf::{Follower, Mimic, RobotSource, Srdf, followers};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -116,7 +117,9 @@ fn state_positions(
         .peekable();
     if states.peek().is_none() {
         let element = format!("group_state '{name}'");
-        return Err(Error::input(srdf_name, element, "there is no such state"));
+        let names = instead(name, srdf.states.iter().map(|state| state.name.as_str()));
+        let condition = format!("there is no such state{names}");
+        return Err(Error::input(srdf_name, element, condition));
     }
     for state in states {
         positions.extend(srdf.positions(state, robot, srdf_name)?);

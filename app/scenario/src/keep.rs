@@ -95,10 +95,7 @@ impl PointSpeed {
         };
         let frame = model.frames().iter().find(|frame| frame.name == self.frame);
         let Some(frame) = frame.filter(|frame| frame.body.is_some()) else {
-            return refuse(
-                "frame",
-                format!("the robot has no link '{}' that moves", self.frame),
-            );
+            return refuse("frame", model.no_moving_link(&self.frame));
         };
         if !self.point_m.iter().all(|x| x.is_finite()) {
             return refuse("point_m", "it needs finite numbers".to_owned());

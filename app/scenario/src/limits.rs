@@ -150,7 +150,7 @@ impl EnforcedLimits {
             }
             let known = |name: &String| model.joints().iter().any(|joint| joint.name() == name);
             if let Some(unknown) = joints.iter().flatten().find(|name| !known(name)) {
-                let condition = format!("the robot has no joint '{unknown}' that moves");
+                let condition = model.no_moving_joint(unknown);
                 return Err(Error::input(path, format!("{key}.joints"), condition));
             }
         }

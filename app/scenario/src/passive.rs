@@ -27,7 +27,7 @@ pub(super) fn check_passive(file: &ScenarioFile, model: &Model, path: &str) -> R
             return refuse(key, condition);
         }
         if model.joints().iter().all(|joint| joint.name() != name) {
-            return refuse(key, format!("the robot has no joint '{name}' that moves"));
+            return refuse(key, model.no_moving_joint(name));
         }
         if file.passive[..i].contains(name) {
             return refuse(key, format!("joint '{name}' is named twice"));

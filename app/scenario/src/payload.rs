@@ -45,8 +45,7 @@ impl Payload {
         let found = robot.frames().iter().find(|frame| frame.name == self.link);
         let Some((body, frame)) = found.and_then(|frame| Some((frame.body?, frame.placement)))
         else {
-            let condition = format!("the robot has no link '{}' that moves", self.link);
-            return Err(refuse("link", condition));
+            return Err(refuse("link", robot.no_moving_link(&self.link)));
         };
         robot.inertias_mut()[body] += self.inertia(&refuse)?.placed(&frame);
         self.collision(robot, path)

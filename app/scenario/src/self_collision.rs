@@ -240,8 +240,7 @@ pub(super) fn check_links(pairs: &[[String; 2]], model: &Model, path: &str) -> R
         let unknown = |link: &&String| model.frames().iter().all(|frame| frame.name != **link);
         if let Some(link) = pair.iter().find(unknown) {
             let key = format!("self_collision.ignored_pairs[{i}]");
-            let condition = format!("the robot has no link '{link}'");
-            return Err(Error::input(path, key, condition));
+            return Err(Error::input(path, key, model.no_link(link)));
         }
     }
     Ok(())

@@ -55,7 +55,7 @@ impl Stand {
         };
         let frame = model.frames().iter().find(|frame| frame.name == self.frame);
         let Some(frame) = frame else {
-            return refuse("frame", format!("the robot has no link '{}'", self.frame));
+            return refuse("frame", model.no_link(&self.frame));
         };
         if frame.body.is_some() {
             let condition = format!(

@@ -259,8 +259,7 @@ fn positions(
         let key = format!("{key}.joint_constraints[{i}]");
         let name = &joint.joint_name;
         if model.joints().iter().all(|joint| joint.name() != name) {
-            let condition = format!("the robot has no joint '{name}' that moves");
-            return Err(Error::input(file, key, condition));
+            return Err(Error::input(file, key, model.no_moving_joint(name)));
         }
         if positions.insert(name.clone(), joint.position).is_some() {
             return Err(Error::input(

@@ -134,7 +134,7 @@ fn groups_that_cannot_be_planned_are_refused_by_key() {
         ),
         (
             with(files(), json!({ "held_state": "shut" })),
-            "held_state: ; group_state 'shut': there is no such state",
+            "held_state: ; group_state 'shut': there is no such state; there are '",
         ),
         (
             with(files(), json!({ "held_state": "bad" })),
