@@ -68,7 +68,7 @@ impl Ik {
             "v_start": vec![0.0; model.dof()],
             "goal": self.goal(),
         });
-        let scenario = Scenario::parse(&scenario.to_string(), "aghf ik", Path::new(""))?;
+        let scenario = Scenario::parse(&scenario.to_string(), "options", Path::new(""))?;
         let mut ends = match scenario.goal_with_ends() {
             Ok(goal) => goal.map_or_else(Vec::new, |goal| goal.ends),
             Err(Error::Input {

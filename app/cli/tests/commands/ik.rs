@@ -78,6 +78,7 @@ fn a_pose_out_of_reach_has_its_exit_code_and_reason() {
     ] {
         assert_bad_input(&folder, &asked("panda_hand", position), words);
     }
-    let words = "the robot has no link 'hand' that moves";
+    let words =
+        "aghf: options: goal.frame: the robot has no link 'hand' that moves; the nearest of ";
     assert_bad_input(&folder, &asked("hand", "0,0,0"), words);
 }
