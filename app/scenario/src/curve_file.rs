@@ -48,6 +48,32 @@ impl CurveFile {
         }
     }
 
+    /// Checks that the motion is one of this robot. `file` names it in errors.
+    ///
+    /// # Errors
+    /// The joints are others.
+    pub fn check_joints(&self, model: &Model, file: &str) -> Result<()> {
+        let (own, given) = (model.dof(), self.joints.len());
+        let names = model.joints().iter().map(Joint::name);
+        let differ = names.zip(&self.joints).find(|(own, given)| own != given);
+        let condition = match differ {
+            _ if own != given => {
+                format!(
+                    "the motion and robot '{}' have {given} and {own} joints",
+                    model.name()
+                )
+            }
+            Some((own, given)) => {
+                format!(
+                    "the motion has joint '{given}', robot '{}' has '{own}' in its place",
+                    model.name()
+                )
+            }
+            None => return Ok(()),
+        };
+        Err(Error::input(file, "curve.joints", condition))
+    }
+
     /// The curve through the states. `file` names it in errors.
     ///
     /// # Errors
@@ -55,10 +81,7 @@ impl CurveFile {
     pub(super) fn curve(&self, model: &Model, file: &str) -> Result<Curve> {
         let dof = model.dof();
         let refuse = |element: String, condition: String| Error::input(file, element, condition);
-        if !model.joints().iter().map(Joint::name).eq(&self.joints) {
-            let condition = "they are not those of the robot";
-            return Err(refuse("curve.joints".to_owned(), condition.to_owned()));
-        }
+        self.check_joints(model, file)?;
         for (i, state) in self.states.iter().enumerate() {
             if state.len() != 2 * dof {
                 let condition = format!(

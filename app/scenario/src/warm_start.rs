@@ -4,7 +4,6 @@ use super::search::Search;
 use super::{Details, Solved};
 use aghf::direct::Multipliers;
 use aghf::error::{Error, Result};
-use aghf::model::Joint;
 use serde::{Deserialize, Serialize};
 
 /// The share of the largest multiplier below which others are not written: those of rows far from their bounds, which
@@ -45,18 +44,9 @@ impl MultipliersFile {
 /// # Errors
 /// The motion is that of other joints, or a multiplier is wrong.
 pub(super) fn start_from(start: &Solved, search: &mut Search<'_, '_>) -> Result<String> {
-    let (name, own) = (&start.scenario.name, &start.summary.curve.joints);
-    if !search
-        .scenario
-        .model
-        .joints()
-        .iter()
-        .map(Joint::name)
-        .eq(own)
-    {
-        let condition = format!("the motion of '{name}' is that of other joints");
-        return Err(Error::input("start", "curve.joints", condition));
-    }
+    let name = &start.scenario.name;
+    let motion = format!("start: the motion of '{name}'");
+    (start.summary.curve).check_joints(&search.scenario.model, &motion)?;
     search.settings.start = Some(start.curve.clone());
     let rows = search.constraints.dim();
     let known = match &start.summary.details {

@@ -47,6 +47,7 @@ impl Certify {
         let scenario = self.robot.scenario(&self.scenario)?;
         let run = summary_at(&self.run)?;
         let solved = Solved::load(&run)?;
+        (solved.summary.curve).check_joints(&scenario.model, &run)?;
         let begin = Instant::now();
         let times = match &solved.summary.details {
             Details::Direct(details) => &details.waypoint_times_s[..],

@@ -69,4 +69,10 @@ fn a_solve_is_certified_and_checked() {
         other.stdout
     );
     assert!(!folder.join("other.json").exists());
+    // The motion of another robot.
+    assert_bad_input(
+        &folder,
+        &["certify", "pendulum_1_swingup", "out", "-o", "other.json"],
+        "out/summary.json: curve.joints: the motion and robot 'pendulum_1' have 7 and 1 joints",
+    );
 }
