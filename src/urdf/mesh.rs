@@ -96,8 +96,8 @@ fn triangles(scene: io::Result<Scene>) -> Read<Vec<Triangle>> {
 fn find(file: &str, folder: &Path) -> Read<PathBuf> {
     if !file.starts_with("package://") {
         let path = folder.join(file.strip_prefix("file://").unwrap_or(file));
-        let missing = || format!("there is no such file at '{}'", path.display());
-        return path.is_file().then(|| path.clone()).ok_or_else(missing);
+        let missing = || format!("there is no such file, seen from '{}'", folder.display());
+        return path.is_file().then_some(path).ok_or_else(missing);
     }
     let (package, path) = package_and_path(file).ok_or("it has no path")?;
     // The folder of a file without one in its path is empty.
@@ -127,11 +127,15 @@ fn find(file: &str, folder: &Path) -> Read<PathBuf> {
     {
         return Ok(path);
     }
-    let by_ros = found.map_or_else(|e| e.to_string(), |found| format!("nor in '{found}'"));
+    let by_ros = found.map_or_else(
+        |_| "which are not there or do not find it".to_owned(),
+        |found| format!("which name '{found}'"),
+    );
     Err(format!(
-        "there is no such file at '{}' or above it, nor in the folders of ROS_PACKAGE_PATH {ros:?} and \
-         AMENT_PREFIX_PATH {ament:?}, and {by_ros}; --package {package}=FOLDER (in a scenario: \"packages\": \
-         {{\"{package}\": FOLDER}}, in code: UrdfOptions::packages) says where it is",
+        "there is no such file; --package {package}=FOLDER (in a scenario: \"packages\": {{\"{package}\": FOLDER}}, in \
+         code: UrdfOptions::packages) says where the package is, as does the environment variable ROS_PACKAGE_PATH \
+         with the folder above it; it was looked for at '{}' and above it, in ROS_PACKAGE_PATH={ros:?} and \
+         AMENT_PREFIX_PATH={ament:?}, and by the programs rospack and ros2, {by_ros}",
         absolute.display()
     ))
 }

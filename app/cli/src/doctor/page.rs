@@ -3,7 +3,8 @@
 use super::{Diagnosis, Finding, LinkShape, Plannable, Severity, Shapes};
 use crate::output::{short, table};
 use comfy_table::CellAlignment;
-use std::fmt::Write;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::{Display, Write};
 
 /// The number of names in a line.
 const NAMED: usize = 4;
@@ -58,20 +59,22 @@ fn in_words(finding: &Finding) -> String {
         remedy,
         ..
     } = finding;
-    let mut shown: Vec<_> = names
-        .iter()
-        .take(NAMED)
-        .map(|name| format!("'{name}'"))
-        .collect();
-    if let Some(more @ 1..) = names.len().checked_sub(NAMED) {
-        shown.push(format!("{more} more"));
-    }
-    let plural = if names.len() > 1 { "s" } else { "" };
-    let mut text = format!("  {kind}{plural} {}: {condition}\n", shown.join(", "));
+    let mut text = format!("  {}: {condition}\n", listed(kind, names));
     if !remedy.is_empty() {
         text += &format!("    remedy: {remedy}\n");
     }
     text
+}
+
+/// The first names of elements of a kind, and the number of the others.
+fn listed(kind: &str, names: &[impl Display]) -> String {
+    let shown = names.iter().take(NAMED);
+    let mut shown: Vec<_> = shown.map(|name| format!("'{name}'")).collect();
+    if let Some(more @ 1..) = names.len().checked_sub(NAMED) {
+        shown.push(format!("{more} more"));
+    }
+    let plural = if names.len() > 1 { "s" } else { "" };
+    format!("{kind}{plural} {}", shown.join(", "))
 }
 
 /// The table of the shapes, and the reasons why some cannot be read.
@@ -92,13 +95,20 @@ fn of_shapes(shapes: &Shapes) -> String {
         shapes.balls,
         1e3 * shapes.excess_m
     );
-    for reason in shapes
-        .shapes
-        .iter()
-        .filter_map(|shape| shape.unread.as_ref())
-    {
+    let mut unread = BTreeMap::<&str, BTreeSet<&str>>::new();
+    for shape in &shapes.shapes {
+        if let Some(reason) = &shape.unread {
+            unread.entry(reason).or_default().insert(&shape.shape);
+        }
+    }
+    for (reason, files) in unread {
+        let (count, files) = (files.len(), Vec::from_iter(files));
         // Writing to a string does not fail.
-        let _ = writeln!(text, "  {reason}");
+        let _ = writeln!(
+            text,
+            "  {count} not read, {}: {reason}",
+            listed("shape", &files)
+        );
     }
     text
 }

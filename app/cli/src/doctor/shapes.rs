@@ -1,6 +1,7 @@
 //! The collision shapes of a robot: which are read, and how far their covers extend beyond them.
 
 use super::{Finding, Severity};
+use aghf::error::Error;
 use aghf::geometry::{CollisionGeometry, CollisionSphere};
 use aghf::model::{CollisionShape, Model};
 use aghf_scenario::cover_shape;
@@ -74,6 +75,7 @@ pub(super) fn covered(
             unread: None,
         };
         match cover {
+            Err(Error::Input { condition, .. }) => item.unread = Some(condition),
             Err(error) => item.unread = Some(error.to_string()),
             Ok(cover) => {
                 item.balls = cover.balls.len();
@@ -94,14 +96,17 @@ pub(super) fn covered(
         shapes.shapes.push(item);
     }
     let unread = shapes.shapes.iter().filter(|shape| shape.unread.is_some());
+    let mut links: Vec<_> = unread.map(|shape| shape.link.clone()).collect();
+    links.dedup();
     let found = Finding::about(
-        Severity::Note,
+        Severity::NeedsKey,
         "link",
-        unread.map(|shape| shape.link.clone()),
+        links,
         [
             "a collision shape of it cannot be used, for the reason in the table, so a scenario is refused \
              unless it says \"robot_shape\": \"joint_frames\" or \"swept_links\"",
-            "--package NAME=FOLDER where the package is not found; another format or shape in the file otherwise",
+            "--package NAME=FOLDER or ROS_PACKAGE_PATH where the package is not found; another format or shape in the \
+             file otherwise",
         ],
     );
     (shapes, geometry, found)

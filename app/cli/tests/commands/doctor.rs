@@ -164,8 +164,8 @@ fn what_is_refused_is_a_finding_and_the_rest_is_examined() {
         "Needs a key",
         "remedy: \"srdf\": FILE and \"group\": NAME",
         "not found; another format",
-        "package://parts/base.dae: mesh: there is no such file at",
-        "--package parts=FOLDER",
+        "  1 not read, shape 'package://parts/base.dae': there is no such file; --package parts=FOLDER",
+        "environment variable ROS_PACKAGE_PATH",
         "0, 1 not read",
         "zero: arm and hand by 50.0 mm (excess 0.0 mm)",
     ] {
@@ -175,6 +175,43 @@ fn what_is_refused_is_a_finding_and_the_rest_is_examined() {
     let run = doctor(&folder, &["--package", "parts=there"]);
     let overlaps = "zero: arm and hand by 50.0 mm (excess 0.0 mm)\n";
     assert!(run.stdout.ends_with(overlaps), "{}", run.stdout);
+}
+
+/// Without its meshes a robot needs a key, and there is one line about those that are missing for one reason.
+#[test]
+fn meshes_that_are_not_found_are_named_together() {
+    let folder = folder("doctor_meshes", "revolute");
+    let mesh = |i| {
+        format!(
+            "<collision><geometry><mesh filename=\"package://FOLDER/{i}.stl\"/></geometry></collision>"
+        )
+    };
+    let meshes: String = (0..6).map(mesh).collect();
+    let robot = ROBOT.replace("FLOAT", "revolute");
+    let robot = robot.replace(
+        "<mimic joint=\"turn\" multiplier=\"-2\" offset=\"0.5\"/>",
+        "",
+    );
+    let robot = robot.replace(
+        "<link name=\"mid\">",
+        &format!("<link name=\"mid\">{meshes}"),
+    );
+    for (package, reason) in [
+        ("none", "; --package none=FOLDER"),
+        ("parts", ", seen from"),
+    ] {
+        let robot = robot.replace("FOLDER", package);
+        std::fs::write(folder.join("ill.urdf"), robot).expect("it is writable");
+        let run = doctor(&folder, &["--package", "parts=there"]);
+        for words in [
+            "ill.urdf: motions can be planned with the keys below",
+            "Needs a key\n  link 'mid': a collision shape of it cannot be used",
+            "\n  6 not read, shapes '",
+            &format!("/3.stl', 2 more: there is no such file{reason}"),
+        ] {
+            assert!(run.stdout.contains(words), "{words}:\n{}", run.stdout);
+        }
+    }
 }
 
 /// Faults of a file that leave no robot, of an SRDF, and of what is no robot.
