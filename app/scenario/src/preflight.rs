@@ -214,6 +214,14 @@ impl Scenario {
         let (key, horizon) = match self.horizon_bounds() {
             Some(HorizonBounds { longest_s, .. }) => ("free_horizon.longest_s", longest_s),
             None => ("horizon_s", file.horizon_s),
+    /// The advice where no configuration at the end is given, from which a horizon that is too short would be known.
+    pub(super) fn fixed_horizon(&self) -> Option<String> {
+        (self.goal.is_some() && self.horizon_bounds().is_none()).then(|| {
+            let horizon = plain(self.file.horizon_s);
+            format!("the horizon is fixed: a horizon_s of more than {horizon} s or free_horizon may help")
+        })
+    }
+
         };
         let Some((i, limit, least)) = self.least_horizon() else {
             return Ok(());

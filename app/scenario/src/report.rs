@@ -239,7 +239,12 @@ pub(super) fn report_of(
     }
     // The reasons include all violations, and the simulation where it decides.
     let missed = missed.filter(|_| completed && simulated);
-    let reasons = [failure, feasibility.reason(tolerance), missed];
+    let reasons = [
+        failure,
+        feasibility.reason(tolerance),
+        missed,
+        scenario.fixed_horizon(),
+    ];
     let reasons: Vec<String> = reasons.into_iter().flatten().collect();
     let failure = (!success).then(|| reasons.join("; "));
     let joints = model.joints().iter().map(|joint| joint.name().to_owned());

@@ -5,7 +5,7 @@ use aghf::dynamics::{forward_kinematics, frame_placement};
 use aghf::model::Model;
 use aghf::spatial::Placement;
 use aghf_scenario::judge::{Tolerances, Trajectory, judge};
-use aghf_scenario::{Details, Scenario, Solve};
+use aghf_scenario::{Details, DirectOptions, Scenario, Solve};
 use nalgebra::{Rotation3, UnitQuaternion};
 use serde_json::{Value, json};
 
@@ -158,4 +158,27 @@ fn goals_that_no_configuration_reaches_are_refused_with_the_reason() {
         .expect("one is reachable")
         .expect("a set");
     assert!(goal.ends.iter().all(|end| end.alternative == 1));
+}
+
+#[test]
+fn a_horizon_that_is_fixed_and_too_short_is_named() {
+    let short = kinova(pose_at(&REACHED));
+    let words = "; the horizon is fixed: a horizon_s of more than 0.1 s or free_horizon may help";
+    for (keys, advised) in [
+        (json!({ "horizon_s": 0.1 }), true),
+        (
+            json!({ "horizon_s": 0.1, "free_horizon": { "shortest_s": 0.05, "longest_s": 0.1 } }),
+            false,
+        ),
+    ] {
+        let scenario = load("short", &with(short.clone(), keys)).expect("it is good");
+        let options = DirectOptions {
+            starts: Some(1),
+            ..DirectOptions::default()
+        };
+        let report = Solve::new(&scenario).options(options).run();
+        let failure = report.expect("it is good").summary.failure;
+        let failure = failure.expect("it is too short");
+        assert_eq!(failure.ends_with(words), advised, "{failure}");
+    }
 }
