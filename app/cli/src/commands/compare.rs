@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// The summaries in the folder of a solve, that of a success first.
-const SUMMARIES: [&str; 2] = ["summary.json", "summary.failed.json"];
+pub(super) const SUMMARIES: [&str; 2] = ["summary.json", "summary.failed.json"];
 
 /// Show two motions side by side in time, on one page.
 ///

@@ -1,11 +1,12 @@
 //! `aghf judge`.
 
+use super::compare::{SUMMARIES, summary_at};
 use super::{CHECK_FAILED, RobotArgs, print};
 use crate::output::{judgement_table, refuse_existing, write_json, write_text};
 use aghf::error::{Error, Result};
 use aghf_scenario::judge::{Tolerances, Trajectory, judge};
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Judge a trajectory from any source: is it a motion of the scenario?
@@ -22,7 +23,8 @@ pub(super) struct Judge {
     scenario: String,
     #[command(flatten)]
     robot: RobotArgs,
-    /// The trajectory, "-" for a table on the standard input.
+    /// The trajectory, "-" for a table on the standard input; or the folder of a solve or its summary.json, whose table
+    /// is judged.
     trajectory: PathBuf,
     /// Accepted deviation of everything but clearances: rad, m, rad/s, m/s, rad/s^2, m/s^2, s; for torques as a
     /// fraction of the largest torque of the motion.
@@ -45,7 +47,7 @@ impl Judge {
             refuse_existing(path, self.force)?;
         }
         let scenario = self.robot.scenario(&self.scenario)?;
-        let trajectory = Trajectory::load(&self.trajectory, &scenario.model)?;
+        let trajectory = Trajectory::load(&table_at(&self.trajectory)?, &scenario.model)?;
         let tolerances = Tolerances {
             tolerance: self.tolerance,
             overlap_m: self.overlap,
@@ -65,4 +67,17 @@ impl Judge {
             ExitCode::from(CHECK_FAILED)
         })
     }
+}
+
+/// The table of a run by its folder or its summary; any other path is that of the trajectory itself.
+fn table_at(path: &Path) -> Result<PathBuf> {
+    if !path.is_dir() && !SUMMARIES.iter().any(|name| path.ends_with(name)) {
+        return Ok(path.to_owned());
+    }
+    let summary = PathBuf::from(summary_at(path)?);
+    let name = summary.file_name().unwrap_or_default().to_string_lossy();
+    let table = name
+        .replace("summary", "trajectory")
+        .replace(".json", ".csv");
+    Ok(summary.with_file_name(table))
 }

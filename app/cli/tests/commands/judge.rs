@@ -59,6 +59,15 @@ fn what_is_solved_is_valid() {
     // The summary of a solve is a scenario too.
     let summary = aghf(&folder, &["judge", "out/summary.json", table]);
     assert_eq!(summary.code, Some(0), "{}", summary.stdout);
+    for of_run in ["out", "out/summary.json"] {
+        let judged = aghf(&folder, &["judge", "out/summary.json", of_run]);
+        assert_eq!((judged.code, &judged.stdout), (Some(0), &summary.stdout));
+    }
+    assert_bad_input(
+        &folder,
+        &["judge", "out/summary.json", "."],
+        "neither 'summary.json' nor",
+    );
 }
 
 #[test]
