@@ -22,6 +22,9 @@ pub struct Feasibility {
     /// The smallest distance of the robot's shape from an obstacle at 2001 times, m; negative in a collision, `None`
     /// without obstacles. The constraints act on balls that cover the shape, so they are stricter.
     pub smallest_clearance_m: Option<f64>,
+    /// The two that it is between, and its time; `None` without obstacles or pairs of links.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nearest: Option<Nearest>,
     /// The violations, however small, of everything that the scenario enforces and of all limits of the robot: the
     /// worst one per kind of limit and joint, and per pair of a link and an obstacle. Violations of enforced limits
     /// come first.
@@ -33,6 +36,22 @@ pub struct Feasibility {
     /// The force of the ground on a standing foot, at 2001 times; `None` without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foot: Option<FootLoad>,
+}
+
+/// The pair with the smallest clearance.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Nearest {
+    /// A part of the robot, and an obstacle or another part.
+    pub between: [String; 2],
+    /// The time, s.
+    pub at_s: f64,
+}
+
+impl fmt::Display for Nearest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [a, b] = &self.between;
+        write!(f, "'{a}' and '{b}' at {} s", time(self.at_s))
+    }
 }
 
 /// A violated limit.
@@ -198,9 +217,15 @@ impl Feasibility {
         let torques = largest_torques(model, curve, INTERVALS.div_ceil(curve.segments()))?;
         let largest = |torques: &mut dyn Iterator<Item = f64>| torques.max_by(f64::total_cmp);
         let passive = scenario.passive();
-        let configurations = samples.iter().map(|s| s.q.as_slice());
+        let found = scenario.nearest(samples.iter().map(|s| s.q.as_slice()))?;
+        let smallest_clearance_m = found.as_ref().map(|(.., distance)| *distance);
+        let nearest = found.map(|(k, between, _)| Nearest {
+            between,
+            at_s: samples[k].t,
+        });
         Ok(Self {
-            smallest_clearance_m: scenario.smallest_clearance(configurations)?,
+            smallest_clearance_m,
+            nearest,
             limit_violations,
             largest_torque: largest(&mut torques.iter().copied()).unwrap_or(0.0),
             largest_passive_torque: largest(&mut passive.into_iter().map(|i| torques[i])),

@@ -151,16 +151,29 @@ impl Scenario {
         &self,
         configurations: impl Iterator<Item = &'q [f64]>,
     ) -> Result<Option<f64>> {
-        if self.scene.is_empty() {
-            return Ok(None);
-        }
+        Ok(self.nearest(configurations)?.map(|(.., distance)| distance))
+    }
+
+    /// The index of the configuration with the smallest clearance, the names of the pair, and its distance, m.
+    pub(super) fn nearest<'q>(
+        &self,
+        configurations: impl Iterator<Item = &'q [f64]>,
+    ) -> Result<Option<(usize, [String; 2], f64)>> {
         let mut placements = vec![Placement::identity(); self.model.dof()];
-        let mut smallest = f64::INFINITY;
-        for q in configurations {
+        let mut nearest: Option<(usize, ClosestPair)> = None;
+        for (k, q) in configurations.enumerate() {
             forward_kinematics(&self.model, q, &mut placements)?;
-            smallest = smallest.min(self.scene.clearance(&placements)?);
+            let Some(pair) = self.scene.closest_pair(&placements)? else {
+                return Ok(None);
+            };
+            if nearest.is_none_or(|(_, known)| pair.distance < known.distance) {
+                nearest = Some((k, pair));
+            }
         }
-        Ok(Some(smallest))
+        let named = |(k, pair): (usize, ClosestPair)| {
+            (k, self.names_of(&pair).map(str::to_owned), pair.distance)
+        };
+        Ok(nearest.map(named))
     }
 
     /// Remarks on obstacles so far away that their lengths may have another unit.

@@ -88,7 +88,12 @@ pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
         add("outside limits", note);
     }
     if let Some(clearance) = s.feasibility.smallest_clearance_m {
-        add("smallest clearance", &format!("{} m", short(clearance)));
+        let pair = s.feasibility.nearest.iter();
+        let pair: String = pair.map(|pair| format!(", {pair}")).collect();
+        add(
+            "smallest clearance",
+            &format!("{} m{pair}", short(clearance)),
+        );
     }
     if let Some(passive) = s.feasibility.largest_passive_torque {
         let largest = s.feasibility.largest_torque;

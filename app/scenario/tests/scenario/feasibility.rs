@@ -59,6 +59,7 @@ fn broken_limits_are_told_and_enforced_ones_matter() {
     let far = motion(|t| limits.upper + 0.5 - (t - 1.0003).powi(2), |_| 0.0);
     let found = of(&scenario, &far);
     assert_eq!(found.smallest_clearance_m, None, "no obstacles");
+    assert_eq!(found.nearest, None);
     let limit = only(&found);
     assert_eq!(limit.limit, Limit::Position);
     assert_eq!(limit.joint.as_deref(), Some(joint.name()));
@@ -170,6 +171,16 @@ fn a_collision_is_told() {
     assert!(start.smallest_clearance_m.is_some_and(|m| m > 0.02) && start.holds(0.0));
     let through = of(&scenario, &line(1.0));
     assert!(through.smallest_clearance_m.is_some_and(|m| m < -0.02) && !through.holds(1e-3));
+    let nearest = through.nearest.as_ref().expect("it collides");
+    let mut obstacles = scenario.scene.obstacles().iter();
+    assert!(
+        obstacles.any(|each| each.name == nearest.between[1]),
+        "{nearest}"
+    );
+    assert!(
+        nearest.at_s > 0.0 && nearest.at_s < scenario.file.horizon_s,
+        "{nearest}"
+    );
     let hit = through.limit_violations.iter();
     let hit: Vec<_> = hit.filter(|v| v.limit == Limit::Clearance).collect();
     assert!(
