@@ -1,7 +1,7 @@
 //! `aghf certify` and `aghf check-certificate`.
 
 use super::compare::summary_at;
-use super::{CHECK_FAILED, RobotArgs, print};
+use super::{CHECK_FAILED, IN_PART, RobotArgs, print};
 use crate::output::{certification_text, refuse_existing, write_json, write_text};
 use aghf::error::{Error, Result};
 use aghf::input::read_text;
@@ -20,7 +20,7 @@ use std::time::Instant;
 /// with rounding accounted for. The certificate lists intervals and a reserve
 /// of each promise on each; `aghf-check` and `python -m aghf.check_certificate` check it with code of their own. Exit
 /// code 1, and no file, if a promise is broken or cannot be proved; the message names each row, its time and its
-/// excess. What the scenario asks for and no certificate covers yet is listed in it and printed.
+/// excess. What the scenario asks for and no certificate covers yet is listed in it and printed, with exit code 4.
 #[derive(Debug, Args)]
 pub(super) struct Certify {
     /// A built-in or generated scenario, or the path of a JSON file, "-" for the standard input.
@@ -70,7 +70,10 @@ impl Certify {
         }
         write_text(&text, &self.out)?;
         print(&format!("wrote {}", self.out.display()))?;
-        Ok(ExitCode::SUCCESS)
+        Ok(match certificate.complete {
+            true => ExitCode::SUCCESS,
+            false => ExitCode::from(IN_PART),
+        })
     }
 }
 

@@ -45,6 +45,8 @@ const CHECK_FAILED: u8 = 1;
 const BAD_INPUT: u8 = 2;
 /// Exit code for a failed solve.
 const FAILED: u8 = 3;
+/// Exit code for a certificate that does not cover all of its scenario.
+const IN_PART: u8 = 4;
 
 /// Plans motions of robots with the Affine Geometric Heat Flow.
 ///
@@ -58,7 +60,7 @@ struct Cli {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 success, 1 a check, a proof or a trajectory failed, 2 bad input, 3 the motion \
-    of a solve is not valid, or no motion can be planned for a robot.";
+    of a solve is not valid, or no motion can be planned for a robot, 4 a certificate covers a part of its scenario.";
 
 #[derive(Debug, Subcommand)]
 enum Command {

@@ -2,7 +2,7 @@
 
 use crate::command::{aghf, assert_bad_input, empty_folder};
 use aghf::urdf::builtin_robot_text;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 #[test]
 fn a_solve_is_certified_and_checked() {
@@ -75,4 +75,30 @@ fn a_solve_is_certified_and_checked() {
         &["certify", "pendulum_1_swingup", "out", "-o", "other.json"],
         "out/summary.json: curve.joints: the motion and robot 'pendulum_1' have 7 and 1 joints",
     );
+}
+
+/// No certificate covers a load that is no ball.
+#[test]
+fn a_certificate_of_a_part_has_an_exit_code_of_its_own() {
+    let folder = empty_folder("certify_in_part");
+    let scenario = json!({
+        "robot": "pendulum_1", "horizon_s": 1.0, "q_start": [0.0], "v_start": [0.0], "q_goal": [0.5], "v_goal": [0.0],
+        "robot_shape": "joint_frames",
+        "payload": { "link": "link_1", "mass_kg": 0.1, "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } } },
+        "obstacles": [{ "shape": { "sphere": { "radius_m": 0.5 } }, "pose": { "position_m": [5.0, 0.0, 0.0] } }]
+    });
+    std::fs::write(folder.join("load.json"), scenario.to_string()).expect("writable");
+    let solved = aghf(
+        &folder,
+        &["solve", "load.json", "--out", "out", "--starts", "1"],
+    );
+    assert_eq!(solved.code, Some(0), "{}{}", solved.stdout, solved.stderr);
+    let run = aghf(&folder, &["certify", "load.json", "out"]);
+    assert_eq!(run.code, Some(4), "{}{}", run.stdout, run.stderr);
+    assert!(
+        run.stdout.contains("\ncertified in part: "),
+        "{}",
+        run.stdout
+    );
+    assert!(folder.join("certificate.json").exists());
 }
