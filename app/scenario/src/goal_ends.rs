@@ -1,6 +1,7 @@
 //! Final configurations in a goal that is a set, by inverse kinematics.
 
 use super::own_terms::worst_row;
+use super::scene::{FAR, MILLIMETRES};
 use super::{Goal, Limit, Scenario};
 use aghf::constraint::{AnyConstraint, RowLabel};
 use aghf::curve::{Chebyshev, Curve};
@@ -200,9 +201,13 @@ fn beyond_reach(goal: &Goal, model: &Model) -> Option<String> {
     let (name, origin) = first?;
     let distance = (position - origin).norm() - goal.tolerance_m.unwrap_or(0.0);
     (distance > reach + f64::EPSILON.sqrt()).then(|| {
+        let units = match distance > FAR * reach {
+            true => format!("; {MILLIMETRES}"),
+            false => String::new(),
+        };
         let [distance, reach] = [distance, reach].map(|x| plain((1e4 * x).round() / 1e4));
         format!(
-            "its position is {distance} m from joint '{name}', and the links to frame '{}' add up to {reach} m",
+            "its position is {distance} m from joint '{name}', and the links to frame '{}' add up to {reach} m{units}",
             goal.frame
         )
     })

@@ -8,6 +8,7 @@ use aghf::error::{Error, Result, check_length, plain};
 use aghf::geometry::{ClosestPair, Collider, Part};
 use aghf::model::Model;
 use aghf::spatial::Placement;
+use std::f64::consts::TAU;
 
 /// The largest accepted violation of a constraint, in its own unit, as in the search.
 const TOLERANCE: f64 = DirectSettings::FEASIBLE;
@@ -198,9 +199,14 @@ impl Scenario {
             };
             if *x < lower - TOLERANCE || *x > upper + TOLERANCE {
                 let (name, what, unit) = (joint.name(), limit.name(), limit.unit(joint.kind()));
+                let in_degrees = x.abs() > TAU && (lower..=upper).contains(&x.to_radians());
+                let units = match unit {
+                    "rad" if in_degrees => "; angles are in radians, are these degrees?",
+                    _ => "",
+                };
                 let [x, lower, upper] = [*x, lower, upper].map(plain);
                 let condition = format!(
-                    "joint '{name}' has {x} {unit}, its enforced {what} limits are [{lower}, {upper}] {unit}"
+                    "joint '{name}' has {x} {unit}, its enforced {what} limits are [{lower}, {upper}] {unit}{units}"
                 );
                 return self.refuse(key, condition);
             }
@@ -208,12 +214,6 @@ impl Scenario {
         Ok(())
     }
 
-    /// Refuses a horizon that is too short for a joint.
-    fn check_horizon(&self) -> Result<()> {
-        let file = &self.file;
-        let (key, horizon) = match self.horizon_bounds() {
-            Some(HorizonBounds { longest_s, .. }) => ("free_horizon.longest_s", longest_s),
-            None => ("horizon_s", file.horizon_s),
     /// The advice where no configuration at the end is given, from which a horizon that is too short would be known.
     pub(super) fn fixed_horizon(&self) -> Option<String> {
         (self.goal.is_some() && self.horizon_bounds().is_none()).then(|| {
@@ -222,6 +222,12 @@ impl Scenario {
         })
     }
 
+    /// Refuses a horizon that is too short for a joint.
+    fn check_horizon(&self) -> Result<()> {
+        let file = &self.file;
+        let (key, horizon) = match self.horizon_bounds() {
+            Some(HorizonBounds { longest_s, .. }) => ("free_horizon.longest_s", longest_s),
+            None => ("horizon_s", file.horizon_s),
         };
         let Some((i, limit, least)) = self.least_horizon() else {
             return Ok(());

@@ -20,7 +20,10 @@ use std::path::Path;
 const MOST_ROWS: usize = 50_000;
 
 /// The distance of an obstacle, as a multiple of the robot's reach, beyond which it is in no way of it.
-const FAR: f64 = 100.0;
+pub(super) const FAR: f64 = 100.0;
+
+/// The question about lengths that are so large.
+pub(super) const MILLIMETRES: &str = "lengths are in metres, are these millimetres?";
 
 /// Builds the scene of a scenario, in which the robot may carry a load, and finds the pairs of links that are not
 /// ignored but [always overlap](always_overlapping), which are ignored too, as are those that never meet; `path` names
@@ -189,8 +192,7 @@ impl Scenario {
             let (name, [distance, reach]) =
                 (&obstacle.name, [distance, reach].map(|x| three_digits(x, f64::round)));
             format!(
-                "'{name}' is {distance} m from the base, and the robot reaches {reach} m: lengths are in metres, are \
-                 these millimetres?"
+                "'{name}' is {distance} m from the base, and the robot reaches {reach} m: {MILLIMETRES}"
             )
         });
         Ok(told.collect())

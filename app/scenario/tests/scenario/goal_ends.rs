@@ -133,6 +133,13 @@ fn goals_that_no_configuration_reaches_are_refused_with_the_reason() {
         refused.contains(words) && refused.contains("add up to"),
         "{refused}"
     );
+    assert!(!refused.contains("millimetres"), "{refused}");
+    let unit = json!({ "frame": TOOL, "position_m": [400.0, 0.0, 300.0] });
+    let refused = refusal(&kinova(unit));
+    assert!(
+        refused.ends_with("; lengths are in metres, are these millimetres?"),
+        "{refused}"
+    );
     // Below a floor.
     let floor = json!({
         "obstacles": [{ "name": "floor", "shape": { "half_space": {} }, "pose": { "position_m": [0, 0, 0] } }],

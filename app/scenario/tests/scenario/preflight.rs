@@ -59,6 +59,11 @@ fn ends_beyond_a_limit_are_refused_where_it_is_enforced() {
     assert_refused(&bent("q_goal", 2.3), &format!("q_goal: {words}"));
     assert_refused(&bent("q_start", 2.3), &format!("q_start: {words}"));
     assert!(refusal(&bent("q_goal", -2.3)).is_some(), "the other side");
+    let degrees = refusal(&bent("q_goal", 90.0)).expect("it is beyond");
+    assert!(
+        degrees.ends_with(" rad; angles are in radians, are these degrees?"),
+        "{degrees}"
+    );
     // As the search, which keeps limits to 1e-6.
     assert_eq!(refusal(&bent("q_goal", 2.25 + 5e-7)), None);
     assert!(refusal(&bent("q_goal", 2.25 + 5e-6)).is_some());
