@@ -118,7 +118,7 @@ pub(super) fn default_spacing() -> f64 {
 pub enum SelfCollision {
     /// All pairs may overlap.
     Off,
-    /// A list of pairs of links.
+    /// A list of pairs of links, in place of those that the SRDF disables and of neighbours.
     IgnoredPairs(Vec<[String; 2]>),
     /// The path of a file with such pairs, as written by [`IgnoredPairs`](super::IgnoredPairs), relative to the
     /// scenario.
@@ -136,7 +136,7 @@ pub enum SelfCollision {
 enum WrittenPairs {
     Off(Off),
     List {
-        /// Pairs of links.
+        /// Pairs of links that may overlap, in place of those that the SRDF disables and of neighbours.
         ignored_pairs: Vec<[String; 2]>,
     },
     File {
