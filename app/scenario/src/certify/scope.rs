@@ -26,7 +26,9 @@ pub(super) fn not_certified(scenario: &Scenario) -> Result<Vec<NotCertified>> {
         let reason =
             "a shape of the robot is a mesh, or it consists of balls and its load does not";
         if !scenario.file.obstacles.is_empty() {
-            add("obstacles", reason);
+            let instead = "the clearance of the robot_shape swept_links or joint_frames, with a ball for a load, can \
+                           be certified";
+            add("obstacles", &format!("{reason}; {instead}"));
         }
         if scenario.keeps_links_clear() {
             add("self_collision", reason);

@@ -342,5 +342,10 @@ fn parts_without_proofs_are_listed() {
         .map(|n| n.promise.as_str())
         .collect();
     assert_eq!(listed, ["passive_joints", "obstacles"]);
+    let reason = &certificate.not_certified[1].reason;
+    assert!(
+        reason.contains("robot_shape swept_links or joint_frames, with a ball for a load"),
+        "{reason}"
+    );
     assert!(!certificate.complete);
 }
