@@ -55,7 +55,11 @@ impl Certify {
         };
         let certification = certify(&scenario, &solved.curve, times, self.tracking_error)?;
         let seconds = begin.elapsed().as_secs_f64();
-        print(&certification_text(&certification, seconds))?;
+        print(&certification_text(
+            &certification,
+            scenario.robot_shape(),
+            seconds,
+        ))?;
         let Some(certificate) = certification.certificate else {
             return Ok(ExitCode::from(CHECK_FAILED));
         };

@@ -1,11 +1,16 @@
 //! The result of a certification in words.
 
 use super::table::short;
+use aghf_scenario::RobotShape;
 use aghf_scenario::certify::{Certification, Passage, Promise};
 
-/// Formats the result of a certification, which took this time.
+/// Formats the result of a certification of a robot in this shape, which took this time.
 #[must_use]
-pub fn certification_text(certification: &Certification, seconds: f64) -> String {
+pub fn certification_text(
+    certification: &Certification,
+    shape: RobotShape,
+    seconds: f64,
+) -> String {
     let mut lines = Vec::new();
     for failure in &certification.failures {
         let (value, bound) = (failure.value, failure.bound);
@@ -46,7 +51,13 @@ pub fn certification_text(certification: &Certification, seconds: f64) -> String
             0.0 => format!(", least reserve {least:.2e} {unit}"),
             _ => String::new(),
         };
-        lines.push(format!("{}: proved{reserve}", promise.name()));
+        let of = match (promise, shape) {
+            (Promise::Obstacles, RobotShape::JointFrames) => {
+                " for the origins of joint frames and a load, not for links"
+            }
+            _ => "",
+        };
+        lines.push(format!("{}: proved{of}{reserve}", promise.name()));
     }
     if let Some(reserve) = certificate.goal {
         lines.push(format!(
