@@ -93,7 +93,7 @@ pub struct ScenarioFile {
     /// Configuration at the end; with `goal` a first guess of it, by default that at the start.
     #[serde(default)]
     pub q_goal: Vec<f64>,
-    /// Velocity at the end; with `goal` zero by default.
+    /// Velocity at the end: with `goal` zero by default, otherwise required, also for an end at rest.
     #[serde(default)]
     pub v_goal: Vec<f64>,
     /// For the direct method: a set of poses of a frame, or a list of sets of which the motion ends in the one that
