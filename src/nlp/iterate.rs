@@ -1,9 +1,7 @@
 //! Slacks, elastic variables and multipliers of the rows.
 
-use super::{Barrier, Row, RowState, RowStep, Term};
+use super::{Barrier, Options, Row, RowState, RowStep, Term};
 
-/// The fraction of the penalty above which a multiplier shows that its row is violated because that is cheap.
-const AT_PENALTY: f64 = 0.9;
 /// The fraction of its violation that an equality may keep from one update to the next before its penalty grows: 1/4 as
 /// in NW, framework 17.3.
 const PROGRESS: f64 = 0.25;
@@ -71,17 +69,27 @@ impl Iterate {
     /// Returns true if the multiplier of a row that is violated by more than `feasible` has nearly reached the penalty.
     pub fn is_at_penalty(&self, h: &[f64], feasible: f64) -> bool {
         let mut violated = self.working.iter().filter(|of| h[of.row.at] > feasible);
-        violated.any(|of| self.is_row_at_penalty(of))
+        violated.any(RowState::is_at_penalty)
     }
 
-    /// Returns true if the multiplier of a row has nearly reached the penalty.
-    pub fn is_row_at_penalty(&self, row: &RowState) -> bool {
-        row.multiplier > AT_PENALTY * self.barrier.nu
+    /// Raises the penalties of violated rows whose multipliers have nearly reached them, at most to `largest`; returns
+    /// true if one is raised.
+    pub fn raise_penalties(&mut self, h: &[f64], options: &Options, largest: f64) -> bool {
+        let (mu, mut raised) = (self.barrier.mu, false);
+        for state in &mut self.working {
+            let violated = h[state.row.at] > options.feasible && state.is_at_penalty();
+            if violated && state.penalty < largest {
+                state.penalty = (options.row_penalty_factor * state.penalty).min(largest);
+                state.safeguard(mu, options.multiplier_range);
+                raised = true;
+            }
+        }
+        raised
     }
 
     /// The slack and the elastic variable that minimise the barrier function for a value of the row.
-    pub fn split(&self, h: f64) -> [f64; 2] {
-        let Barrier { mu, nu } = self.barrier;
+    pub fn split(&self, h: f64, nu: f64) -> [f64; 2] {
+        let mu = self.barrier.mu;
         let product = h * nu;
         let root = product.hypot(2.0 * mu);
         // The root less the product and the root and the product, none of which loses digits.
@@ -96,14 +104,15 @@ impl Iterate {
     }
 
     /// The state of a row with a value, as [`split`](Self::split), and the more accurate one of two multipliers.
-    fn central(&self, row: Row, h: f64) -> RowState {
-        let Barrier { mu, nu } = self.barrier;
-        let [s, t] = self.split(h);
+    fn central(&self, row: Row, h: f64, nu: f64) -> RowState {
+        let mu = self.barrier.mu;
+        let [s, t] = self.split(h, nu);
         RowState {
             row,
             slack: s,
             elastic: t,
             multiplier: if s > t { mu / s } else { nu - mu / t },
+            penalty: nu,
         }
     }
 
@@ -116,7 +125,7 @@ impl Iterate {
             while before.next_if(|known| known.row.at < row.at).is_some() {}
             match before.next_if(|known| known.row.at == row.at) {
                 Some(known) => RowState { row: *row, ..known },
-                None => self.central(*row, h[row.at]),
+                None => self.central(*row, h[row.at], self.barrier.nu),
             }
         });
         self.working = states.collect();
@@ -124,21 +133,23 @@ impl Iterate {
 
     /// Uses known multipliers $\lambda$ of the first rows, except those that are zero. An inequality whose slack is
     /// smaller than the one that belongs to its multiplier and the barrier parameter moves away from its bound, at most
-    /// to `largest`.
-    pub fn set_multipliers(&mut self, known: &[f64], h: &[f64], largest: f64, range: f64) {
-        let barrier = self.barrier;
+    /// to the [largest warm slack](Options::largest_warm_slack), and its penalty is raised to its
+    /// [multiple](Options::penalty_of_multipliers) of the multiplier.
+    pub fn set_multipliers(&mut self, known: &[f64], h: &[f64], options: &Options) {
+        let mu = self.barrier.mu;
         for state in &mut self.working {
             let at = state.row.at;
             let Some(z) = known.get(at).filter(|known| **known != 0.0) else {
                 continue;
             };
-            let slack = (barrier.mu / z).min(largest);
+            let slack = (mu / z).min(options.largest_warm_slack);
             if slack > state.slack {
                 state.slack = slack;
                 state.elastic = h[at] + slack;
             }
+            state.penalty = state.penalty.max(options.penalty_of_multipliers * z);
             state.multiplier = *z;
-            state.safeguard(barrier, range);
+            state.safeguard(mu, options.multiplier_range);
         }
         for equality in &mut self.equalities {
             equality.multiplier = known.get(equality.row.at).copied().unwrap_or(0.0);
@@ -169,20 +180,23 @@ impl Iterate {
     pub fn recentre(&mut self, h: &[f64], barrier: Barrier) {
         self.barrier = barrier;
         for k in 0..self.working.len() {
-            let row = self.working[k].row;
-            self.working[k] = self.central(row, h[row.at]);
+            let RowState { row, penalty, .. } = self.working[k];
+            self.working[k] = self.central(row, h[row.at], penalty);
         }
     }
 
-    /// Changes the barrier.
+    /// Changes the barrier; no penalty falls.
     pub fn set_barrier(&mut self, barrier: Barrier, range: f64) {
         self.barrier = barrier;
+        for state in &mut self.working {
+            state.penalty = state.penalty.max(barrier.nu);
+        }
         self.safeguard_all(range);
     }
 
     /// Makes the constraints $h + s = t$ hold for other values of the rows.
     pub fn reset(&mut self, h: &[f64], range: f64) {
-        let barrier = self.barrier;
+        let mu = self.barrier.mu;
         for state in &mut self.working {
             let h = h[state.row.at];
             if h < 0.0 {
@@ -190,18 +204,18 @@ impl Iterate {
             } else {
                 state.elastic = state.slack + h;
             }
-            state.safeguard(barrier, range);
+            state.safeguard(mu, range);
         }
     }
 
     /// Moves each multiplier to the one that the condensed equations predict for the value of its row, with which the
     /// gradient of the Lagrangian is that of these equations.
     pub fn update_multipliers(&mut self, h: &[f64], range: f64) {
-        let barrier = self.barrier;
+        let mu = self.barrier.mu;
         for k in 0..self.working.len() {
             let slope = self.term(&self.working[k], h[self.working[k].row.at]).slope;
-            self.working[k].multiplier = slope.clamp(0.0, barrier.nu);
-            self.working[k].safeguard(barrier, range);
+            self.working[k].multiplier = slope.clamp(0.0, self.working[k].penalty);
+            self.working[k].safeguard(mu, range);
         }
     }
 
@@ -213,11 +227,12 @@ impl Iterate {
 
     /// The terms of an inequality of this value.
     pub fn term(&self, state: &RowState, h: f64) -> Term {
-        let Barrier { mu, nu } = self.barrier;
+        let mu = self.barrier.mu;
         let RowState {
             slack: s,
             elastic: t,
             multiplier: z,
+            penalty: nu,
             ..
         } = *state;
         let curvature = self.curvature(state);
@@ -246,19 +261,21 @@ impl Iterate {
             slack: s,
             elastic: t,
             multiplier: z,
+            penalty: nu,
             ..
         } = *state;
-        let upper = self.barrier.nu - z;
+        let upper = nu - z;
         z * upper / (s * upper + t * z)
     }
 
     /// The Newton step of an inequality that changes by `change`.
     pub fn step(&self, state: &RowState, h: f64, change: f64) -> RowStep {
-        let Barrier { mu, nu } = self.barrier;
+        let mu = self.barrier.mu;
         let RowState {
             slack: s,
             elastic: t,
             multiplier: z,
+            penalty: nu,
             ..
         } = *state;
         let upper = nu - z;
@@ -276,32 +293,34 @@ impl Iterate {
             slack: s,
             elastic: t,
             multiplier: z,
+            penalty: nu,
             ..
         } = *state;
-        let upper = self.barrier.nu - z;
+        let upper = nu - z;
         let own = z / s * step.slack * step.slack + upper / t * step.elastic * step.elastic;
         [own, self.curvature(state) * change * change]
     }
 
     /// Safeguards the multipliers of all rows; see [`RowState::safeguard`].
     pub fn safeguard_all(&mut self, range: f64) {
-        let barrier = self.barrier;
+        let mu = self.barrier.mu;
         for state in &mut self.working {
-            state.safeguard(barrier, range);
+            state.safeguard(mu, range);
         }
     }
 
     /// The terms of all rows in the barrier function, without their measure.
     pub fn barrier_terms(&self, h: &[f64]) -> f64 {
-        let (mut sum, Barrier { mu, nu }) = (0.0, self.barrier);
+        let (mut sum, mu) = (0.0, self.barrier.mu);
         for RowState {
             row,
             slack,
             elastic,
+            penalty,
             ..
         } in &self.working
         {
-            sum += row.weight * (nu * elastic - mu * (slack * elastic).ln());
+            sum += row.weight * (penalty * elastic - mu * (slack * elastic).ln());
         }
         for equality in &self.equalities {
             let row = equality.row;

@@ -62,14 +62,13 @@ impl Trial {
     /// the slope of the barrier function along the step and that of the condensed equations, without the measure.
     fn take(&mut self, state: &State, alpha: f64, options: &Options) -> f64 {
         let (from, mut slope) = (&state.iterate, 0.0);
-        let nu = from.barrier.nu;
         for (before, after) in from.working.iter().zip(&mut self.iterate.working) {
             let at = before.row.at;
             let change = (self.h[at] - state.h[at]) / alpha;
             let step = from.step(before, state.h[at], change);
             let [bend, condensed] = from.bend(before, &step, change);
             slope += before.row.weight * (condensed - bend);
-            *after = before.take(nu, &step, alpha, options.fraction_to_boundary);
+            *after = before.take(&step, alpha, options.fraction_to_boundary);
             after.meet(self.h[at]);
         }
         slope

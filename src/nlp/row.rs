@@ -1,6 +1,7 @@
 //! One row: its slack, elastic variable and multiplier, their steps, and its terms in the condensed equations.
 
-use super::Barrier;
+/// The fraction of the penalty above which a multiplier shows that its row is violated because that is cheap.
+const AT_PENALTY: f64 = 0.9;
 
 /// A row of the working set.
 #[derive(Clone, Copy, Debug)]
@@ -11,14 +12,16 @@ pub struct Row {
     pub weight: f64,
 }
 
-/// The slack $s$, the elastic variable $t$ and the multiplier $\lambda$ of an inequality, with the conditions
-/// $s \lambda = \mu$ and $t (\nu - \lambda) = \mu$.
+/// The slack $s$, the elastic variable $t$, the multiplier $\lambda$ and the penalty $\nu$ of an inequality, with the
+/// conditions $s \lambda = \mu$ and $t (\nu - \lambda) = \mu$.
 #[derive(Clone, Copy, Debug)]
 pub struct RowState {
     pub row: Row,
     pub slack: f64,
     pub elastic: f64,
     pub multiplier: f64,
+    /// The penalty of its violation: not less than [`Barrier::nu`].
+    pub penalty: f64,
 }
 
 /// The weights of a row in the condensed equations.
@@ -55,17 +58,22 @@ pub struct RowStep {
 }
 
 impl RowState {
+    /// Returns true if the multiplier has nearly reached the penalty.
+    pub fn is_at_penalty(&self) -> bool {
+        self.multiplier > AT_PENALTY * self.penalty
+    }
+
     /// The state after a fraction of a step; slack, elastic variable, multiplier and its distance from the penalty each
     /// keep at least $1 - \tau$ of their value: the fraction-to-the-boundary rule row by row (WB 15).
-    pub fn take(&self, nu: f64, step: &RowStep, fraction: f64, tau: f64) -> Self {
+    pub fn take(&self, step: &RowStep, fraction: f64, tau: f64) -> Self {
         let moved = |value: f64, by: f64| (value + by).max((1.0 - tau) * value);
-        let z = self.multiplier;
+        let (z, nu) = (self.multiplier, self.penalty);
         let by = moved(z, fraction * step.multiplier) - z;
         Self {
-            row: self.row,
             slack: moved(self.slack, fraction * step.slack),
             elastic: moved(self.elastic, fraction * step.elastic),
             multiplier: nu - moved(nu - z, -by),
+            ..*self
         }
     }
 
@@ -80,8 +88,8 @@ impl RowState {
     }
 
     /// Keeps the multiplier within a factor `range` of the one that belongs to slack and elastic variable (WB 16).
-    pub(super) fn safeguard(&mut self, Barrier { mu, nu }: Barrier, range: f64) {
-        let (s, t) = (self.slack, self.elastic);
+    pub(super) fn safeguard(&mut self, mu: f64, range: f64) {
+        let (s, t, nu) = (self.slack, self.elastic, self.penalty);
         let z = &mut self.multiplier;
         if s > t {
             let most = (mu / s * range).min((1.0 - f64::EPSILON) * nu);

@@ -45,23 +45,16 @@ impl State {
             Some(_) => options.warm_barrier,
             None => options.first_barrier,
         };
-        let known = multipliers.iter().copied().flatten();
-        let largest = known.fold(0.0_f64, |most, z| most.max(z.abs()));
         let penalty = options.penalty * scale / measure;
         let barrier = Barrier {
             // Without rows any will do.
             mu: first.max(options.last_barrier) * scale / if weight > 0.0 { weight } else { 1.0 },
-            nu: penalty.max(options.penalty_of_multipliers * largest),
+            nu: penalty,
         };
         let mut iterate = Iterate::new(barrier, problem.equalities(scale / measure));
         iterate.set_working(&working, &h);
         if let Some(lambda) = multipliers {
-            iterate.set_multipliers(
-                lambda,
-                &h,
-                options.largest_warm_slack,
-                options.multiplier_range,
-            );
+            iterate.set_multipliers(lambda, &h, options);
         }
         Ok(Self {
             x,
@@ -152,7 +145,7 @@ impl State {
         if let Tightened::Violation(violation) = found
             && violation > options.feasible
         {
-            self.raise_penalty(options);
+            self.raise_penalties(options);
         }
         self.update_equalities(options);
         self.follow(problem, most, options)?;
@@ -165,26 +158,34 @@ impl State {
             .update_equalities(&self.h, options.equality_factor, most, options.feasible);
     }
 
-    /// Raises the penalty if a multiplier has reached it, up to the largest one; returns true if it is raised.
+    /// Raises the penalties of violated rows whose multipliers have reached them, and those of all rows if the violations
+    /// have hardly decreased with the last raise; returns true if one is raised.
     ///
-    /// Violations that cost more than the objective and have hardly decreased with the last raise are a local minimum
-    /// of the violation (Byrd, Curtis and Nocedal, *Infeasibility detection and SQP methods for nonlinear
-    /// optimization*, 2010).
-    fn raise_penalty(&mut self, options: &Options) -> bool {
-        let Barrier { mu, nu } = self.iterate.barrier;
+    /// Violations that cost more than the objective and have hardly decreased are a local minimum of the violation
+    /// (Byrd, Curtis and Nocedal, *Infeasibility detection and SQP methods for nonlinear optimization*, 2010).
+    fn raise_penalties(&mut self, options: &Options) -> bool {
         if !self.iterate.is_at_penalty(&self.h, options.feasible) {
             return false;
         }
+        let excess = |of: &RowState| self.measure * of.row.weight * self.h[of.row.at].max(0.0);
+        let violated = self
+            .iterate
+            .working
+            .iter()
+            .map(|of| [excess(of), of.penalty * excess(of)]);
+        let [sum, cost] = violated.fold([0.0; 2], |[sum, cost], [e, c]| [sum + e, cost + c]);
         let most = options.largest_penalty * self.scale() / self.measure;
-        let raised = (nu * options.penalty_factor).min(most);
-        self.iterate
-            .set_barrier(Barrier { mu, nu: raised }, options.multiplier_range);
-        let excess = |of: &RowState| of.row.weight * self.h[of.row.at].max(0.0);
-        let excess = self.measure * self.iterate.working.iter().map(excess).sum::<f64>();
-        self.is_infeasible = nu * excess > options.infeasible_cost * self.scale()
-            && excess > options.infeasible_progress * self.excess;
-        self.excess = excess;
-        raised > nu
+        let Barrier { mu, nu } = self.iterate.barrier;
+        let stalled = sum > options.infeasible_progress * self.excess;
+        self.is_infeasible = stalled && cost > options.infeasible_cost * self.scale();
+        self.excess = sum;
+        let raised = stalled && nu < most;
+        if raised {
+            let nu = (options.penalty_factor * nu).min(most);
+            self.iterate
+                .set_barrier(Barrier { mu, nu }, options.multiplier_range);
+        }
+        self.iterate.raise_penalties(&self.h, options, most) || raised
     }
 
     /// Looks at the rows between the points at a stationary point. Returns the status if the search is over; otherwise
@@ -205,7 +206,7 @@ impl State {
             self.update_equalities(options);
             // Between the points margins help, at them only the penalty.
             let elastic = self.progress.infeasibility > options.feasible;
-            let raised = self.raise_penalty(options);
+            let raised = self.raise_penalties(options);
             if self.rounds > options.rounds || (elastic && !raised) {
                 return Ok(Some(Status::Infeasible));
             }
@@ -239,7 +240,7 @@ impl State {
         let before = self.h.clone();
         self.reset(problem, options)?;
         // Rows at the penalty are violated with any margin.
-        let change = |of: &RowState| match self.iterate.is_row_at_penalty(of) {
+        let change = |of: &RowState| match of.is_at_penalty() {
             true => 0.0,
             false => {
                 let moved = (self.h[of.row.at] - before[of.row.at]).abs();

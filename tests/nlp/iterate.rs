@@ -1,7 +1,7 @@
 //! Slacks, elastic variables and multipliers: the condensed equations against the complete ones.
 
 use crate::common::config;
-use aghf::nlp::{Barrier, Equality, Iterate, Row, RowState};
+use aghf::nlp::{Barrier, Equality, Iterate, Options, Row, RowState};
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 
@@ -17,6 +17,7 @@ fn one_row(barrier: Barrier, [slack, elastic, fraction]: [f64; 3]) -> Iterate {
         slack,
         elastic,
         multiplier,
+        penalty: barrier.nu,
     };
     iterate
 }
@@ -47,7 +48,7 @@ proptest! {
         barrier in barriers([-12.0, 1.0], [-2.0, 9.0]), sign: bool, h in prop_oneof![Just(0.0), size(-12.0, 9.0)],
     ) {
         let h = if sign { h } else { -h };
-        let [s, t] = Iterate::new(barrier, Vec::new()).split(h);
+        let [s, t] = Iterate::new(barrier, Vec::new()).split(h, barrier.nu);
         prop_assert!(s > 0.0 && t > 0.0, "{s} {t}");
         prop_assert!((h + s - t).abs() <= 1e-14 * (h.abs() + s + t), "{h} {s} {t}");
         let sum = barrier.mu / s + barrier.mu / t;
@@ -103,7 +104,7 @@ proptest! {
         let (barrier, tau) = (Barrier { mu: 1e-3, nu: 7.0 }, 0.9);
         let from = one_row(barrier, [s, t, z]);
         let step = from.step(&from.working[0], h, change);
-        let to = from.working[0].take(barrier.nu, &step, fraction, tau);
+        let to = from.working[0].take(&step, fraction, tau);
         let (z, least) = (from.working[0].multiplier, 1.0 - tau);
         let expected = [
             (s + fraction * step.slack).max(least * s),
@@ -152,7 +153,7 @@ fn known_multipliers_have_their_slacks() {
     let barrier = Barrier { mu: 1e-3, nu: 1.0 };
     for (known, expected) in [(0.5, 2e-3), (1e-3, 0.02)] {
         let mut iterate = one_row(barrier, [1e-6, 1e-6, 0.9]);
-        iterate.set_multipliers(&[known], &[0.0], 0.02, 1e10);
+        iterate.set_multipliers(&[known], &[0.0], &Options::default());
         assert_close!(
             &[iterate.working[0].slack, iterate.working[0].elastic],
             &[expected; 2],
@@ -161,11 +162,52 @@ fn known_multipliers_have_their_slacks() {
         assert_close!(&[iterate.working[0].multiplier], &[known], 1e-14);
     }
     let mut iterate = one_row(barrier, [1e-6, 1e-6, 0.9]);
-    iterate.set_multipliers(&[0.0], &[0.0], 0.02, 1e10);
+    iterate.set_multipliers(&[0.0], &[0.0], &Options::default());
     assert_eq!(
         (iterate.working[0].slack, iterate.working[0].multiplier),
         (1e-6, 0.9)
     );
+}
+
+/// The penalty of a row is the given multiple of its known multiplier if that is larger than the penalty of all rows.
+#[test]
+fn known_multipliers_have_their_penalties() {
+    let barrier = Barrier { mu: 1e-3, nu: 1.0 };
+    let options = Options {
+        penalty_of_multipliers: 2.0,
+        ..Options::default()
+    };
+    for (known, penalty) in [(0.4, 1.0), (3.0, 6.0)] {
+        let mut iterate = one_row(barrier, [1e-6, 1e-6, 0.9]);
+        iterate.set_multipliers(&[known], &[0.0], &options);
+        assert_eq!(iterate.working[0].penalty, penalty);
+    }
+}
+
+/// Of rows at their penalties only those that are violated get larger ones, up to the largest; later penalties of all
+/// rows are lower bounds.
+#[test]
+fn penalties_of_violated_rows_grow() {
+    let (barrier, options) = (Barrier { mu: 1e-6, nu: 2.0 }, Options::default());
+    let mut iterate = Iterate::new(barrier, Vec::new());
+    let rows = [0, 1, 2].map(|at| Row { at, weight: 1.0 });
+    let h = [0.1, -0.1, 1e-4];
+    iterate.set_working(&rows, &h);
+    for (state, fraction) in iterate.working.iter_mut().zip([0.95, 0.95, 0.5]) {
+        state.multiplier = fraction * barrier.nu;
+    }
+    let penalties = |of: &Iterate| [0, 1, 2].map(|k: usize| of.working[k].penalty);
+    assert!(iterate.raise_penalties(&h, &options, 1e9));
+    let factor = options.row_penalty_factor;
+    assert_eq!(penalties(&iterate), [factor * 2.0, 2.0, 2.0]);
+    assert!(!iterate.raise_penalties(&h, &options, 1e9));
+    iterate.set_barrier(Barrier { mu: 1e-6, nu: 5.0 }, options.multiplier_range);
+    assert_eq!(penalties(&iterate), [factor * 2.0, 5.0, 5.0]);
+    iterate.working[0].multiplier = 0.95 * factor * 2.0;
+    assert!(iterate.raise_penalties(&h, &options, 30.0));
+    assert_eq!(penalties(&iterate)[0], 30.0);
+    iterate.working[0].multiplier = 29.0;
+    assert!(!iterate.raise_penalties(&h, &options, 30.0));
 }
 
 /// A row that leaves the working set and returns begins anew, at the minimum of its barrier function.
@@ -178,7 +220,7 @@ fn a_returning_row_begins_anew() {
     iterate.set_working(&[ROW], &[-0.3]);
     assert_eq!(
         [iterate.working[0].slack, iterate.working[0].elastic],
-        iterate.split(-0.3)
+        iterate.split(-0.3, barrier.nu)
     );
     assert_close!(
         &[iterate.working[0].multiplier],
@@ -211,7 +253,7 @@ fn equalities_have_the_terms_of_an_augmented_lagrangian() {
         multiplier: 0.0,
     };
     let mut iterate = Iterate::new(Barrier { mu: 1e-3, nu: 1.0 }, vec![equality]);
-    iterate.set_multipliers(&[0.0, -3.0], &[0.0, h], 0.02, 1e10);
+    iterate.set_multipliers(&[0.0, -3.0], &[0.0, h], &Options::default());
     let term = iterate.equality_term(&iterate.equalities[0], h);
     assert_eq!(
         [term.cost, term.slope, term.multiplier, term.curvature],
