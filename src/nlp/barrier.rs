@@ -33,21 +33,15 @@ pub struct BarrierState {
 impl BarrierState {
     /// The state after a step that predicted this decrease.
     pub(super) fn after(state: &State, decrease: f64, options: &Options) -> Self {
-        let Progress {
-            regularisation,
-            step,
-            stationarity,
-            ..
-        } = state.progress;
-        // The curvature along the step without the multiple, relative to that with it.
-        let curvature = 1.0 - regularisation * (step / stationarity).powi(2);
+        let Progress { step, .. } = state.progress;
+        let curvature = state.progress.curvature();
         let longest = options.longest_step / step;
         let further = if longest.is_finite() && curvature * longest < 1.0 {
             longest
         } else {
             1.0 / curvature
         };
-        let decrease = match regularisation > 0.0 && further > 1.0 {
+        let decrease = match further > 1.0 {
             true => further * decrease,
             false => decrease,
         };

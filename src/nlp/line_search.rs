@@ -21,13 +21,10 @@ pub(super) fn line_search<P: Nlp>(
 ) -> Result<Option<f64>> {
     let before = state.merit(problem);
     let highest = state.remember(before, options.memory);
-    let mut trial = Trial {
-        h: Vec::with_capacity(state.h.len()),
-        iterate: state.iterate.clone(),
-    };
+    let mut trial = Trial::new(state);
     let whole = options.longest_step / state.progress.step;
-    let mut alpha = problem.longest(&state.x, &step.x).min(whole);
-    let mut predicted = f64::NAN;
+    let first = problem.longest(&state.x, &step.x).min(whole);
+    let (mut alpha, mut predicted) = (first, f64::NAN);
     for _ in 0..options.cuts {
         let x = &state.x + &step.x * alpha;
         let f = problem.value(&x, &mut trial.h)?;
@@ -40,8 +37,18 @@ pub(super) fn line_search<P: Nlp>(
             let (gained, rounding) = (highest - after, ROUNDING * before.abs().max(f.abs()));
             let hidden = gained.abs() <= rounding && (alpha * slope).abs() <= rounding;
             if hidden || gained >= -options.sufficient_decrease * alpha * slope {
-                state.progress.alpha = alpha;
-                state.move_to(problem, x, f, trial, options);
+                let mut end = End {
+                    alpha,
+                    x,
+                    f,
+                    trial,
+                    merit: after,
+                };
+                if alpha == first {
+                    end.extend(problem, state, step, options)?;
+                }
+                state.progress.alpha = end.alpha;
+                state.move_to(problem, end.x, end.f, end.trial, options);
                 return Ok(Some(predicted));
             }
         }
@@ -51,6 +58,61 @@ pub(super) fn line_search<P: Nlp>(
     Ok(None)
 }
 
+/// The end of a fraction of a step.
+struct End {
+    alpha: f64,
+    x: DVector<f64>,
+    f: f64,
+    trial: Trial,
+    merit: f64,
+}
+
+impl End {
+    /// Doubles the fraction of a whole step along negative curvature while that decreases the barrier function, up to the
+    /// longest step: such a step is as short as the multiple of the norm makes it.
+    fn extend<P: Nlp>(
+        &mut self,
+        problem: &mut P,
+        state: &State,
+        step: &Step,
+        options: &Options,
+    ) -> Result<()> {
+        if state.progress.curvature() >= 0.0 {
+            return Ok(());
+        }
+        let most = options.longest_step / state.progress.step;
+        loop {
+            let alpha = 2.0 * self.alpha;
+            let whole = &step.x * alpha;
+            if alpha > most || problem.longest(&state.x, &whole) < 1.0 {
+                return Ok(());
+            }
+            let x = &state.x + whole;
+            let mut trial = Trial::new(state);
+            let f = problem.value(&x, &mut trial.h)?;
+            let merit = match f.is_finite() {
+                true => {
+                    trial.take(state, alpha, options);
+                    f + problem.measure(&x) * trial.iterate.barrier_terms(&trial.h)
+                }
+                false => f64::INFINITY,
+            };
+            if merit.is_nan() || merit >= self.merit {
+                // The derivatives are those at the last evaluated point.
+                self.f = problem.value(&self.x, &mut self.trial.h)?;
+                return Ok(());
+            }
+            *self = Self {
+                alpha,
+                x,
+                f,
+                trial,
+                merit,
+            };
+        }
+    }
+}
+
 /// The rows at the end of a fraction of a step.
 struct Trial {
     h: Vec<f64>,
@@ -58,6 +120,13 @@ struct Trial {
 }
 
 impl Trial {
+    fn new(state: &State) -> Self {
+        Self {
+            h: Vec::with_capacity(state.h.len()),
+            iterate: state.iterate.clone(),
+        }
+    }
+
     /// Takes this fraction of the steps of the rows, whose values at its end are known. Returns the difference between
     /// the slope of the barrier function along the step and that of the condensed equations, without the measure.
     fn take(&mut self, state: &State, alpha: f64, options: &Options) -> f64 {
@@ -114,10 +183,7 @@ pub(super) fn leave_saddle<P: Nlp>(
     for _ in 0..options.cuts {
         for sign in [1.0, -1.0] {
             let x = &state.x + direction * (sign * length);
-            let mut trial = Trial {
-                h: Vec::with_capacity(state.h.len()),
-                iterate: state.iterate.clone(),
-            };
+            let mut trial = Trial::new(state);
             let f = problem.value(&x, &mut trial.h)?;
             for row in &mut trial.iterate.working {
                 row.meet(trial.h[row.row.at]);

@@ -50,7 +50,8 @@ pub trait Nlp {
     /// Those of the functions of the user.
     fn value(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64>;
 
-    /// Computes gradient and Hessian of the objective plus the weighted rows at `x`, with the weights of `iterate`.
+    /// Computes gradient and Hessian of the objective plus the weighted rows at `x`, the last evaluated point, with the
+    /// weights of `iterate`.
     ///
     /// # Errors
     /// Those of [`value`](Self::value).
@@ -125,10 +126,20 @@ pub struct Progress {
     pub infeasibility: f64,
     /// The multiple of the norm that was added to the Hessian.
     pub regularisation: f64,
-    /// The length of the step in the norm, and the fraction of it that was taken.
+    /// The length of the step in the norm, and the fraction of it that was taken: more than 1 along negative curvature.
     pub step: f64,
     pub alpha: f64,
     pub factorisations: usize,
+}
+
+impl Progress {
+    /// The curvature along the step without the multiple of the norm, relative to that with it.
+    fn curvature(&self) -> f64 {
+        match self.regularisation > 0.0 {
+            true => 1.0 - self.regularisation * (self.step / self.stationarity).powi(2),
+            false => 1.0,
+        }
+    }
 }
 
 /// The end of a search.

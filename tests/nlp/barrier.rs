@@ -128,7 +128,10 @@ fn short_steps_do_not_show_a_minimum() {
     let end = Dense::new(well, &[0.2], 0, 1).solve(&options);
     assert_eq!(end.status, Status::Converged);
     let first = rule.seen.lock().expect("no panic")[0];
-    let (x, slope) = (0.2_f64, 4.0 * 0.2 * (1.0 - 0.2 * 0.2));
-    let objective = (x * x - 1.0).powi(2) + 1.0;
+    let objective = |x: f64| (x * x - 1.0).powi(2) + 1.0;
+    let slope = 4.0 * 0.2 * (1.0 - 0.2 * 0.2);
+    let curvature = 12.0 * 0.2 * 0.2 - 4.0;
+    let step = slope / (options.first_regularisation * objective(0.2) + curvature);
+    let objective = objective(0.2 + first.alpha * step);
     assert_close!(&[first.decrease], &[slope / objective], 1e-2);
 }

@@ -30,6 +30,8 @@ pub struct Dense {
     pub rounds: Vec<usize>,
     /// The number of evaluations of the functions.
     pub evaluations: usize,
+    /// The last evaluated point, at which the method asks for derivatives.
+    pub last: DVector<f64>,
 }
 
 /// The options of the tests: as accurate as rounding allows, far beyond the differences that are compared.
@@ -57,6 +59,7 @@ impl Dense {
             swing: None,
             rounds: Vec::new(),
             evaluations: 0,
+            last: DVector::zeros(0),
         }
     }
 
@@ -132,6 +135,7 @@ impl Dense {
 
 impl Nlp for Dense {
     fn value(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
+        self.last.clone_from(x);
         let x: Vec<_> = x.iter().map(|x| HyperDual64::from(*x)).collect();
         let all = self.all(&x);
         self.evaluations += 1;
@@ -146,6 +150,7 @@ impl Nlp for Dense {
     }
 
     fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
+        assert_eq!(*x, self.last, "derivatives elsewhere");
         let all = self.twice(x);
         let mut h = Vec::new();
         self.value(x, &mut h)?;

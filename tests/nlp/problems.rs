@@ -355,6 +355,23 @@ fn a_saddle_is_no_minimum() {
     assert_near("two wells", &[end.x[0].abs(), end.x[1]], &[1.0, 0.0], 1e-6);
 }
 
+/// Beside a saddle, where the multiple of the norm makes steps short, they are extended along negative curvature, and
+/// derivatives are still those at the iterates.
+#[test]
+fn steps_along_negative_curvature_are_long() {
+    let mut program = Dense::new(two_wells, &[0.01, 0.5], 0, 0);
+    let (mut fractions, start) = (Vec::new(), program.start.clone());
+    let (x, kkt) = (nalgebra::DVector::from_vec(start), program.kkt());
+    let end = aghf::nlp::solve(&mut program, x, None, kkt, &accurate(), &mut |progress| {
+        fractions.push(progress.alpha);
+    });
+    let end = end.expect("no function fails");
+    assert_eq!(end.status, Status::Converged);
+    assert_near("two wells", end.x.as_slice(), &[1.0, 0.0], 1e-6);
+    assert!(fractions.iter().any(|alpha| *alpha > 2.0), "{fractions:?}");
+    assert!(fractions.len() < 15, "{fractions:?}");
+}
+
 /// Without rows the method is Newton's: one step and a test for a quadratic function.
 #[test]
 fn a_quadratic_function_takes_one_step() {

@@ -2,6 +2,7 @@
 
 use crate::dense::{Dense, accurate};
 use crate::problems::{assert_near, corner, hs43, hs71};
+use aghf::cost::HyperDual64;
 use aghf::nlp::{Options, Status};
 
 /// With the multipliers of a solution a search near it is shorter than one without, and ends at the same point.
@@ -58,4 +59,22 @@ fn the_first_penalty_is_above_known_multipliers() {
     let ([known, other], [without, _]) = (first(2.0), first(0.0));
     assert_eq!(known, 4.0);
     assert!(other < 0.1 && without < 0.1, "{other} {without}");
+}
+
+/// $x^2 + 1$ with $x \ge 1$ and $x \le -1$, which contradict each other, and a row that is kept.
+fn contradiction(x: &[HyperDual64]) -> (HyperDual64, Vec<HyperDual64>) {
+    (x[0] * x[0] + 1.0, vec![-x[0] + 1.0, x[0] + 1.0, x[0] - 9.0])
+}
+
+/// The penalties of all rows grow if larger ones of violated rows do not reduce the violations.
+#[test]
+fn all_penalties_grow_where_violations_stay() {
+    let options = Options {
+        infeasible_cost: 1e6,
+        ..accurate()
+    };
+    let end = Dense::new(contradiction, &[0.3], 0, 3).solve(&options);
+    assert_eq!(end.status, Status::Infeasible);
+    let [violated, _, kept] = [0, 1, 2].map(|k: usize| end.iterate.working[k].penalty);
+    assert!(kept > 2.0 && violated > kept, "{violated} {kept}");
 }
