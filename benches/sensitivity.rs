@@ -100,7 +100,7 @@ fn options() -> Vec<(&'static str, Change)> {
         count: nlp.memory, nlp.cuts, nlp.rounds;
         fraction: nlp.fraction_to_boundary, nlp.infeasible_progress, nlp.backtracking, nlp.short_fraction,
             nlp.long_fraction;
-        factor: nlp.penalty_factor, nlp.equality_factor;
+        factor: nlp.row_penalty_factor, nlp.penalty_factor, nlp.equality_factor;
         regularisation: nlp.regularisation_factors;
     }
     .to_vec();

@@ -8,7 +8,7 @@ use std::fmt::Debug;
 pub struct Barrier {
     /// The barrier parameter $\mu$.
     pub mu: f64,
-    /// The penalty $\nu$ of a violation.
+    /// The least penalty $\nu$ of a violation.
     pub nu: f64,
 }
 

@@ -134,7 +134,7 @@ impl Iterate {
     /// Uses known multipliers $\lambda$ of the first rows, except those that are zero. An inequality whose slack is
     /// smaller than the one that belongs to its multiplier and the barrier parameter moves away from its bound, at most
     /// to the [largest warm slack](Options::largest_warm_slack), and its penalty is raised to its
-    /// [multiple](Options::penalty_of_multipliers) of the multiplier.
+    /// [multiple](Options::row_penalty_of_multipliers) of the multiplier.
     pub fn set_multipliers(&mut self, known: &[f64], h: &[f64], options: &Options) {
         let mu = self.barrier.mu;
         for state in &mut self.working {
@@ -147,7 +147,7 @@ impl Iterate {
                 state.slack = slack;
                 state.elastic = h[at] + slack;
             }
-            state.penalty = state.penalty.max(options.penalty_of_multipliers * z);
+            state.penalty = state.penalty.max(options.row_penalty_of_multipliers * z);
             state.multiplier = *z;
             state.safeguard(mu, options.multiplier_range);
         }

@@ -69,7 +69,7 @@ struct End {
 
 impl End {
     /// Doubles the fraction of a whole step along negative curvature while that decreases the barrier function, up to the
-    /// longest step: such a step is as short as the multiple of the norm makes it.
+    /// longest step if there is one: such a step is as short as the multiple of the norm makes it.
     fn extend<P: Nlp>(
         &mut self,
         problem: &mut P,
@@ -77,10 +77,10 @@ impl End {
         step: &Step,
         options: &Options,
     ) -> Result<()> {
-        if state.progress.curvature() >= 0.0 {
+        let most = options.longest_step / state.progress.step;
+        if state.progress.curvature() >= 0.0 || most.is_infinite() {
             return Ok(());
         }
-        let most = options.longest_step / state.progress.step;
         loop {
             let alpha = 2.0 * self.alpha;
             let whole = &step.x * alpha;

@@ -2,11 +2,11 @@
 //!
 //! $$ \min_x f(x) \quad \text{subject to} \quad h_j(x) \le 0 \ \text{or} \ h_j(x) = 0 . $$
 //!
-//! Each row has a slack $s_j > 0$ and an elastic variable $t_j > 0$, and an exact $\ell_1$ penalty $\nu$ bounds its
+//! Each row has a slack $s_j > 0$ and an elastic variable $t_j > 0$, and an exact $\ell_1$ penalty $\nu_j$ bounds its
 //! multiplier (Gould, Orban and Toint, *An interior-point l1-penalty method for nonlinear optimization*, 2015). With
 //! the weights $w_j$ of the rows, which are those of a quadrature, the barrier problem is
 //!
-//! $$ \min_{x, s, t} f(x) + \sum_j w_j (\nu t_j - \mu \log s_j - \mu \log t_j)
+//! $$ \min_{x, s, t} f(x) + \sum_j w_j (\nu_j t_j - \mu \log s_j - \mu \log t_j)
 //!    \quad \text{subject to} \quad h_j(x) + s_j = t_j , $$
 //!
 //! and equalities have the terms of an augmented Lagrangian. It has feasible points whatever `x` is, so no start has to
@@ -17,10 +17,12 @@
 //! 1. `kkt`: the Newton step of the primal-dual equations, condensed to `x`; multiples of a norm are added to the
 //!    Hessian until the condensed matrix is positive definite (WB 3.1).
 //! 2. `line_search`: backtracking until the barrier function is sufficiently below the largest of its last values; each
-//!    slack and each multiplier keeps a part of its distance from its bounds, row by row (WB 2.2).
+//!    slack and each multiplier keeps a part of its distance from its bounds, row by row (WB 2.2). Along negative
+//!    curvature a step is doubled while that decreases the barrier function further.
 //! 3. `barrier`: the barrier parameter is reduced when the predicted decrease of its problem is small
 //!    ([`BarrierUpdate`]).
-//! 4. [`Nlp::tighten`]: after each reduction the rows are evaluated between the points of the quadrature.
+//! 4. [`Nlp::tighten`]: after each reduction the rows are evaluated between the points of the quadrature, and violated
+//!    rows at their penalties get larger ones (NW 18.36).
 
 mod barrier;
 mod iterate;

@@ -32,9 +32,11 @@ pub struct Options {
     /// The first penalty of a violation, relative to the objective: small, so that a motion may pass through an
     /// obstacle while the barrier parameter is large, and finds the better side.
     pub penalty: f64,
-    /// The least first penalty of a row relative to its known multiplier: a row whose multiplier is larger than the
+    /// The least first penalty relative to the largest known multiplier: a row whose multiplier is larger than the
     /// penalty is violated (NW 18.36), which a start that keeps its rows is not to be. Zero where that may be.
     pub penalty_of_multipliers: f64,
+    /// The least first penalty of a row relative to its own known multiplier.
+    pub row_penalty_of_multipliers: f64,
     /// The factor of the penalty of a violated row whose multiplier has reached it, and that of all penalties if the
     /// violations have hardly decreased since the last raise. A large penalty of a row with a small multiplier makes
     /// steps along it short, so that only those rows have one that need it (tuned on 108 problems of two arms: with 1
@@ -97,6 +99,7 @@ impl Default for Options {
             fraction_to_boundary: 0.9,
             penalty: 1.0,
             penalty_of_multipliers: 2.0,
+            row_penalty_of_multipliers: 2.0,
             row_penalty_factor: 10.0,
             penalty_factor: 4.0,
             equality_factor: 10.0,
@@ -152,12 +155,17 @@ impl Options {
         if self.longest_step != f64::INFINITY {
             check_positive("nlp", "longest_step", self.longest_step)?;
         }
-        if !(self.penalty_of_multipliers >= 0.0 && self.penalty_of_multipliers.is_finite()) {
-            let condition = format!(
-                "it is {}, not negative is needed",
-                self.penalty_of_multipliers
-            );
-            return Err(Error::input("nlp", "penalty_of_multipliers", condition));
+        for (what, value) in [
+            ("penalty_of_multipliers", self.penalty_of_multipliers),
+            (
+                "row_penalty_of_multipliers",
+                self.row_penalty_of_multipliers,
+            ),
+        ] {
+            if !(value >= 0.0 && value.is_finite()) {
+                let condition = format!("it is {value}, not negative is needed");
+                return Err(Error::input("nlp", what, condition));
+            }
         }
         let growing = |x: f64| x > 1.0 && x.is_finite();
         let shrinking = |x: f64| x > 0.0 && x < 1.0;

@@ -45,11 +45,13 @@ impl State {
             Some(_) => options.warm_barrier,
             None => options.first_barrier,
         };
+        let known = multipliers.iter().copied().flatten();
+        let largest = known.fold(0.0_f64, |most, z| most.max(z.abs()));
         let penalty = options.penalty * scale / measure;
         let barrier = Barrier {
             // Without rows any will do.
             mu: first.max(options.last_barrier) * scale / if weight > 0.0 { weight } else { 1.0 },
-            nu: penalty,
+            nu: penalty.max(options.penalty_of_multipliers * largest),
         };
         let mut iterate = Iterate::new(barrier, problem.equalities(scale / measure));
         iterate.set_working(&working, &h);

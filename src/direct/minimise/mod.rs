@@ -124,9 +124,10 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         tolerance: stage.tolerance,
         feasible: stage.feasible,
         penalty: candidate.penalty.unwrap_or(settings.nlp.penalty),
+        penalty_of_multipliers: 0.0,
         // The multipliers of a lower degree may be those of violated rows.
-        penalty_of_multipliers: match candidate.penalty {
-            Some(_) => settings.nlp.penalty_of_multipliers,
+        row_penalty_of_multipliers: match candidate.penalty {
+            Some(_) => settings.nlp.row_penalty_of_multipliers,
             None => 0.0,
         },
         iterations: stage.iterations,
