@@ -68,8 +68,8 @@ struct End {
 }
 
 impl End {
-    /// Doubles the fraction of a whole step along negative curvature while that decreases the barrier function, up to the
-    /// longest step if there is one: such a step is as short as the multiple of the norm makes it.
+    /// Doubles the fraction of a whole step along negative curvature while that decreases the barrier function, up to
+    /// the longest step if there is one: such a step is as short as the multiple of the norm makes it.
     fn extend<P: Nlp>(
         &mut self,
         problem: &mut P,

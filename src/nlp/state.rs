@@ -160,8 +160,8 @@ impl State {
             .update_equalities(&self.h, options.equality_factor, most, options.feasible);
     }
 
-    /// Raises the penalties of violated rows whose multipliers have reached them, and those of all rows if the violations
-    /// have hardly decreased with the last raise; returns true if one is raised.
+    /// Raises the penalties of violated rows whose multipliers have reached them, and those of all rows if the
+    /// violations have hardly decreased with the last raise; returns true if one is raised.
     ///
     /// Violations that cost more than the objective and have hardly decreased are a local minimum of the violation
     /// (Byrd, Curtis and Nocedal, *Infeasibility detection and SQP methods for nonlinear optimization*, 2010).
