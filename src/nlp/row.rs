@@ -20,7 +20,7 @@ pub struct RowState {
     pub slack: f64,
     pub elastic: f64,
     pub multiplier: f64,
-    /// The penalty of its violation: not less than [`Barrier::nu`].
+    /// The penalty of its violation: not less than [that of all](super::Barrier::nu).
     pub penalty: f64,
 }
 
