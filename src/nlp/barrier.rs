@@ -24,7 +24,7 @@ pub struct BarrierState {
     /// norm in the Hessian and at most up to the [longest step](Options::longest_step): a short step does not show that
     /// the minimum is near.
     pub decrease: f64,
-    /// The fraction of that step that was taken.
+    /// The fraction of that step that was taken: more than 1 along negative curvature.
     pub alpha: f64,
     /// True if there are equalities, whose multipliers are updated with the barrier parameter.
     pub has_equalities: bool,

@@ -68,8 +68,8 @@ impl Iterate {
 
     /// Returns true if the multiplier of a row that is violated by more than `feasible` has nearly reached the penalty.
     pub fn is_at_penalty(&self, h: &[f64], feasible: f64) -> bool {
-        let mut violated = self.working.iter().filter(|of| h[of.row.at] > feasible);
-        violated.any(RowState::is_at_penalty)
+        let mut rows = self.working.iter();
+        rows.any(|of| of.needs_penalty(h, feasible))
     }
 
     /// Raises the penalties of violated rows whose multipliers have nearly reached them, at most to `largest`; returns
@@ -77,8 +77,7 @@ impl Iterate {
     pub fn raise_penalties(&mut self, h: &[f64], options: &Options, largest: f64) -> bool {
         let (mu, mut raised) = (self.barrier.mu, false);
         for state in &mut self.working {
-            let violated = h[state.row.at] > options.feasible && state.is_at_penalty();
-            if violated && state.penalty < largest {
+            if state.needs_penalty(h, options.feasible) && state.penalty < largest {
                 state.penalty = (options.row_penalty_factor * state.penalty).min(largest);
                 state.safeguard(mu, options.multiplier_range);
                 raised = true;

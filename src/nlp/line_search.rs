@@ -33,7 +33,7 @@ pub(super) fn line_search<P: Nlp>(
             if predicted.is_nan() {
                 predicted = -slope;
             }
-            let after = f + problem.measure(&x) * trial.iterate.barrier_terms(&trial.h);
+            let after = trial.merit(f, problem.measure(&x));
             let (gained, rounding) = (highest - after, ROUNDING * before.abs().max(f.abs()));
             let hidden = gained.abs() <= rounding && (alpha * slope).abs() <= rounding;
             if hidden || gained >= -options.sufficient_decrease * alpha * slope {
@@ -93,7 +93,7 @@ impl End {
             let merit = match f.is_finite() {
                 true => {
                     trial.take(state, alpha, options);
-                    f + problem.measure(&x) * trial.iterate.barrier_terms(&trial.h)
+                    trial.merit(f, problem.measure(&x))
                 }
                 false => f64::INFINITY,
             };
@@ -125,6 +125,11 @@ impl Trial {
             h: Vec::with_capacity(state.h.len()),
             iterate: state.iterate.clone(),
         }
+    }
+
+    /// The barrier function for an objective.
+    fn merit(&self, f: f64, measure: f64) -> f64 {
+        f + measure * self.iterate.barrier_terms(&self.h)
     }
 
     /// Takes this fraction of the steps of the rows, whose values at its end are known. Returns the difference between
@@ -188,7 +193,7 @@ pub(super) fn leave_saddle<P: Nlp>(
             for row in &mut trial.iterate.working {
                 row.meet(trial.h[row.row.at]);
             }
-            if f + problem.measure(&x) * trial.iterate.barrier_terms(&trial.h) < before {
+            if trial.merit(f, problem.measure(&x)) < before {
                 state.move_to(problem, x, f, trial, options);
                 return Ok(true);
             }

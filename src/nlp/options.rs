@@ -33,14 +33,16 @@ pub struct Options {
     /// obstacle while the barrier parameter is large, and finds the better side.
     pub penalty: f64,
     /// The least first penalty relative to the largest known multiplier: a row whose multiplier is larger than the
-    /// penalty is violated (NW 18.36), which a start that keeps its rows is not to be. Zero where that may be.
+    /// penalty is violated (NW 18.36), which a start that keeps its rows is not to be. Zero where that may be. Direct
+    /// searches raise penalties later, so that they use the multiple per row in its place; the tracker and flows to
+    /// rest use both.
     pub penalty_of_multipliers: f64,
     /// The least first penalty of a row relative to its own known multiplier.
     pub row_penalty_of_multipliers: f64,
     /// The factor of the penalty of a violated row whose multiplier has reached it, and that of all penalties if the
     /// violations have hardly decreased since the last raise. A large penalty of a row with a small multiplier makes
-    /// steps along it short, so that only those rows have one that need it (tuned on 108 problems of two arms: with 1
-    /// and 10 for all rows, fewer searches end at minima).
+    /// steps along it short, so that only those rows have one that need it (tuned on 103 problems of Panda and
+    /// Fetch: with 1 or 10 for all penalties fewer searches end at minima).
     pub row_penalty_factor: f64,
     pub penalty_factor: f64,
     /// The factor of the penalties of equalities that decrease too little: 10 as in NW (17.4).

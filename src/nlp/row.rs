@@ -63,6 +63,11 @@ impl RowState {
         self.multiplier > AT_PENALTY * self.penalty
     }
 
+    /// Returns true if the row is violated by more than `feasible` because its penalty is small.
+    pub fn needs_penalty(&self, h: &[f64], feasible: f64) -> bool {
+        h[self.row.at] > feasible && self.is_at_penalty()
+    }
+
     /// The state after a fraction of a step; slack, elastic variable, multiplier and its distance from the penalty each
     /// keep at least $1 - \tau$ of their value: the fraction-to-the-boundary rule row by row (WB 15).
     pub fn take(&self, step: &RowStep, fraction: f64, tau: f64) -> Self {

@@ -169,13 +169,12 @@ impl State {
         if !self.iterate.is_at_penalty(&self.h, options.feasible) {
             return false;
         }
-        let excess = |of: &RowState| self.measure * of.row.weight * self.h[of.row.at].max(0.0);
-        let violated = self
-            .iterate
-            .working
-            .iter()
-            .map(|of| [excess(of), of.penalty * excess(of)]);
-        let [sum, cost] = violated.fold([0.0; 2], |[sum, cost], [e, c]| [sum + e, cost + c]);
+        let [mut sum, mut cost] = [0.0; 2];
+        for of in &self.iterate.working {
+            let excess = self.measure * of.row.weight * self.h[of.row.at].max(0.0);
+            sum += excess;
+            cost += of.penalty * excess;
+        }
         let most = options.largest_penalty * self.scale() / self.measure;
         let Barrier { mu, nu } = self.iterate.barrier;
         let stalled = sum > options.infeasible_progress * self.excess;

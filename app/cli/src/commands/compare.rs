@@ -1,7 +1,7 @@
 //! `aghf compare`.
 
 use super::print;
-use crate::output::refuse_existing;
+use crate::output::{REPORT_FILES, refuse_existing};
 use crate::report::{Motion, write_page};
 use aghf::error::{Error, Result};
 use aghf_scenario::Solved;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// The summaries in the folder of a solve, that of a success first.
-pub(super) const SUMMARIES: [&str; 2] = ["summary.json", "summary.failed.json"];
+const SUMMARIES: [&str; 2] = [REPORT_FILES[1], REPORT_FILES[4]];
 
 /// Show two motions side by side in time, on one page.
 ///

@@ -1,8 +1,8 @@
 //! `aghf judge`.
 
-use super::compare::{SUMMARIES, summary_at};
+use super::compare::summary_at;
 use super::{CHECK_FAILED, RobotArgs, print};
-use crate::output::{judgement_table, refuse_existing, write_json, write_text};
+use crate::output::{REPORT_FILES, judgement_table, refuse_existing, write_json, write_text};
 use aghf::error::{Error, Result};
 use aghf_scenario::judge::{Tolerances, Trajectory, judge};
 use clap::Args;
@@ -71,13 +71,14 @@ impl Judge {
 
 /// The table of a run by its folder or its summary; any other path is that of the trajectory itself.
 fn table_at(path: &Path) -> Result<PathBuf> {
-    if !path.is_dir() && !SUMMARIES.iter().any(|name| path.ends_with(name)) {
+    let [table, summary, _, failed_table, failed_summary, _] = REPORT_FILES;
+    if !path.is_dir() && !path.ends_with(summary) && !path.ends_with(failed_summary) {
         return Ok(path.to_owned());
     }
-    let summary = PathBuf::from(summary_at(path)?);
-    let name = summary.file_name().unwrap_or_default().to_string_lossy();
-    let table = name
-        .replace("summary", "trajectory")
-        .replace(".json", ".csv");
-    Ok(summary.with_file_name(table))
+    let found = PathBuf::from(summary_at(path)?);
+    let table = match found.ends_with(failed_summary) {
+        true => failed_table,
+        false => table,
+    };
+    Ok(found.with_file_name(table))
 }
