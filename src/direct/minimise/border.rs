@@ -128,19 +128,17 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         }
     }
 
-    /// The normalised time of a point: that of a waypoint, or the end for a goal.
-    fn time_of_point(&self, point: usize) -> f64 {
-        self.times.get(point).copied().unwrap_or(1.0)
-    }
-
-    fn place_of_point(&self, point: usize) -> Place {
-        Place::new(&self.basis, &self.coefficients, self.time_of_point(point))
+    /// The place of a point on a curve, at its own time, that of a waypoint, or the end for a goal.
+    fn place_of_point(&self, point: usize, coefficients: &DMatrix<f64>) -> Place {
+        let rows = &self.points[point];
+        let time = rows.time.or(self.times.get(point).copied());
+        Place::new(&self.basis, coefficients, time.unwrap_or(1.0))
     }
 
     /// Evaluates the rows of all points at the current unknowns.
     pub(super) fn evaluate_points(&mut self) -> Result<()> {
         for point in 0..self.points.len() {
-            let place = self.place_of_point(point);
+            let place = self.place_of_point(point, &self.coefficients);
             self.points[point].evaluate(&place)?;
         }
         Ok(())
@@ -174,7 +172,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             let terms: Vec<_> = terms
                 .map(|(row, term)| (row.at, term.times(row.weight)))
                 .collect();
-            let place = self.place_of_point(point);
+            let place = self.place_of_point(point, &self.coefficients);
             let of = self.points[point].derivatives(terms.into_iter())?;
             all.push((place, of));
         }
@@ -201,7 +199,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let (grid, measure) = (self.grid, self.horizon);
         let own = out.gradient.len() - self.border();
         let horizon = self.free_horizon.map(|_| 0);
-        let rates = Place::new(&self.basis, &self.rates, self.time_of_point(point)).q;
+        let rates = self.place_of_point(point, &self.rates).q;
         // The unknown, with the derivatives of configuration and slope in it.
         // Two neighbouring columns, one below the other.
         let pair = |of: &DMatrix<f64>, first: usize| {

@@ -59,6 +59,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     pub(super) fn set_first_margins(&mut self, x: &DVector<f64>) -> Result<()> {
         self.place(x);
         self.cost()?;
+        self.add_rows_of_ends()?;
         self.reserve();
         Ok(())
     }
@@ -118,7 +119,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             self.reserve();
         }
         let (reserves, fixed) = (self.reserves(), self.fixed_ends());
-        let (grid, integrand) = (self.grid, self.objective.cost_mut());
+        let (grid, integrand) = (self.grid, self.objective.cost());
         let (count, states) = (integrand.rows.count(), integrand.rows.states());
         // Times are sums of intervals.
         let is_at = |time: f64, end: f64| (time - end).abs() <= 8.0 * f64::EPSILON;
@@ -126,8 +127,9 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let phases = integrand.rows.cost.phases() as f64;
         let changes = |time: f64| is_at(phases * time, (phases * time).round());
         for maximum in maxima {
-            // Margins do not change the state at a fixed end, nor the place of a foot that lands.
-            let at_ends = is_fixed(maximum.time);
+            // Margins do not change the state at a fixed end, nor the place of a foot that lands. Beside an end at its
+            // bound they would ask for another derivative than the one that decides.
+            let at_ends = is_fixed(maximum.time) || self.has_rows_of_ends(maximum);
             let of_phase = integrand.rows.is_of_phase(maximum.row);
             if maximum.row < states && (at_ends || (of_phase && changes(maximum.time))) {
                 continue;

@@ -9,6 +9,7 @@
 mod border;
 mod candidate;
 mod curvature;
+mod end_rows;
 mod foot_terms;
 mod integrand;
 mod margins;
@@ -140,7 +141,6 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         },
         ..settings.nlp.clone()
     };
-    let known = candidate.multipliers.at(&grid.times, rows.count());
     let kkt = program.kkt().ok_or_else(|| {
         Error::input(
             "basis",
@@ -166,6 +166,10 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     program.equality_penalty = candidate.equality_penalty;
     let x = program.unknowns(candidate);
     program.set_first_margins(&x)?;
+    let mut known = candidate.multipliers.at(&grid.times, rows.count());
+    if let Some(known) = &mut known {
+        known.truncate(program.range_of_points().end);
+    }
     if stage.last {
         program.kept.push(x.clone());
     }

@@ -20,6 +20,10 @@ pub(super) struct PointRows<'g> {
     given: Vec<(usize, f64)>,
     /// The rates that are zero, after those.
     rates: RateRows<'g>,
+    /// The rows that are linear in the configuration, after those: slopes, and the values that are subtracted.
+    linear: Vec<(DVector<f64>, f64)>,
+    /// The normalised time, if it is neither that of a waypoint nor that of a goal.
+    pub time: Option<f64>,
     /// True for each equality.
     pub equalities: Vec<bool>,
     /// The values at the last evaluation.
@@ -93,7 +97,26 @@ impl<'g> PointRows<'g> {
             state: vec![0.0; 2 * model.dof()],
             constraints,
             given,
+            linear: Vec::new(),
+            time: None,
             first,
+        }
+    }
+
+    /// Linear inequalities of the configuration at a normalised time: their slopes, and the values that are subtracted.
+    pub fn of_linear(
+        model: &'g Model,
+        linear: Vec<(DVector<f64>, f64)>,
+        time: f64,
+        first: usize,
+    ) -> Self {
+        let rows = Self::new(model, &[], (Vec::new(), false), first);
+        Self {
+            equalities: vec![false; linear.len()],
+            h: vec![0.0; linear.len()],
+            time: Some(time),
+            linear,
+            ..rows
         }
     }
 
@@ -125,7 +148,8 @@ impl<'g> PointRows<'g> {
         let n = self.state.len() / 2;
         self.state[..n].copy_from_slice(place.q.column(0).as_slice());
         let (rows, others) = self.h.split_at_mut(self.scales.len());
-        let (given, rates) = others.split_at_mut(self.given.len());
+        let (given, others) = others.split_at_mut(self.given.len());
+        let (rates, linear) = others.split_at_mut(others.len() - self.linear.len());
         if !rows.is_empty() {
             let placed = self.evaluator.at(&self.state)?;
             placed.value(self.constraints, rows)?;
@@ -136,12 +160,16 @@ impl<'g> PointRows<'g> {
         for (h, (entry, value)) in given.iter_mut().zip(&self.given) {
             *h = place.q.as_slice()[*entry] - value;
         }
+        for (h, (slope, value)) in linear.iter_mut().zip(&self.linear) {
+            *h = slope.dot(&place.q.column(0)) - value;
+        }
         self.rates.evaluate(place, rates)
     }
 
-    /// The largest violation, in m or rad.
+    /// The largest violation, in m or rad, but of linear rows, which are multiples of what is seen between the points.
     pub fn violation(&self) -> f64 {
         let rows = self.h.iter().zip(&self.equalities);
+        let rows = rows.take(self.h.len() - self.linear.len());
         let violations = rows.map(|(h, equality)| if *equality { h.abs() } else { *h });
         violations.fold(0.0, f64::max)
     }
@@ -160,9 +188,17 @@ impl<'g> PointRows<'g> {
             hessian: DMatrix::zeros(2 * n, 2 * n),
         };
         let mut of_rates = Vec::new();
+        let first_linear = self.h.len() - self.linear.len();
         for (at, term) in terms {
             let row = at - self.first;
             out.cost += term.cost;
+            if let Some(row) = row.checked_sub(first_linear) {
+                let slope = &self.linear[row].0;
+                out.gradient.rows_mut(0, n).axpy(term.slope, slope, 1.0);
+                let mut own = out.hessian.view_mut((0, 0), (n, n));
+                own.ger(term.curvature, slope, slope, 1.0);
+                continue;
+            }
             if let Some(row) = row.checked_sub(rows) {
                 match self.given.get(row) {
                     Some((entry, _)) => {

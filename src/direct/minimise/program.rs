@@ -9,6 +9,7 @@ use crate::cost::CostWithControl;
 use crate::curve::Basis;
 use crate::direct::{FreeHorizon, SearchOptions};
 use crate::error::Result;
+use crate::model::Model;
 use crate::motion::Watch;
 use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, RowState, Term, Tightened};
 use crate::transcription::{Derivatives, Objective};
@@ -21,10 +22,11 @@ use std::sync::Arc;
 /// then the times of waypoints that have none.
 ///
 /// The rows are those of the constraints at the points of the quadrature, with margins $m_j \ge 0$ by which they are
-/// larger near a point than at it; then those of waypoints and of a goal that is a set; then those that are linear in
-/// times and horizon.
+/// larger near a point than at it; then those of waypoints, of a goal that is a set, and of ends at a bound; then those
+/// that are linear in times and horizon.
 pub(super) struct Program<'g, 'a, K, P> {
     pub(super) grid: &'g Grid<f64>,
+    pub(super) model: &'g Model,
     /// The times between the points at which rows are evaluated, during the search and at its end.
     pub(super) scans: [Arc<Scan>; 2],
     pub(super) objective: Objective<'g, f64, Integrand<'a, K, P>>,
@@ -40,9 +42,11 @@ pub(super) struct Program<'g, 'a, K, P> {
     pub(super) rates: DMatrix<f64>,
     pub(super) horizon: f64,
     pub(super) free_horizon: Option<FreeHorizon>,
-    /// The rows of the waypoints, then those of a goal, and the index of the first one among all rows.
+    /// The rows of the waypoints, those of a goal and those of ends, and the index of the first one among all rows.
     pub(super) points: Vec<PointRows<'g>>,
     pub(super) first_of_points: usize,
+    /// The rows that are at their bounds at the start, and at the end.
+    pub(super) rows_of_ends: [Vec<usize>; 2],
     /// The normalised times of the waypoints, and the indices of those whose times are unknown.
     pub(super) times: Vec<f64>,
     pub(super) moving: Vec<usize>,
@@ -124,6 +128,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             free_horizon,
             points,
             first_of_points,
+            rows_of_ends: Default::default(),
             times: times.clone(),
             moving: unknown.map(|(k, _)| k).collect(),
             margins: Vec::new(),
@@ -132,14 +137,20 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             lagrangian: false,
             kept: Vec::new(),
             grid,
+            model,
             objective,
             stage,
             search,
             equality_penalty: 1.0,
             watch,
         };
-        program.margins = vec![0.0; program.first_of_border() + program.linear_rows().len()];
+        program.count_margins();
         program
+    }
+
+    /// One margin per row, all zero.
+    pub(super) fn count_margins(&mut self) {
+        self.margins = vec![0.0; self.first_of_border() + self.linear_rows().len()];
     }
 
     /// The indices of the rows of points among all rows.

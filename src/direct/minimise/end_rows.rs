@@ -1,0 +1,102 @@
+//! The rows between the points beside an end that is at a bound.
+
+use super::point_rows::PointRows;
+use super::program::Program;
+use crate::constraint::{Constraint, Evaluator, Weights};
+use crate::cost::CostWithControl;
+use crate::error::Result;
+use crate::transcription::Maximum;
+use nalgebra::DVector;
+
+/// The number of times beside an end, each half as far from it as the one before: between the last one and the end a
+/// violation is some hundred times as small as between the first one and the point of the quadrature.
+const TIMES: i32 = 3;
+
+impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
+    /// Adds rows for each row of the state that is at its bound at a fixed end, where the robot is at rest.
+    ///
+    /// Near such an end a row is of the order of a power of the time to it, whatever the motion: with a margin at the
+    /// point beside the end the search changes a higher derivative in place of the lowest one, whose sign decides
+    /// whether the bound is kept. So there are rows at times between that point and the end, to first order in the
+    /// configuration, divided by the power.
+    pub(super) fn add_rows_of_ends(&mut self) -> Result<()> {
+        let (ends, fixed) = (self.basis.continuity(), self.fixed_ends());
+        let is_zero = |slope: usize| self.rates.column(slope).iter().all(|rate| *rate == 0.0);
+        let times = &self.grid.times;
+        if times[0] != 0.0 || !self.basis.fixed_slopes().all(is_zero) {
+            return Ok(());
+        }
+        let last = times.len() - 1;
+        let beside = [(0.0, times[1]), (1.0, times[last - 1] - 1.0)];
+        for (end, (at, interval)) in beside
+            .into_iter()
+            .enumerate()
+            .filter(|(end, _)| fixed[*end])
+        {
+            let power = 2 + i32::from(ends.acceleration && ends.rest[end]);
+            let (rows, slopes) = self.slopes_at_bound(end)?;
+            self.rows_of_ends[end] = rows;
+            for half in (1..=TIMES).take_while(|_| !slopes.is_empty()) {
+                let part = 0.5_f64.powi(half);
+                let row = |(slope, value): &(DVector<f64>, f64)| {
+                    let factor = part.powi(-power);
+                    // The reserve, which is added to the rows of points, cancels.
+                    (factor * slope, factor * value + self.search.reserve)
+                };
+                let linear = slopes.iter().map(row).collect();
+                let first = self.range_of_points().end;
+                let time = at + part * interval;
+                self.points
+                    .push(PointRows::of_linear(self.model, linear, time, first));
+            }
+        }
+        self.count_margins();
+        Ok(())
+    }
+
+    /// Returns true if there are [rows](Self::add_rows_of_ends) beside a maximum.
+    pub(super) fn has_rows_of_ends(&self, maximum: &Maximum) -> bool {
+        let times = &self.grid.times;
+        let [first, last] = &self.rows_of_ends;
+        (maximum.time < times[1] && first.contains(&maximum.row))
+            || (maximum.time > times[times.len() - 2] && last.contains(&maximum.row))
+    }
+
+    /// The rows of the state that are within the reserve of their bounds at an end, or beyond by no more than is
+    /// accepted, their slopes in the configuration, in units of the rows, and the values that go with the bounds.
+    #[allow(clippy::type_complexity)]
+    fn slopes_at_bound(&self, end: usize) -> Result<(Vec<usize>, Vec<(DVector<f64>, f64)>)> {
+        let integrand = self.objective.cost();
+        let (rows, h) = (&integrand.rows, &integrand.h);
+        let (attributes, n) = (rows.attributes(), rows.model.dof());
+        let (first, breakpoint) = match end {
+            0 => (0, 0),
+            _ => (h.len() - rows.count(), self.basis.segments()),
+        };
+        let q = self.coefficients.column(self.basis.value(breakpoint));
+        let is_at_bound = |row: &usize| {
+            let least = -self.stage.feasible / attributes.units[*row];
+            let other = attributes.equalities[*row] || rows.is_of_phase(*row);
+            !other && (least..=self.search.reserve).contains(&-h[first + row])
+        };
+        let found: Vec<_> = (0..rows.states()).filter(is_at_bound).collect();
+        let (mut evaluator, mut slopes) = (Evaluator::new(rows.model), Vec::new());
+        let mut state = vec![0.0; 2 * n];
+        state[..n].copy_from_slice(q.as_slice());
+        for row in &found {
+            let mut only = vec![0.0; rows.states()];
+            only[*row] = attributes.scales[*row] * attributes.units[*row];
+            let weights = Weights {
+                first_order: &only,
+                gauss_newton: None,
+            };
+            let state_rows = &rows.constraints.state;
+            let of = evaluator.weighted_derivatives_at(&state, state_rows, weights)?;
+            let slope = of.gradient().rows(0, n).into_owned();
+            let distance = -h[first + row] * attributes.units[*row];
+            let value = slope.dot(&q) + distance.max(0.0);
+            slopes.push((slope, value));
+        }
+        Ok((found, slopes))
+    }
+}
