@@ -1,11 +1,12 @@
 //! The direct method within constraints: optima that are known, and what it says where there is none.
 
 use crate::common::direct::solved_within;
-use crate::common::{assert_refused, direct, point_mass};
+use crate::common::{assert_refused, direct, point_mass, slider};
 use aghf::constraint::{
     AnyConstraint, Bound, Bounds, CollisionSphere, Constraints, Side, Sphere, SphereClearance,
     TorqueLimits,
 };
+use aghf::cost::{CostThroughDynamics, HyperDual64};
 use aghf::direct::{Direct, DirectSettings, DirectSolution, Multipliers};
 use aghf::motion::{Problem, sample};
 use nalgebra::Vector3;
@@ -312,4 +313,35 @@ fn an_end_in_an_obstacle_is_a_failure() {
     };
     let solution = solved(&problem, &state(AnyConstraint::Bounds(Bounds(vec![bound]))));
     assert!(!solution.converged && solution.largest_violation >= 0.1 - 1e-9);
+}
+
+/// A motion to a limit, or from one, that would rather be beyond it keeps the limit beside its end, also where the given
+/// state exceeds it by rounding, in fewer iterations than with margins of the points beside the end (73).
+#[test]
+fn an_end_at_its_bound_is_no_obstacle() {
+    let model = slider(2.0);
+    let upper = Bound {
+        entry: 0,
+        side: Side::Upper,
+        value: 1.0,
+    };
+    let kept = state(AnyConstraint::Bounds(Bounds(vec![upper])));
+    let cost = CostThroughDynamics::new(&model, |at| {
+        let beyond = HyperDual64::from(3.0) - at.q[0];
+        beyond * beyond + at.u[0] * at.u[0] * 1e-8
+    });
+    for excess in [0.0, 1e-7] {
+        let [away, there] = [vec![0.0, 0.0], vec![1.0 + excess, 0.0]];
+        for (from, to) in [(away.clone(), there.clone()), (there, away)] {
+            let problem = Problem::new(&model, from, to, 2.0).expect("valid");
+            let direct = Direct::new(&problem).cost(cost.clone()).constraints(&kept);
+            let found = direct.settings(DirectSettings::constrained()).solve();
+            let found = found.unwrap_or_else(|e| panic!("{e}"));
+            let highest = (0..=20_000).map(|k| found.curve.at(1e-4 * f64::from(k)).0[0]);
+            let highest = highest.fold(0.0, f64::max) - 1.0;
+            assert!(highest <= DirectSettings::FEASIBLE, "{highest:e}");
+            let iterations = found.iterations.len();
+            assert!(found.converged && iterations < 60, "{iterations}");
+        }
+    }
 }

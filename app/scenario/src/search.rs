@@ -41,6 +41,9 @@ const SAME: f64 = 1.001;
 /// of others, with which 28 motions of a Panda to poses take 8 % more iterations, and one ends at no minimum.
 const POINT_PENALTY: f64 = 1000.0;
 
+/// The factor of the first penalty with which a search that leads to no faster minimum is done again.
+const AGAIN: f64 = 10.0;
+
 /// The part of a time limit for the starts of a search that goes on from the best one.
 const PART_OF_STARTS: f64 = 0.5;
 
@@ -56,6 +59,8 @@ pub(super) struct Search<'s, 'o> {
     stopped: Option<Stopped>,
     /// False if the last solve was not reached, or led to nothing better than the one before.
     complete: bool,
+    /// True if the last solve is done again with a larger penalty.
+    again: bool,
 }
 
 impl<'s, 'o> Search<'s, 'o> {
@@ -72,6 +77,7 @@ impl<'s, 'o> Search<'s, 'o> {
             started: Instant::now(),
             stopped: None,
             complete: true,
+            again: false,
         }
     }
 
@@ -128,7 +134,7 @@ impl<'s, 'o> Search<'s, 'o> {
         settings.time_limit = settings
             .time_limit
             .map(|limit| limit.mul_f64(PART_OF_STARTS));
-        let first = self.first(settings)?;
+        let mut first = self.first(settings)?;
         let (mut others, mut share) = (Vec::new(), FIRST_SHARE);
         for _ in 0..STEPS {
             let before = others.last().unwrap_or(&first);
@@ -152,9 +158,14 @@ impl<'s, 'o> Search<'s, 'o> {
             if is_better {
                 weight_before = weight;
                 others.push(next);
+            } else {
+                let before = others.last_mut().unwrap_or(&mut first);
+                before.iterations.extend(next.iterations);
             }
+            self.again = !self.complete && !self.again;
             share = match (self.complete, others.is_empty()) {
                 _ if ends => break,
+                _ if self.again => share,
                 (true, _) => SHARE,
                 // Half the way there on a logarithmic scale.
                 (false, true) if share > LEAST_SHARE => share.sqrt(),
@@ -162,12 +173,13 @@ impl<'s, 'o> Search<'s, 'o> {
                 _ => break,
             };
         }
+        self.again = false;
         Ok((first, others))
     }
 
     /// The least effort within [`BALANCED`] times the least time, from the slowest of the motions that led to that.
     fn balanced(&mut self) -> Result<DirectSolution> {
-        let (first, mut others) = self.faster()?;
+        let (mut first, mut others) = self.faster()?;
         let fast = others.last().unwrap_or(&first);
         let is_least = self.complete;
         self.complete = self.goes_on(fast);
@@ -182,6 +194,9 @@ impl<'s, 'o> Search<'s, 'o> {
             self.complete = is_valid(&found);
             if self.complete {
                 others.push(found);
+            } else {
+                let fast = others.last_mut().unwrap_or(&mut first);
+                fast.iterations.extend(found.iterations);
             }
         }
         self.complete &= is_least;
@@ -216,12 +231,37 @@ impl<'s, 'o> Search<'s, 'o> {
             longest: free.longest.min(longest),
             ..free
         });
-        self.from(from, horizon, free, None)
+        self.twice(from, horizon, free)
     }
 
     /// The least effort on a given horizon, from another motion stretched to it.
     pub fn at(&mut self, from: &DirectSolution, horizon: f64) -> Result<DirectSolution> {
-        self.from(from, horizon, None, None)
+        self.twice(from, horizon, None)
+    }
+
+    /// One solve from a motion without known multipliers, and if it finds no minimum one with a larger penalty.
+    fn twice(
+        &mut self,
+        from: &DirectSolution,
+        horizon: f64,
+        free_horizon: Option<FreeHorizon>,
+    ) -> Result<DirectSolution> {
+        let found = self.from(from, horizon, free_horizon, None)?;
+        if found.converged || !self.goes_on(from) {
+            return Ok(found);
+        }
+        self.again = true;
+        let other = self.from(from, horizon, free_horizon, None);
+        self.again = false;
+        let other = other?;
+        let is_better = other.converged || (is_valid(&other) && !is_valid(&found));
+        let (worse, mut better) = if is_better {
+            (found, other)
+        } else {
+            (other, found)
+        };
+        better.iterations.extend(worse.iterations);
+        Ok(better)
     }
 
     /// The bounds of the horizon with another cost of a second.
@@ -273,6 +313,9 @@ impl<'s, 'o> Search<'s, 'o> {
             ..self.settings.clone()
         };
         settings.search.point_penalty = POINT_PENALTY;
+        if self.again {
+            settings.search.planned_penalty *= AGAIN;
+        }
         let problem = self.scenario.problem()?.with_horizon(horizon)?;
         let found = self.solve(&problem, settings)?;
         Ok(DirectSolution {

@@ -9,6 +9,7 @@ use crate::linalg::BlockTridiagonal;
 use crate::nlp::{Iterate, Kkt, Term};
 use crate::transcription::{Grid, place};
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 /// A row that is linear in the unknowns of the border.
 pub(super) struct LinearRow {
@@ -126,6 +127,27 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
                 }
             }
         }
+    }
+
+    /// The indices of the rows of points among all rows.
+    pub fn range_of_points(&self) -> Range<usize> {
+        let last = self
+            .points
+            .last()
+            .map_or(self.first_of_points, |of| of.range().end);
+        self.first_of_points..last
+    }
+
+    /// The indices of the equalities, or of the other rows, of points.
+    pub(super) fn rows_of_points(&self, equalities: bool) -> impl Iterator<Item = usize> {
+        let held = self.points.iter().flat_map(|point| &point.equalities);
+        let rows = self.range_of_points().zip(held);
+        rows.filter_map(move |(at, held)| (*held == equalities).then_some(at))
+    }
+
+    /// The index of the first row that is linear in times and horizon.
+    pub(super) fn first_of_border(&self) -> usize {
+        self.range_of_points().end
     }
 
     /// The place of a point on a curve, at its own time, that of a waypoint, or the end for a goal.

@@ -12,6 +12,15 @@ use nalgebra::DVector;
 /// violation is some hundred times as small as between the first one and the point of the quadrature.
 const TIMES: i32 = 3;
 
+/// A row of the state that is at its bound at an end.
+struct AtBound {
+    row: usize,
+    /// Its slope in the configuration, in its unit.
+    slope: DVector<f64>,
+    /// The product of the slope and the configuration at which the bound is reached.
+    value: f64,
+}
+
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// Adds rows for each row of the state that is at its bound at a fixed end, where the robot is at rest.
     ///
@@ -28,26 +37,20 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         }
         let last = times.len() - 1;
         let beside = [(0.0, times[1]), (1.0, times[last - 1] - 1.0)];
-        for (end, (at, interval)) in beside
-            .into_iter()
-            .enumerate()
-            .filter(|(end, _)| fixed[*end])
-        {
+        for end in [0, 1].into_iter().filter(|end| fixed[*end]) {
+            let (at, interval) = beside[end];
             let power = 2 + i32::from(ends.acceleration && ends.rest[end]);
-            let (rows, slopes) = self.slopes_at_bound(end)?;
-            self.rows_of_ends[end] = rows;
-            for half in (1..=TIMES).take_while(|_| !slopes.is_empty()) {
+            let rows = self.rows_at_bound(end)?;
+            self.rows_of_ends[end] = rows.iter().map(|of| of.row).collect();
+            for half in (1..=TIMES).take_while(|_| !rows.is_empty()) {
                 let part = 0.5_f64.powi(half);
-                let row = |(slope, value): &(DVector<f64>, f64)| {
-                    let factor = part.powi(-power);
-                    // The reserve, which is added to the rows of points, cancels.
-                    (factor * slope, factor * value + self.search.reserve)
-                };
-                let linear = slopes.iter().map(row).collect();
-                let first = self.range_of_points().end;
-                let time = at + part * interval;
-                self.points
-                    .push(PointRows::of_linear(self.model, linear, time, first));
+                let factor = part.powi(-power);
+                // The reserve, which is added to the rows of points, cancels.
+                let value = |of: &AtBound| factor * of.value + self.search.reserve;
+                let linear = rows.iter().map(|of| (factor * &of.slope, value(of)));
+                let (time, first) = (at + part * interval, self.range_of_points().end);
+                let rows = PointRows::of_linear(self.model, linear.collect(), time, first);
+                self.points.push(rows);
             }
         }
         self.count_margins();
@@ -63,9 +66,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     }
 
     /// The rows of the state that are within the reserve of their bounds at an end, or beyond by no more than is
-    /// accepted, their slopes in the configuration, in units of the rows, and the values that go with the bounds.
-    #[allow(clippy::type_complexity)]
-    fn slopes_at_bound(&self, end: usize) -> Result<(Vec<usize>, Vec<(DVector<f64>, f64)>)> {
+    /// accepted.
+    fn rows_at_bound(&self, end: usize) -> Result<Vec<AtBound>> {
         let integrand = self.objective.cost();
         let (rows, h) = (&integrand.rows, &integrand.h);
         let (attributes, n) = (rows.attributes(), rows.model.dof());
@@ -79,13 +81,12 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             let other = attributes.equalities[*row] || rows.is_of_phase(*row);
             !other && (least..=self.search.reserve).contains(&-h[first + row])
         };
-        let found: Vec<_> = (0..rows.states()).filter(is_at_bound).collect();
-        let (mut evaluator, mut slopes) = (Evaluator::new(rows.model), Vec::new());
+        let (mut evaluator, mut found) = (Evaluator::new(rows.model), Vec::new());
         let mut state = vec![0.0; 2 * n];
         state[..n].copy_from_slice(q.as_slice());
-        for row in &found {
+        for row in (0..rows.states()).filter(is_at_bound) {
             let mut only = vec![0.0; rows.states()];
-            only[*row] = attributes.scales[*row] * attributes.units[*row];
+            only[row] = attributes.scales[row] * attributes.units[row];
             let weights = Weights {
                 first_order: &only,
                 gauss_newton: None,
@@ -93,10 +94,10 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             let state_rows = &rows.constraints.state;
             let of = evaluator.weighted_derivatives_at(&state, state_rows, weights)?;
             let slope = of.gradient().rows(0, n).into_owned();
-            let distance = -h[first + row] * attributes.units[*row];
+            let distance = -h[first + row] * attributes.units[row];
             let value = slope.dot(&q) + distance.max(0.0);
-            slopes.push((slope, value));
+            found.push(AtBound { row, slope, value });
         }
-        Ok((found, slopes))
+        Ok(found)
     }
 }

@@ -15,7 +15,6 @@ use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, RowState, Term, Tig
 use crate::transcription::{Derivatives, Objective};
 use crate::transcription::{Grid, Scan};
 use nalgebra::{DMatrix, DVector};
-use std::ops::Range;
 use std::sync::Arc;
 
 /// The nonlinear program of a curve in a basis: the unknowns are its free coefficients, then the horizon if it is free,
@@ -151,27 +150,6 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     /// One margin per row, all zero.
     pub(super) fn count_margins(&mut self) {
         self.margins = vec![0.0; self.first_of_border() + self.linear_rows().len()];
-    }
-
-    /// The indices of the rows of points among all rows.
-    pub fn range_of_points(&self) -> Range<usize> {
-        let last = self
-            .points
-            .last()
-            .map_or(self.first_of_points, |of| of.range().end);
-        self.first_of_points..last
-    }
-
-    /// The indices of the equalities, or of the other rows, of points.
-    fn rows_of_points(&self, equalities: bool) -> impl Iterator<Item = usize> {
-        let held = self.points.iter().flat_map(|point| &point.equalities);
-        let rows = self.range_of_points().zip(held);
-        rows.filter_map(move |(at, held)| (*held == equalities).then_some(at))
-    }
-
-    /// The index of the first row that is linear in times and horizon.
-    fn first_of_border(&self) -> usize {
-        self.range_of_points().end
     }
 
     /// The unknowns of a curve in the basis.
