@@ -315,8 +315,8 @@ fn an_end_in_an_obstacle_is_a_failure() {
     assert!(!solution.converged && solution.largest_violation >= 0.1 - 1e-9);
 }
 
-/// A motion to a limit, or from one, that would rather be beyond it keeps the limit beside its end, also where the given
-/// state exceeds it by rounding, in fewer iterations than with margins of the points beside the end (73).
+/// A motion to a limit, or from one, that would cost less beyond it keeps the limit beside its end, also where the
+/// given state exceeds it by rounding, in fewer iterations than with margins of the points beside the end (73).
 #[test]
 fn an_end_at_its_bound_is_no_obstacle() {
     let model = slider(2.0);

@@ -2,8 +2,8 @@
 //!
 //! `program` is the nonlinear program: coefficients and horizon are the unknowns, and the rows of the constraints at
 //! the points of the quadrature its rows. `integrand` adds the weighted rows to the running cost, and `margins`
-//! evaluates the rows between the points; `point_rows` has those of waypoints and of a goal that is a set, and `border`
-//! the unknowns beside the coefficients. `working_set` lists rows:
+//! evaluates the rows between the points, `end_rows` those beside an end that is at a bound; `point_rows` has those of
+//! waypoints and of a goal that is a set, and `border` the unknowns beside the coefficients. `working_set` lists rows:
 //! clearances while they are near their bound, all others always.
 
 mod border;
