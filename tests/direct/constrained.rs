@@ -246,12 +246,10 @@ fn a_goal_at_its_limit() {
         let limits = Bounds(vec![upper(0, limit), upper(1, 1.2)]);
         let at_goal = solved(&problem, &state(AnyConstraint::Bounds(limits)));
         assert!(at_goal.converged, "{at_goal:?}");
-        assert!(
-            (at_goal.cost / free.cost - 1.0).abs() < 1e-5,
-            "{} {}",
-            at_goal.cost,
-            free.cost
-        );
+        // The margins of the speed between the points are not the same in two searches.
+        let ratio = at_goal.cost / free.cost - 1.0;
+        assert!((-1e-4..1e-5).contains(&ratio), "{ratio:e}");
+        assert!(at_goal.largest_violation <= DirectSettings::FEASIBLE);
         let counts = [&at_goal, &free].map(|solution| solution.iterations.len());
         assert!(counts[0] <= 2 * counts[1], "{limit} {counts:?}");
     }
