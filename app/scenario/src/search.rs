@@ -59,8 +59,6 @@ pub(super) struct Search<'s, 'o> {
     stopped: Option<Stopped>,
     /// False if the last solve was not reached, or led to nothing better than the one before.
     complete: bool,
-    /// True if the last solve is done again with a larger penalty.
-    again: bool,
 }
 
 impl<'s, 'o> Search<'s, 'o> {
@@ -77,7 +75,6 @@ impl<'s, 'o> Search<'s, 'o> {
             started: Instant::now(),
             stopped: None,
             complete: true,
-            again: false,
         }
     }
 
@@ -104,7 +101,7 @@ impl<'s, 'o> Search<'s, 'o> {
         };
         let before = self.solve(&problem, fixed)?;
         if self.goes_on(&before) {
-            let found = self.from(&before, problem.horizon(), Some(free), None)?;
+            let found = self.from(&before, problem.horizon(), Some(free), None, false)?;
             if is_valid(&found) {
                 return Ok(joined(before, found));
             }
@@ -135,7 +132,7 @@ impl<'s, 'o> Search<'s, 'o> {
             .time_limit
             .map(|limit| limit.mul_f64(PART_OF_STARTS));
         let mut first = self.first(settings)?;
-        let (mut others, mut share) = (Vec::new(), FIRST_SHARE);
+        let (mut others, mut share, mut again) = (Vec::new(), FIRST_SHARE, false);
         for _ in 0..STEPS {
             let before = others.last().unwrap_or(&first);
             self.complete = self.goes_on(before);
@@ -147,7 +144,8 @@ impl<'s, 'o> Search<'s, 'o> {
             // Multipliers grow with the objective.
             let growth = (density + weight) / (density + weight_before);
             let multipliers = before.multipliers.scaled(growth);
-            let next = self.from(before, horizon, self.weighted(weight), Some(multipliers))?;
+            let free = self.weighted(weight);
+            let next = self.from(before, horizon, free, Some(multipliers), again)?;
             let later = next.curve.horizon() / horizon;
             let last = weight * next.curve.horizon() >= LAST_SHARE * next.cost;
             let is_faster = is_valid(&next) && later <= NOT_LONGER;
@@ -162,10 +160,10 @@ impl<'s, 'o> Search<'s, 'o> {
                 let before = others.last_mut().unwrap_or(&mut first);
                 before.iterations.extend(next.iterations);
             }
-            self.again = !self.complete && !self.again;
+            again = !self.complete && !again;
             share = match (self.complete, others.is_empty()) {
                 _ if ends => break,
-                _ if self.again => share,
+                _ if again => share,
                 (true, _) => SHARE,
                 // Half the way there on a logarithmic scale.
                 (false, true) if share > LEAST_SHARE => share.sqrt(),
@@ -173,7 +171,6 @@ impl<'s, 'o> Search<'s, 'o> {
                 _ => break,
             };
         }
-        self.again = false;
         Ok((first, others))
     }
 
@@ -246,22 +243,19 @@ impl<'s, 'o> Search<'s, 'o> {
         horizon: f64,
         free_horizon: Option<FreeHorizon>,
     ) -> Result<DirectSolution> {
-        let found = self.from(from, horizon, free_horizon, None)?;
+        let mut found = self.from(from, horizon, free_horizon, None, false)?;
         if found.converged || !self.goes_on(from) {
             return Ok(found);
         }
-        self.again = true;
-        let other = self.from(from, horizon, free_horizon, None);
-        self.again = false;
-        let other = other?;
+        let mut other = self.from(from, horizon, free_horizon, None, true)?;
+        let mut iterations = std::mem::take(&mut found.iterations);
+        iterations.append(&mut other.iterations);
         let is_better = other.converged || (is_valid(&other) && !is_valid(&found));
-        let (worse, mut better) = if is_better {
-            (found, other)
-        } else {
-            (other, found)
-        };
-        better.iterations.extend(worse.iterations);
-        Ok(better)
+        let better = if is_better { other } else { found };
+        Ok(DirectSolution {
+            iterations,
+            ..better
+        })
     }
 
     /// The bounds of the horizon with another cost of a second.
@@ -271,13 +265,14 @@ impl<'s, 'o> Search<'s, 'o> {
     }
 
     /// One solve from a motion, to its alternative of a goal that is a set, on a horizon within the bounds, with
-    /// multipliers for its objective if they are known.
+    /// multipliers for its objective if they are known, and with a larger penalty if it is done `again`.
     fn from(
         &mut self,
         from: &DirectSolution,
         horizon: f64,
         free_horizon: Option<FreeHorizon>,
         multipliers: Option<Multipliers>,
+        again: bool,
     ) -> Result<DirectSolution> {
         let horizon = match free_horizon {
             Some(free) => horizon.clamp(free.shortest, free.longest),
@@ -313,7 +308,7 @@ impl<'s, 'o> Search<'s, 'o> {
             ..self.settings.clone()
         };
         settings.search.point_penalty = POINT_PENALTY;
-        if self.again {
+        if again {
             settings.search.planned_penalty *= AGAIN;
         }
         let problem = self.scenario.problem()?.with_horizon(horizon)?;

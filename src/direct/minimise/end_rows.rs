@@ -49,8 +49,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
                 let value = |of: &AtBound| factor * of.value + self.search.reserve;
                 let linear = rows.iter().map(|of| (factor * &of.slope, value(of)));
                 let (time, first) = (at + part * interval, self.range_of_points().end);
-                let rows = PointRows::of_linear(self.model, linear.collect(), time, first);
-                self.points.push(rows);
+                let of_time = PointRows::of_linear(self.model, linear.collect(), time, first);
+                self.points.push(of_time);
             }
         }
         self.count_margins();

@@ -166,10 +166,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     program.equality_penalty = candidate.equality_penalty;
     let x = program.unknowns(candidate);
     program.set_first_margins(&x)?;
-    let mut known = candidate.multipliers.at(&grid.times, rows.count());
-    if let Some(known) = &mut known {
-        known.truncate(program.range_of_points().end);
-    }
+    let known = program.known_multipliers(candidate);
     if stage.last {
         program.kept.push(x.clone());
     }

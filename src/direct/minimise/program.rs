@@ -152,6 +152,14 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         self.margins = vec![0.0; self.first_of_border() + self.linear_rows().len()];
     }
 
+    /// The known multipliers at the points, without those of rows beside ends that another program had.
+    pub fn known_multipliers(&self, of: &Candidate) -> Option<Vec<f64>> {
+        let count = self.objective.cost().rows.count();
+        let mut known = of.multipliers.at(&self.grid.times, count)?;
+        known.truncate(self.range_of_points().end);
+        Some(known)
+    }
+
     /// The unknowns of a curve in the basis.
     pub fn unknowns(&self, of: &Candidate) -> DVector<f64> {
         let own = self.derivatives.gradient.len();

@@ -43,7 +43,7 @@ pub(in crate::direct) fn improve<K: Constraint, P: CostWithControl>(
     })?;
     let x = program.unknowns(candidate);
     program.tighten(&x, 0)?;
-    let known = candidate.multipliers.at(&grid.times, rows.count());
+    let known = program.known_multipliers(candidate);
     let options = Options {
         // The loop below ends the search.
         tolerance: 0.0,
