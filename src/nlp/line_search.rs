@@ -1,7 +1,7 @@
 //! Backtracking on the barrier function.
 
 use super::kkt::Step;
-use super::{Iterate, Nlp, Options, State};
+use super::{Iterate, Nlp, Options, RowStep, State};
 use crate::error::Result;
 use nalgebra::DVector;
 
@@ -12,7 +12,7 @@ const ROUNDING: f64 = 1e-13;
 /// values. Returns the predicted decrease of the whole step, or `None` if no fraction does.
 ///
 /// The change of a row along the step is that to the end of the tried fraction, relative to the fraction, so that
-/// slacks follow the rows to second order.
+/// slacks follow the rows to second order. Multipliers take the Newton step of the linearised rows.
 pub(super) fn line_search<P: Nlp>(
     problem: &mut P,
     state: &mut State,
@@ -22,6 +22,7 @@ pub(super) fn line_search<P: Nlp>(
     let before = state.merit(problem);
     let highest = state.remember(before, options.memory);
     let mut trial = Trial::new(state);
+    let tangent = tangent(problem, state, step, options)?;
     let whole = options.longest_step / state.progress.step;
     let first = problem.longest(&state.x, &step.x).min(whole);
     let (mut alpha, mut predicted) = (first, f64::NAN);
@@ -29,7 +30,8 @@ pub(super) fn line_search<P: Nlp>(
         let x = &state.x + &step.x * alpha;
         let f = problem.value(&x, &mut trial.h)?;
         if f.is_finite() {
-            let slope = step.slope + problem.measure(&state.x) * trial.take(state, alpha, options);
+            let bend = trial.take(state, (alpha, &tangent), options);
+            let slope = step.slope + problem.measure(&state.x) * bend;
             if predicted.is_nan() {
                 predicted = -slope;
             }
@@ -45,7 +47,7 @@ pub(super) fn line_search<P: Nlp>(
                     merit: after,
                 };
                 if alpha == first {
-                    end.extend(problem, state, step, options)?;
+                    end.extend(problem, state, (step, &tangent), options)?;
                 }
                 state.progress.alpha = end.alpha;
                 state.move_to(problem, end.x, end.f, end.trial, options);
@@ -56,6 +58,24 @@ pub(super) fn line_search<P: Nlp>(
     }
     state.progress.alpha = 0.0;
     Ok(None)
+}
+
+/// The changes of the linearised rows along a step: those over a short part of it, relative to that.
+fn tangent<P: Nlp>(
+    problem: &mut P,
+    state: &State,
+    step: &Step,
+    options: &Options,
+) -> Result<Vec<f64>> {
+    let mut h = Vec::new();
+    if !state.iterate.working.is_empty() {
+        let part = (options.tangent / state.progress.step).min(1.0);
+        problem.value(&(&state.x + &step.x * part), &mut h)?;
+        for (h, before) in h.iter_mut().zip(&state.h) {
+            *h = (*h - before) / part;
+        }
+    }
+    Ok(h)
 }
 
 /// The end of a fraction of a step.
@@ -74,7 +94,7 @@ impl End {
         &mut self,
         problem: &mut P,
         state: &State,
-        step: &Step,
+        (step, tangent): (&Step, &[f64]),
         options: &Options,
     ) -> Result<()> {
         let most = options.longest_step / state.progress.step;
@@ -92,7 +112,7 @@ impl End {
             let f = problem.value(&x, &mut trial.h)?;
             let merit = match f.is_finite() {
                 true => {
-                    trial.take(state, alpha, options);
+                    trial.take(state, (alpha, tangent), options);
                     trial.merit(f, problem.measure(&x))
                 }
                 false => f64::INFINITY,
@@ -132,14 +152,20 @@ impl Trial {
         f + measure * self.iterate.barrier_terms(&self.h)
     }
 
-    /// Takes this fraction of the steps of the rows, whose values at its end are known. Returns the difference between
-    /// the slope of the barrier function along the step and that of the condensed equations, without the measure.
-    fn take(&mut self, state: &State, alpha: f64, options: &Options) -> f64 {
+    /// Takes this fraction of the steps of the rows, whose values at its end are known, as are the changes of the
+    /// linearised rows along the whole step. Returns the difference between the slope of the barrier function along the
+    /// step and that of the condensed equations, without the measure.
+    fn take(&mut self, state: &State, (alpha, tangent): (f64, &[f64]), options: &Options) -> f64 {
         let (from, mut slope) = (&state.iterate, 0.0);
         for (before, after) in from.working.iter().zip(&mut self.iterate.working) {
             let at = before.row.at;
             let change = (self.h[at] - state.h[at]) / alpha;
-            let step = from.step(before, state.h[at], change);
+            // With the change of the row itself, one that curves beyond its bound would get the multiplier of a
+            // violation, and with its second derivative a Hessian that makes the next steps short.
+            let step = RowStep {
+                multiplier: from.step(before, state.h[at], tangent[at]).multiplier,
+                ..from.step(before, state.h[at], change)
+            };
             let [bend, condensed] = from.bend(before, &step, change);
             slope += before.row.weight * (condensed - bend);
             *after = before.take(&step, alpha, options.fraction_to_boundary);
