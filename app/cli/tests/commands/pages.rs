@@ -4,7 +4,7 @@ use crate::command::{aghf, empty_folder};
 use std::path::Path;
 
 /// The pages by their packages. A block of JSON that is a whole scenario is in a file by the name of its page.
-const PAGES: [(&str, &str); 7] = [
+const PAGES: [(&str, &str); 8] = [
     ("scenario", "certificates"),
     ("scenario", "goals"),
     ("scenario", "limits"),
@@ -12,6 +12,7 @@ const PAGES: [(&str, &str); 7] = [
     ("scenario", "standing"),
     ("cli", "export"),
     ("cli", "real_robots"),
+    ("cli", "upgrade"),
 ];
 
 /// The texts of the blocks in such a language.
