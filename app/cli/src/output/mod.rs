@@ -24,7 +24,7 @@ pub use rows::csv_of;
 pub use table::{
     check_table, configurations_table, robot_table, scenario_table, summary_table, verdict_table,
 };
-pub(crate) use table::{short, summary_rows, table};
+pub(crate) use table::{cost_of, short, summary_rows, table};
 pub use tradeoff::{TradeoffRow, tradeoff_rows, tradeoff_table, write_tradeoff};
 pub use trajectory::{REPORT_FILES, Sampling, write_report, write_table, write_trajectory};
 pub use walk::walk_table;

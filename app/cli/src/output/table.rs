@@ -1,15 +1,17 @@
 //! Tables for people.
 
+use super::rows::csv_cell;
 use aghf::direct::DegreeRefinement;
 use aghf::error::Result;
 use aghf::model::Model;
 use aghf::verify::duals::Finding;
 use aghf::verify::field::Verdict;
 use aghf_scenario::{
-    Details, DirectDetails, FAMILIES, FlowDetails, HorizonBound, Limit, RestDetails, RobotShape,
-    Scenario, Summary, builtin_scenarios, generated_scenarios,
+    Details, DirectDetails, FAMILIES, FlowDetails, HorizonBound, Limit, Method, RestDetails,
+    RobotShape, Scenario, Summary, builtin_scenarios, generated_scenarios,
 };
 use comfy_table::{CellAlignment, Table, presets};
+use serde_json::Value;
 
 /// An empty table without lines.
 pub(crate) fn table() -> Table {
@@ -47,7 +49,7 @@ pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
     let (settings, rows) = match &s.details {
         Details::Flow(d) => flow_rows(d),
         Details::Rest(d) => rest_rows(d),
-        Details::Direct(d) => direct_rows(d),
+        Details::Direct(d) => direct_rows(summary, d),
     };
     let degree = match s.segments {
         1 => format!("degree {}", s.degree),
@@ -125,6 +127,22 @@ pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
     all
 }
 
+/// The cost, with the objective that makes it another number than the control effort.
+pub(crate) fn cost_of(summary: &Summary, cost: f64) -> String {
+    let objective = serde_json::to_value(&summary.provenance.scenario.objective);
+    let given = |(_, weight): &(&String, &Value)| weight.as_f64() != Some(0.0);
+    let objective = match objective {
+        Ok(Value::Object(terms)) if summary.method == Method::Direct => {
+            let terms = terms.iter().filter(given);
+            let terms = terms.map(|(term, weight)| format!("{term} {}", csv_cell(weight)));
+            terms.collect::<Vec<_>>().join(", ")
+        }
+        Ok(Value::String(preset)) if summary.method == Method::Direct => preset,
+        _ => return short(cost),
+    };
+    format!("{}; objective: {objective}", short(cost))
+}
+
 /// The parameters and the results that only the published flow has.
 fn flow_rows(d: &FlowDetails) -> (String, Vec<(&'static str, String)>) {
     let settings = format!(
@@ -168,7 +186,7 @@ fn rest_rows(d: &RestDetails) -> (String, Vec<(&'static str, String)>) {
 }
 
 /// The parameters and the results that only a direct solve has.
-fn direct_rows(d: &DirectDetails) -> (String, Vec<(&'static str, String)>) {
+fn direct_rows(summary: &Summary, d: &DirectDetails) -> (String, Vec<(&'static str, String)>) {
     let settings = format!(
         "tolerance {:e}, {} starts",
         d.tolerance,
@@ -186,7 +204,7 @@ fn direct_rows(d: &DirectDetails) -> (String, Vec<(&'static str, String)>) {
     let stopped = || "the simulation stopped".to_owned();
     let replay = d.replay_error_inf.map_or_else(stopped, short);
     let mut rows = Vec::new();
-    rows.push(("cost that was minimised", short(d.cost)));
+    rows.push(("cost", cost_of(summary, d.cost)));
     let mut horizon = format!("{} s", short(d.horizon_s));
     if let Some(HorizonBound {
         least_s,
