@@ -29,7 +29,8 @@ pub(super) struct Scenarios {
     keys: Option<Keys>,
     /// Rewrite a scenario file of version 0.2 in the form of this version, with the same meaning: defaults that have
     /// changed are written out.
-    #[arg(long, requires = "scenario", conflicts_with_all = ["schema", "keys", "RobotArgs", "PackageArgs"])]
+    #[arg(long, requires = "scenario",
+        conflicts_with_all = ["schema", "keys", "robot", "mimic", "packages", "group", "srdf"])]
     upgrade: bool,
     /// File for the scenario [default: printed].
     #[arg(long, short, requires = "scenario")]
