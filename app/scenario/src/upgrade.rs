@@ -277,7 +277,7 @@ fn obstacles(
     Ok(())
 }
 
-/// An obstacle in its form of today.
+/// The obstacle in the form of this version.
 fn obstacle(
     mut former: Map<String, Value>,
     (shape, keys): (&str, &[&str]),
