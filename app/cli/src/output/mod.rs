@@ -19,12 +19,12 @@ pub use files::{remove_unfinished, write_text};
 pub use folder::{OutputFolder, refuse_existing};
 pub use json::write_json;
 pub use judgement::{judgement_table, verdict};
-pub(crate) use rows::csv_cell;
 pub use rows::csv_of;
+pub(crate) use rows::{cost_of, csv_cell};
 pub use table::{
     check_table, configurations_table, robot_table, scenario_table, summary_table, verdict_table,
 };
-pub(crate) use table::{cost_of, short, summary_rows, table};
+pub(crate) use table::{short, summary_rows, table};
 pub use tradeoff::{TradeoffRow, tradeoff_rows, tradeoff_table, write_tradeoff};
 pub use trajectory::{REPORT_FILES, Sampling, write_report, write_table, write_trajectory};
 pub use walk::walk_table;

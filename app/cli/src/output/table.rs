@@ -1,17 +1,16 @@
 //! Tables for people.
 
-use super::rows::csv_cell;
+use super::rows::cost_of;
 use aghf::direct::DegreeRefinement;
 use aghf::error::Result;
 use aghf::model::Model;
 use aghf::verify::duals::Finding;
 use aghf::verify::field::Verdict;
 use aghf_scenario::{
-    Details, DirectDetails, FAMILIES, FlowDetails, HorizonBound, Limit, Method, RestDetails,
-    RobotShape, Scenario, Summary, builtin_scenarios, generated_scenarios,
+    Details, DirectDetails, FAMILIES, FlowDetails, HorizonBound, Limit, RestDetails, RobotShape,
+    Scenario, Summary, builtin_scenarios, generated_scenarios,
 };
 use comfy_table::{CellAlignment, Table, presets};
-use serde_json::Value;
 
 /// An empty table without lines.
 pub(crate) fn table() -> Table {
@@ -125,22 +124,6 @@ pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
         add("limit exceeded", &violation.to_string());
     }
     all
-}
-
-/// The cost, with the objective that makes it another number than the control effort.
-pub(crate) fn cost_of(summary: &Summary, cost: f64) -> String {
-    let objective = serde_json::to_value(&summary.provenance.scenario.objective);
-    let given = |(_, weight): &(&String, &Value)| weight.as_f64() != Some(0.0);
-    let objective = match objective {
-        Ok(Value::Object(terms)) if summary.method == Method::Direct => {
-            let terms = terms.iter().filter(given);
-            let terms = terms.map(|(term, weight)| format!("{term} {}", csv_cell(weight)));
-            terms.collect::<Vec<_>>().join(", ")
-        }
-        Ok(Value::String(preset)) if summary.method == Method::Direct => preset,
-        _ => return short(cost),
-    };
-    format!("{}; objective: {objective}", short(cost))
 }
 
 /// The parameters and the results that only the published flow has.
