@@ -175,7 +175,8 @@ fn strips_beyond_limits_are_narrow_and_labels_fit() {
     let scenario = Scenario::load("kinova_obstacles_01").expect("it is built in");
     let (_, data) = page_of(&scenario, &solved(&scenario, 1));
     let numbers = |text: &str, key: &str| -> Vec<f64> {
-        let parts = text.split(&format!(" {key}=\"")).skip(1);
+        let begin = format!(" {key}=\"");
+        let parts = text.split(begin.as_str()).skip(1);
         let values = parts.filter_map(|part| part.split('"').next()?.parse().ok());
         values.collect()
     };
