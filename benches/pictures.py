@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Redraws the pictures of the guide in src/guide/pictures: all of them, or the named ones.
+"""Redraws the pictures of the guide, each where its page is: all of them, or the named ones.
 
     cargo build --release
     pip install matplotlib
@@ -24,7 +24,7 @@ from matplotlib import pyplot as plt  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[1]
 AGHF = Path(os.environ.get("AGHF_PROGRAM", ROOT / "target" / "release" / "aghf"))
-PICTURES = ROOT / "src" / "guide" / "pictures"
+PICTURES = [ROOT / "src" / "guide" / "pictures", ROOT / "app" / "scenario" / "src" / "guide" / "pictures"]
 
 #: Text stays text, names in the file are reproducible, and the background is white in dark themes, too.
 STYLE = {
@@ -142,7 +142,7 @@ def degree():
 
 def written(name, figure):
     """Writes an SVG for inclusion in a page of rustdoc: no declaration, no metadata, no empty line."""
-    path = PICTURES / f"{name}.svg"
+    path = next(folder / f"{name}.svg" for folder in PICTURES if (folder / f"{name}.svg").exists())
     figure.savefig(path, metadata={"Date": None, "Creator": None}, facecolor="white")
     plt.close(figure)
     text = path.read_text(encoding="utf-8")
@@ -166,7 +166,6 @@ def main():
     if unknown:
         sys.exit(f"no picture {', '.join(unknown)}: there are {', '.join(known)}")
     plt.rcParams.update(STYLE)
-    PICTURES.mkdir(exist_ok=True)
     for name in sys.argv[1:] or known:
         written(name, known[name]())
 

@@ -26,12 +26,12 @@ from ._goal import Goal
 from ._model import Model
 from ._native import _aghf
 from ._pinocchio import pinocchio_configuration
-from ._solve import Samples, Solution, Tradeoff, solve, solve_many, sweep, tradeoff
+from ._solve import InputError, Samples, Solution, Tradeoff, solve, solve_many, sweep, tradeoff
 from ._table import Table
 from ._tracker import Command, Step, Tracker, Violation
 from ._verify import Constraint, RunningCost, check, check_constraint, check_cost
 
-InputError = _aghf.InputError
+__version__ = _aghf.__version__
 builtin_robots = _aghf.builtin_robots
 jacobians = _aghf.jacobians
 

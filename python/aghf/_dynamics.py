@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._native import _aghf
 from ._model import Model, array
@@ -77,7 +78,7 @@ class OmegaJacobian(NamedTuple):
     dxddot: np.ndarray
 
 
-def rnea(model: Model, q, v, a) -> np.ndarray:
+def rnea(model: Model, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> np.ndarray:
     """Inverse dynamics: the torques or forces of accelerations, by the recursive Newton-Euler algorithm.
 
     Parameters
@@ -92,22 +93,23 @@ def rnea(model: Model, q, v, a) -> np.ndarray:
     return _aghf.rnea(model._own, array(q, "q"), array(v, "v"), array(a, "a"))[0]
 
 
-def aba(model: Model, q, v, tau) -> np.ndarray:
+def aba(model: Model, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> np.ndarray:
     """Forward dynamics: the accelerations of torques or forces, by the articulated-body algorithm. Shapes as `rnea`."""
     return _aghf.aba(model._own, array(q, "q"), array(v, "v"), array(tau, "tau"))[0]
 
 
-def crba(model: Model, q) -> np.ndarray:
+def crba(model: Model, q: ArrayLike) -> np.ndarray:
     """The mass matrix, both triangles, shape (N, N) or (B, N, N)."""
     return _aghf.crba(model._own, array(q, "q"))[0]
 
 
-def mass_matrix_and_rate(model: Model, q, v) -> tuple[np.ndarray, np.ndarray]:
+def mass_matrix_and_rate(model: Model, q: ArrayLike, v: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     """The mass matrix ``H`` and its rate along ``v``, each (N, N) or (B, N, N)."""
-    return tuple(_aghf.mass_matrix_and_rate(model._own, array(q, "q"), array(v, "v")))
+    mass_matrix, rate = _aghf.mass_matrix_and_rate(model._own, array(q, "q"), array(v, "v"))
+    return mass_matrix, rate
 
 
-def energy(model: Model, q, v) -> Energy:
+def energy(model: Model, q: ArrayLike, v: ArrayLike) -> Energy:
     """The kinetic and potential energies, each a number or (B,).
 
     The potential energy is zero with all centres of mass at the height of the base.
@@ -115,64 +117,68 @@ def energy(model: Model, q, v) -> Energy:
     return Energy(*_aghf.energy(model._own, array(q, "q"), array(v, "v")))
 
 
-def rnea_derivatives(model: Model, q, v, a) -> InverseDynamicsDerivatives:
+def rnea_derivatives(model: Model, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> InverseDynamicsDerivatives:
     """Inverse dynamics and first derivatives, each (N, N) or (B, N, N); the derivative in ``a`` is the mass matrix."""
     found = _aghf.rnea_derivatives(model._own, array(q, "q"), array(v, "v"), array(a, "a"))
     return InverseDynamicsDerivatives(*found)
 
 
-def aba_derivatives(model: Model, q, v, tau) -> ForwardDynamicsDerivatives:
+def aba_derivatives(model: Model, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
     """Forward dynamics with its first derivatives; the derivative in ``tau`` is the inverse of the mass matrix."""
     found = _aghf.aba_derivatives(model._own, array(q, "q"), array(v, "v"), array(tau, "tau"))
     return ForwardDynamicsDerivatives(*found)
 
 
-def rnea_second_derivatives(model: Model, q, v, a) -> InverseDynamicsSecondDerivatives:
+def rnea_second_derivatives(model: Model, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> InverseDynamicsSecondDerivatives:
     """Second derivatives of the inverse dynamics, each (N, N, N) or (B, N, N, N)."""
     found = _aghf.rnea_second_derivatives(model._own, array(q, "q"), array(v, "v"), array(a, "a"))
     return InverseDynamicsSecondDerivatives(*found)
 
 
-def aba_second_derivatives(model: Model, q, v, tau) -> ForwardDynamicsSecondDerivatives:
+def aba_second_derivatives(
+    model: Model, q: ArrayLike, v: ArrayLike, tau: ArrayLike
+) -> ForwardDynamicsSecondDerivatives:
     """Second derivatives of the forward dynamics in the state, each (N, N, N) or (B, N, N, N)."""
     found = _aghf.aba_second_derivatives(model._own, array(q, "q"), array(v, "v"), array(tau, "tau"))
     return ForwardDynamicsSecondDerivatives(*found)
 
 
-def rnea_vjp(model: Model, q, v, a, w) -> RneaVjp:
+def rnea_vjp(model: Model, q: ArrayLike, v: ArrayLike, a: ArrayLike, w: ArrayLike) -> RneaVjp:
     """The product of ``w`` with the derivatives of the inverse dynamics, in O(N) per state."""
     return RneaVjp(*_aghf.rnea_vjp(model._own, array(q, "q"), array(v, "v"), array(a, "a"), array(w, "w")))
 
 
-def rnea_weighted_hessian(model: Model, q, v, a, w) -> RneaWeightedHessian:
+def rnea_weighted_hessian(model: Model, q: ArrayLike, v: ArrayLike, a: ArrayLike, w: ArrayLike) -> RneaWeightedHessian:
     """The second derivatives of ``w @ rnea(q, v, a)``, in O(N^2) per state."""
     own = model._own
     found = _aghf.rnea_weighted_hessian(own, array(q, "q"), array(v, "v"), array(a, "a"), array(w, "w"))
     return RneaWeightedHessian(*found)
 
 
-def forward_kinematics(model: Model, q) -> np.ndarray:
+def forward_kinematics(model: Model, q: ArrayLike) -> np.ndarray:
     """The homogeneous placements of all bodies in the base, shape (N, 4, 4) or (B, N, 4, 4)."""
     return _aghf.forward_kinematics(model._own, array(q, "q"))[0]
 
 
-def frame_placement(model: Model, q, frame: str) -> np.ndarray:
+def frame_placement(model: Model, q: ArrayLike, frame: str) -> np.ndarray:
     """The homogeneous placement of a frame in the base, shape (4, 4) or (B, 4, 4)."""
     return _aghf.frame_placements(model._own, array(q, "q"), frame)[0]
 
 
-def frame_jacobian(model: Model, q, frame: str) -> np.ndarray:
+def frame_jacobian(model: Model, q: ArrayLike, frame: str) -> np.ndarray:
     """The Jacobian of a frame, shape (6, N) or (B, 6, N): its angular velocity, then that of its
     origin, along the axes of the base. It is Pinocchio's ``LOCAL_WORLD_ALIGNED``, which has the linear rows first."""
     return _aghf.frame_jacobian(model._own, array(q, "q"), frame)[0]
 
 
-def omega(model: Model, x, xdot, xddot, k: float) -> np.ndarray:
+def omega(model: Model, x: ArrayLike, xdot: ArrayLike, xddot: ArrayLike, k: float) -> np.ndarray:
     """The right-hand side of the flow at nodes, (B3), shape (2 N,) or (B, 2 N); ``k`` is the penalty of (11)."""
     return _aghf.omega(model._own, array(x, "x"), array(xdot, "xdot"), array(xddot, "xddot"), k)[0]
 
 
-def omega_jacobian(model: Model, x, xdot, xddot, k: float, jacobian: str = "control_form") -> OmegaJacobian:
+def omega_jacobian(
+    model: Model, x: ArrayLike, xdot: ArrayLike, xddot: ArrayLike, k: float, jacobian: str = "control_form"
+) -> OmegaJacobian:
     """The Jacobian of `omega` by an implementation named in `jacobians`, each (2 N, 2 N) or (B, 2 N, 2 N)."""
     arguments = array(x, "x"), array(xdot, "xdot"), array(xddot, "xddot")
     return OmegaJacobian(*_aghf.omega_jacobian(model._own, *arguments, k, jacobian))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 
-class Goal(dict):
+class Goal(dict[str, Any]):
     """A set of poses of a frame, for the key ``goal`` of a scenario or ``poses`` in ``keep`` and ``waypoints``.
 
     At least one of `position_m`, `box`, `orientation_xyzw` and `axis` is needed; the scenario refuses any other set.
@@ -38,9 +39,9 @@ class Goal(dict):
         *,
         position_m: Sequence[float] | np.ndarray | None = None,
         tolerance_m: float | None = None,
-        box: Mapping | None = None,
+        box: Mapping[str, Any] | None = None,
         orientation_xyzw: Sequence[float] | np.ndarray | None = None,
-        axis: Mapping | None = None,
+        axis: Mapping[str, Any] | None = None,
         tolerance_rad: float | None = None,
         relative_to: str | None = None,
     ) -> None:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import os
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._native import _aghf
 
 
 class Model:
     """A robot: a tree of rigid bodies with one joint each.
+
+    It never changes, and can be pickled: a robot of a file is read from it again.
 
     Attributes
     ----------
@@ -30,11 +34,25 @@ class Model:
         Notes on omitted or changed elements of the file.
     """
 
-    def __init__(self, own: _aghf.Model) -> None:
-        self._own = own
+    def __init__(self, own: _aghf.Model, source: tuple[Any, ...]) -> None:
+        self._own, self._source = own, source
 
     @classmethod
-    def from_urdf(cls, path_or_text: str | os.PathLike, *, mimic: str = "refuse") -> Model:
+    def _made(cls, constructor: str, *arguments: Any) -> Model:
+        """The robot of a constructor of the compiled part, which makes it again where it is unpickled."""
+        return cls(getattr(_aghf.Model, constructor)(*arguments), (cls._made, (constructor, *arguments)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return self._source
+
+    def __copy__(self) -> Model:
+        return self
+
+    def __deepcopy__(self, memo: object) -> Model:
+        return self
+
+    @classmethod
+    def from_urdf(cls, path_or_text: str | os.PathLike[str], *, mimic: str = "refuse") -> Model:
         """Reads a URDF file, or a text that begins with ``<``.
 
         Parameters
@@ -50,16 +68,17 @@ class Model:
         """
         text = os.fspath(path_or_text)
         if text.lstrip().startswith("<"):
-            return cls(_aghf.Model.parse(text, "URDF", mimic))
-        return cls(_aghf.Model.load_file(text, mimic))
+            return cls._made("parse", text, "URDF", mimic)
+        own = _aghf.Model.load_file(text, mimic)
+        return cls(own, (cls._made, ("load_file", os.path.abspath(text), mimic)))
 
     @classmethod
     def builtin(cls, name: str) -> Model:
         """The built-in robot of this name; `builtin_robots` lists them."""
-        return cls(_aghf.Model.builtin(name))
+        return cls._made("builtin", name)
 
     @classmethod
-    def from_pinocchio(cls, model) -> Model:
+    def from_pinocchio(cls, model: Any) -> Model:
         """The robot of a ``pinocchio.Model``, with the same order of joints, the same frames and the same gravity.
 
         Torques of both models are compared at random states. `aghf.pinocchio_configuration` returns Pinocchio's ``q``,
@@ -86,10 +105,57 @@ class Model:
 
         return from_pinocchio(model)
 
-    def __getattr__(self, name: str):
-        if name.startswith("_"):
-            raise AttributeError(name)
-        return getattr(self._own, name)
+    @property
+    def name(self) -> str:
+        return self._own.name
+
+    @property
+    def dof(self) -> int:
+        return self._own.dof
+
+    @property
+    def mass(self) -> float:
+        return self._own.mass
+
+    @property
+    def joint_names(self) -> list[str]:
+        return self._own.joint_names
+
+    @property
+    def joint_kinds(self) -> list[str]:
+        return self._own.joint_kinds
+
+    @property
+    def frame_names(self) -> list[str]:
+        return self._own.frame_names
+
+    @property
+    def parents(self) -> np.ndarray:
+        return self._own.parents
+
+    @property
+    def lower(self) -> np.ndarray:
+        return self._own.lower
+
+    @property
+    def upper(self) -> np.ndarray:
+        return self._own.upper
+
+    @property
+    def velocity_limits(self) -> np.ndarray:
+        return self._own.velocity_limits
+
+    @property
+    def effort_limits(self) -> np.ndarray:
+        return self._own.effort_limits
+
+    @property
+    def gravity(self) -> np.ndarray:
+        return self._own.gravity
+
+    @property
+    def notes(self) -> list[str]:
+        return self._own.notes
 
     def to_urdf(self) -> str:
         """The robot as URDF, fixed joints merged."""
@@ -99,7 +165,7 @@ class Model:
         return repr(self._own)
 
 
-def array(x, name: str) -> np.ndarray:
+def array(x: ArrayLike, name: str) -> np.ndarray:
     """An argument as a contiguous array of float64, without a copy if it is one."""
     try:
         return np.asarray(x, dtype=np.float64, order="C")

@@ -9,6 +9,7 @@ import os
 import platform
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 #: The flags of the level x86-64-v3 beyond the baseline, as /proc/cpuinfo calls it.
 NEEDED = {"avx2", "bmi1", "bmi2", "f16c", "fma", "movbe"}
@@ -23,7 +24,7 @@ def _has_avx2() -> bool:
     return NEEDED <= set(flags.split())
 
 
-def _baseline():
+def _baseline() -> Any:
     folder = Path(__file__).parent
     found = sorted(folder.glob("_aghf_baseline*.so"))
     if not found:
@@ -33,13 +34,17 @@ def _baseline():
         )
     name = "aghf._aghf"
     specification = importlib.util.spec_from_file_location(name, found[0])
+    if specification is None or specification.loader is None:
+        raise ImportError(f"{found[0]} is no module")
     module = importlib.util.module_from_spec(specification)
     sys.modules[name] = module
     specification.loader.exec_module(module)
     return module
 
 
-if os.environ.get("AGHF_BASELINE") == "1" or not _has_avx2():
+if TYPE_CHECKING:
+    from . import _aghf as _aghf
+elif os.environ.get("AGHF_BASELINE") == "1" or not _has_avx2():
     _aghf = _baseline()
 else:
     from . import _aghf

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._dynamics import rnea
 from ._model import Model
@@ -12,7 +15,7 @@ from ._native import _aghf
 _AGREEMENT = 1e-9
 
 
-def from_pinocchio(model) -> Model:
+def from_pinocchio(model: Any) -> Model:
     """The robot of `Model.from_pinocchio`."""
     import pinocchio
 
@@ -24,13 +27,12 @@ def from_pinocchio(model) -> Model:
             continue
         names.add(frame.name)
         frames.append((frame.name, frame.parentJoint - 1, _placement(frame.placement)))
-    own = _aghf.Model.from_parts(model.name or "pinocchio", joints, frames, model.gravity.linear.tolist())
-    ours = Model(own)
+    ours = Model._made("from_parts", model.name or "pinocchio", joints, frames, model.gravity.linear.tolist())
     _compare(pinocchio, model, ours)
     return ours
 
 
-def pinocchio_configuration(model, q) -> np.ndarray:
+def pinocchio_configuration(model: Any, q: ArrayLike) -> np.ndarray:
     """The ``q`` of a ``pinocchio.Model`` at our positions, shape (nq,) or (B, nq)."""
     q = np.asarray(q, dtype=float)
     rows = [np.asarray(q[..., i]) for i in range(model.njoints - 1)]
@@ -43,23 +45,23 @@ def pinocchio_configuration(model, q) -> np.ndarray:
     return there
 
 
-def _refused(model, element: str, condition: str):
+def _refused(model: Any, element: str, condition: str) -> Exception:
     error = _aghf.InputError(f"{model.name}: {element}: {condition}")
     error.file, error.element, error.condition = model.name, element, condition
     return error
 
 
-def _placement(placement) -> list[float]:
+def _placement(placement: Any) -> list[float]:
     return [*np.asarray(placement.rotation).ravel().tolist(), *np.asarray(placement.translation).tolist()]
 
 
-def _limit(model, new: str, old: str, i: int) -> float:
+def _limit(model: Any, new: str, old: str, i: int) -> float:
     """A limit by its name in this version of Pinocchio; zero becomes infinite, as in a URDF."""
     values = getattr(model, new) if hasattr(model, new) else getattr(model, old)
     return float(values[i]) or float("inf")
 
 
-def _joint(model, i: int) -> tuple:
+def _joint(model: Any, i: int) -> tuple[Any, ...]:
     joint, name = model.joints[i], model.names[i]
     element = f"joint '{name}'"
     if joint.nv != 1 or "Mimic" in joint.shortname():
@@ -96,7 +98,7 @@ def _joint(model, i: int) -> tuple:
     )
 
 
-def _compare(pinocchio, model, ours: Model) -> None:
+def _compare(pinocchio: Any, model: Any, ours: Model) -> None:
     """Refuses a conversion with other torques than the model."""
     data = model.createData()
     q, v, a = np.random.default_rng(0).normal(size=(3, 3, ours.dof))

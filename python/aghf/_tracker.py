@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._model import array
 from ._native import _aghf
@@ -79,9 +80,24 @@ class Tracker:
     search : Mapping
         The options of `solve` for the first search by the direct method; the degree, 12 by default, is that of all
         plans.
-    **options
-        ``barrier``, ``iterations_per_step``, ``least_gain``, ``look``, ``deadline_s``, ``bandwidth``,
-        ``shortest_horizon_s`` and ``largest_deviation``, as `TrackerOptions` of the Rust library documents them.
+    barrier : float, optional
+        The barrier parameter after the first search, relative to the objective; by default 0.01.
+    iterations_per_step : int, optional
+        The largest number of iterations per step; by default 1.
+    least_gain : float, optional
+        The relative decrease of the objective from which on a plan to the same goal replaces the former; by default
+        0.001.
+    look : int, optional
+        The number of intervals of the look at a plan; by default 160.
+    deadline_s : float, optional
+        The time within which a step returns, s; by default there is none.
+    bandwidth : float, optional
+        The bandwidth of the feedback, rad/s; by default 30.
+    shortest_horizon_s : float, optional
+        The shortest remaining time for which a plan is changed, s; by default 0.1.
+    largest_deviation : float, optional
+        The distance of a joint from the plan, rad or m, beyond which a new plan begins at the measured state; by
+        default 0.1.
 
     Raises
     ------
@@ -92,11 +108,33 @@ class Tracker:
     """
 
     def __init__(
-        self, scenario: str | os.PathLike | Mapping, *, search: Mapping | None = None, **options: float | None
+        self,
+        scenario: str | os.PathLike[str] | Mapping[str, Any],
+        *,
+        search: Mapping[str, Any] | None = None,
+        barrier: float | None = None,
+        iterations_per_step: int | None = None,
+        least_gain: float | None = None,
+        look: int | None = None,
+        deadline_s: float | None = None,
+        bandwidth: float | None = None,
+        shortest_horizon_s: float | None = None,
+        largest_deviation: float | None = None,
     ) -> None:
-        self._own = _aghf.Tracker(_named(scenario), _options({"search": search or {}, **options}))
+        options = _options(
+            search=search or {},
+            barrier=barrier,
+            iterations_per_step=iterations_per_step,
+            least_gain=least_gain,
+            look=look,
+            deadline_s=deadline_s,
+            bandwidth=bandwidth,
+            shortest_horizon_s=shortest_horizon_s,
+            largest_deviation=largest_deviation,
+        )
+        self._own = _aghf.Tracker(_named(scenario), options)
 
-    def step(self, q, v, now: float) -> Step:
+    def step(self, q: ArrayLike, v: ArrayLike, now: float) -> Step:
         """Improves the plan as far as the options allow; returns the command for now.
 
         ``q`` and ``v``, each (N,), are the measured state; ``now`` is the time, s, not before that of the last step.
@@ -111,7 +149,7 @@ class Tracker:
             *flags,
         )
 
-    def set_goal(self, q, horizon_s: float) -> None:
+    def set_goal(self, q: ArrayLike, horizon_s: float) -> None:
         """Changes the goal to a configuration at rest, (N,), to be reached within a horizon, s.
 
         The plan to the former goal is followed until one to the new goal is safe."""
@@ -121,6 +159,6 @@ class Tracker:
         """Changes the time within which the next steps return, s; with None they take their time."""
         self._own.set_deadline(seconds)
 
-    def set_obstacles(self, obstacles: Iterable[Mapping]) -> None:
+    def set_obstacles(self, obstacles: Iterable[Mapping[str, Any]]) -> None:
         """Replaces all obstacles, as a scenario writes them, from the next step on; they are taken to stand still."""
         self._own.set_obstacles(json.dumps(list(obstacles), default=_plain))

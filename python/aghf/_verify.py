@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import warnings
 from collections.abc import Callable
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -19,6 +19,9 @@ _COMPLEX = 1e-100
 #: The step of a central difference in numbers about 1, and the largest relative error of one.
 _STEP = 1e-6
 _BOUND = {"complex step": 1e-9, "central difference": 1e-5}
+
+
+_Function = Callable[[np.ndarray], np.ndarray]
 
 
 class RunningCost(Protocol):
@@ -85,11 +88,11 @@ def check_cost(model: Model, cost: RunningCost, *, samples: int = 10, seed: int 
         One row per quantity: ``quantity``, ``witness``, ``error`` (the largest, relative), ``bound`` and ``passes``.
     """
 
-    def states(random):
+    def states(random: np.random.Generator) -> np.ndarray:
         q, v, a = random.normal(size=(3, model.dof))
         return np.concatenate([q, v, a, rnea(model, q, v, a)])
 
-    def parts(y):
+    def parts(y: np.ndarray) -> Any:
         return (0.3, *np.split(y, 4))
 
     return _compare(
@@ -116,7 +119,15 @@ def check_constraint(model: Model, constraint: Constraint, *, samples: int = 10,
     )
 
 
-def _compare(states, value, first, second, names, samples: int, seed: int) -> Table:
+def _compare(
+    states: Callable[[np.random.Generator], np.ndarray],
+    value: _Function,
+    first: _Function,
+    second: _Function,
+    names: tuple[str, str],
+    samples: int,
+    seed: int,
+) -> Table:
     random = np.random.default_rng(seed)
     worst: dict[tuple[str, str], float] = {}
     for _ in range(samples):
@@ -141,7 +152,7 @@ def _compare(states, value, first, second, names, samples: int, seed: int) -> Ta
     )
 
 
-def _derivative(of: Callable[[np.ndarray], np.ndarray], x: np.ndarray) -> tuple[np.ndarray, str]:
+def _derivative(of: _Function, x: np.ndarray) -> tuple[np.ndarray, str]:
     """The derivative of a function, with the index of ``x`` last, and its method."""
     try:
         with warnings.catch_warnings():
@@ -157,7 +168,7 @@ class _NotComplex(Exception):
     """A function lost the imaginary part of its argument."""
 
 
-def _by_columns(column, x: np.ndarray, of=None) -> np.ndarray:
+def _by_columns(column: _Function, x: np.ndarray, of: _Function | None = None) -> np.ndarray:
     if of is not None and not np.iscomplexobj(of(x + 0j)):
         raise _NotComplex
     return np.stack([np.asarray(column(e), dtype=float) for e in np.eye(x.size)], axis=-1)

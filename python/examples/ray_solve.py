@@ -2,8 +2,7 @@
 
 Here the cluster is this machine with two workers of one core. On several machines start ``ray start --head`` on one and
 ``ray start --address=HEAD:6379`` on the others, install this package on each, and call
-``ray.init(address="auto")``: the rest stays. A solution itself stays with its worker; scenarios,
-summaries and arrays travel.
+``ray.init(address="auto")``: the rest stays. Scenarios and solutions travel.
 """
 
 import sys
@@ -17,19 +16,26 @@ ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
 
 
 @ray.remote(num_cpus=1)
-def solved(names):
-    """Summaries and sampled motions of some scenarios."""
-    return [(s.summary, s.sample(101)._asdict()) for s in aghf.solve_many(names, threads=1)]
+def solved(names: list[str]) -> list[aghf.Solution | Exception]:
+    """Some scenarios, one after the other."""
+    return aghf.solve_many(names, threads=1)
+
+
+def solutions(found: list[aghf.Solution | Exception]) -> list[aghf.Solution]:
+    """The solutions; scenarios that were refused are printed."""
+    for refused in found:
+        if isinstance(refused, Exception):
+            print(refused)
+    return [solution for solution in found if isinstance(solution, aghf.Solution)]
 
 
 names = [f"limits_{i:02}" for i in range(1, count + 1)]
 halves = ray.get([solved.remote(names[worker::2]) for worker in range(2)])
 efforts = {}
-for summaries in halves:
-    for summary, motion in summaries:
-        assert motion["q"].shape[0] == 101
-        efforts[summary["scenario"]] = summary["control_effort"]
-here = aghf.solve_many(names)
+for solution in solutions([*halves[0], *halves[1]]):
+    assert solution.sample(101).q.shape[0] == 101
+    efforts[solution.summary["scenario"]] = solution.summary["control_effort"]
+here = solutions(aghf.solve_many(names))
 for solution in here:
     assert solution.summary["control_effort"] == efforts[solution.summary["scenario"]]
 good = sum(solution.success for solution in here)

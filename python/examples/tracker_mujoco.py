@@ -13,6 +13,8 @@ import argparse
 import collections
 import sys
 import time
+from collections.abc import Callable
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -33,29 +35,29 @@ PLACES = {"box": [0.6, 0.0, 0.0], "cylinder": [-0.45, 0.3, 0.3], "sphere": [0.9,
 TYPES = {name: getattr(mujoco.mjtGeom, f"mjGEOM_{name.upper()}") for name in SIZES}
 
 
-def obstacles(ball: np.ndarray) -> list[dict]:
+def obstacles(ball: np.ndarray) -> list[dict[str, Any]]:
     """The obstacles as a scenario writes them."""
     box, (radius, length), (of_ball,) = SIZES.values()
-    shapes = [
+    shapes: list[dict[str, Any]] = [
         {"box": {"size_m": box}},
         {"cylinder": {"radius_m": radius, "length_m": length}},
         {"sphere": {"radius_m": of_ball}},
     ]
-    places = [PLACES["box"], PLACES["cylinder"], ball]
-    return [{"shape": shape, "pose": {"position_m": list(p)}} for shape, p in zip(shapes, places, strict=True)]
+    places = [PLACES["box"], PLACES["cylinder"], ball.tolist()]
+    return [{"shape": shape, "pose": {"position_m": p}} for shape, p in zip(shapes, places, strict=True)]
 
 
 def tool(model: aghf.Model, q: np.ndarray) -> np.ndarray:
     return aghf.frame_placement(model, q, model.frame_names[-1])[:3, 3]
 
 
-def ball_of(model: aghf.Model, start: np.ndarray):
+def ball_of(model: aghf.Model, start: np.ndarray) -> Callable[[float], np.ndarray]:
     """A ball that crosses close in front of the robot and back, at up to 0.25 m/s, as a function of time."""
     x, _, z = tool(model, start)
     return lambda now: np.array([x + BESIDE, 0.6 * np.cos(0.25 / 0.6 * now), z])
 
 
-def target_of(model: aghf.Model, start: np.ndarray):
+def target_of(model: aghf.Model, start: np.ndarray) -> Callable[[float], np.ndarray]:
     """Two joints that swing, as a function of time, so slowly that the tool is never faster than `SPEED`."""
     swing = 0.6 * np.eye(model.dof)[0] + 0.15 * np.eye(model.dof)[3]
     phases = np.linspace(0.0, 2 * np.pi, 400)
@@ -105,7 +107,8 @@ def run(robot: str, seconds: float) -> bool:
     data, order = mujoco.MjData(world), order_of(model, world)
     data.qpos[order] = start
     latencies, processor, errors, deviations, closest = [], [], [], [], np.inf
-    worst, safety, iterations, replaced = {"position": -np.inf, "velocity": -np.inf}, collections.Counter(), 0, 0
+    worst, iterations, replaced = {"position": -np.inf, "velocity": -np.inf}, 0, 0
+    safety: collections.Counter[str] = collections.Counter()
     clipped = 0
     for k in range(int(seconds / PERIOD)):
         now, q, v = k * PERIOD, data.qpos[order], data.qvel[order]

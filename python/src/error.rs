@@ -5,7 +5,7 @@ use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 
 pyo3::create_exception!(
-    _aghf,
+    aghf,
     InputError,
     PyValueError,
     "Bad input, with the attributes `file`, `element` and `condition`."

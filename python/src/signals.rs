@@ -14,6 +14,16 @@ pub fn until_signalled<T: Send>(
     work: impl FnOnce() -> T + Send,
     stop: impl Fn(),
 ) -> PyResult<T> {
+    let (signals, done) = watched(py, work, stop);
+    signals.map(|()| done)
+}
+
+/// The same with the result of the work beside the exception.
+pub fn watched<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> T + Send,
+    stop: impl Fn(),
+) -> (PyResult<()>, T) {
     thread::scope(|scope| {
         let work = scope.spawn(work);
         let mut signals = Ok(());
@@ -24,9 +34,8 @@ pub fn until_signalled<T: Send>(
                 signals = Err(error);
             }
         }
-        signals?;
-        Ok(work
-            .join()
-            .unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+        let done = work.join();
+        let done = done.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        (signals, done)
     })
 }

@@ -4,14 +4,15 @@ use crate::batch::{Array, Numbers};
 use crate::error::raised;
 use crate::model::PyModel;
 use crate::own_terms::{PyConstraint, PyRunningCost, Raised};
-use crate::signals::{LOOK, until_signalled};
+use crate::signals::{LOOK, until_signalled, watched};
 use aghf::dynamics::{Data, rnea};
 use aghf::motion::Interrupt;
 use aghf_cli::export::{joint_trajectory, save_mcap};
 use aghf_cli::output::{OutputFolder, REPORT_FILES, Sampling, refuse_existing, write_report};
 use aghf_cli::report::{Motion, page, tradeoff_page};
 use aghf_scenario::{
-    DirectOptions, Record, Scenario, Solve, SolveOptions, SolveReport, Solved, Tradeoff,
+    DirectOptions, LoadOptions, Record, Scenario, Solve, SolveOptions, SolveReport, Solved, Trace,
+    Tradeoff, Verdict,
 };
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
@@ -145,54 +146,50 @@ fn told(py: Python<'_>, callback: &Bound<'_, PyAny>, record: &Record) -> PyResul
     callback.call1((told,)).map(drop)
 }
 
-/// Solves scenarios in parallel on all cores or `threads`, in their order; each is a scenario in JSON with its name.
+/// Solves scenarios in parallel on all cores or `threads`, in their order; each is a scenario in JSON with its name. In
+/// place of one that fails is its exception. Ctrl-C ends all with what they have.
 #[pyfunction]
 #[pyo3(signature = (scenarios, options, threads = None))]
-fn solve_many(
-    py: Python<'_>,
+fn solve_many<'py>(
+    py: Python<'py>,
     scenarios: Vec<(String, Option<String>)>,
     options: &str,
     threads: Option<usize>,
-) -> PyResult<Vec<PySolution>> {
-    let mut read_all = Vec::new();
-    for (name, text) in &scenarios {
-        let (scenario, own) = read(name, text.as_deref(), options)?;
-        let own = match own {
-            // The solves share the cores.
-            SolveOptions::Direct(own) => DirectOptions {
-                threads: Some(1),
-                ..own
-            }
-            .into(),
-            flow => flow,
-        };
-        read_all.push((scenario, own, Interrupt::default()));
-    }
+) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    let options = match json("options", options)? {
+        // The solves share the cores.
+        SolveOptions::Direct(own) => DirectOptions {
+            threads: Some(1),
+            ..own
+        }
+        .into(),
+        flow => flow,
+    };
     let threads = threads.unwrap_or(0);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| PyValueError::new_err(format!("threads: {error}")))?;
-    let interrupts: Vec<_> = read_all
-        .iter()
-        .map(|(_, _, interrupt)| interrupt.clone())
-        .collect();
-    let search = || {
-        pool.install(|| {
-            let all = read_all
-                .into_par_iter()
-                .map(|(scenario, options, interrupt)| {
-                    if interrupt.is_raised() {
-                        let condition = "it was stopped before this one";
-                        return Err(aghf::Error::input(&scenario.name, "solve_many", condition));
-                    }
-                    let solve = Solve::new(&scenario).options(options).interrupt(interrupt);
-                    let report = solve.run()?;
-                    Ok(PySolution { scenario, report })
-                });
-            all.collect::<aghf::Result<Vec<_>>>()
-        })
+    let interrupt = Interrupt::default();
+    let one = |(name, text): &(String, Option<String>)| {
+        if interrupt.is_raised() {
+            let condition = "it was stopped before this one";
+            return Err(raised(aghf::Error::input(name, "solve_many", condition)));
+        }
+        let scenario = read_scenario(name, text.as_deref())?;
+        let solve = Solve::new(&scenario).options(options.clone());
+        let report = solve.interrupt(interrupt.clone()).run().map_err(raised)?;
+        Ok(PySolution { scenario, report })
     };
-    let solved = until_signalled(py, search, || interrupts.iter().for_each(Interrupt::raise))?;
-    solved.map_err(raised)
+    let search = || pool.install(|| scenarios.par_iter().map(one).collect::<Vec<_>>());
+    let (signals, found) = watched(py, search, || interrupt.raise());
+    match signals {
+        Err(error) if !error.is_instance_of::<PyKeyboardInterrupt>(py) => return Err(error),
+        _ => {}
+    }
+    let found = found.into_iter().map(|found| match found {
+        Ok(solution) => Bound::new(py, solution).map(Bound::into_any),
+        Err(error) => Ok(error.into_value(py).into_bound(py).into_any()),
+    });
+    found.collect()
 }
 
 /// Finds motions from the least duration to the least effort, in this order.
@@ -243,6 +240,22 @@ impl PySolution {
 
 #[pymethods]
 impl PySolution {
+    /// The solve with this summary in JSON, without the progress of its search.
+    #[staticmethod]
+    fn from_summary(text: &str) -> PyResult<Self> {
+        let solved = Solved::parse(text, "summary", &LoadOptions::default()).map_err(raised)?;
+        let report = SolveReport {
+            completed: solved.summary.verdict == Verdict::Optimal,
+            summary: solved.summary,
+            curve: solved.curve,
+            history: Vec::new(),
+            stopped: None,
+            trace: Trace::default(),
+        };
+        let scenario = solved.scenario;
+        Ok(Self { scenario, report })
+    }
+
     #[getter]
     fn verdict(&self) -> String {
         self.report.summary.verdict.to_string()

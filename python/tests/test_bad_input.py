@@ -90,7 +90,6 @@ def test_what_is_no_scenario():
         ({"segments": 17}, "at most 16"),
         ({"degree_tolerance": 0}, "positive"),
         ({"k": 1e5}, "unknown field `k`"),
-        ({"surprise": 1}, "surprise"),
         ({"seed": -1}, "options"),
         ({"time_limit_s": float("nan")}, "options"),
     ],

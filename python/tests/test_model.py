@@ -1,5 +1,8 @@
 """Robots: what they say of themselves, and what is refused."""
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 
@@ -25,6 +28,24 @@ def test_a_model_tells_what_its_urdf_says(tmp_path):
     again = aghf.Model.from_urdf(model.to_urdf())
     assert again.joint_names == model.joint_names
     assert repr(model) == "Model('slide', 1 joints)"
+
+
+def test_models_are_pickled_and_copied(tmp_path):
+    path = tmp_path / "slide.urdf"
+    path.write_text(URDF)
+    for model in [aghf.Model.from_urdf(URDF), aghf.Model.from_urdf(path), aghf.Model.builtin("kinova_gen3")]:
+        q = np.full(model.dof, 0.5)
+        for again in [pickle.loads(pickle.dumps(model)), copy.copy(model), copy.deepcopy(model)]:
+            assert again.name == model.name
+            assert np.array_equal(aghf.crba(again, q), aghf.crba(model, q))
+
+
+def test_attributes_are_those_of_the_documentation():
+    model = aghf.Model.builtin("pendulum_2")
+    for name in ["dof", "mass", "joint_names", "parents", "lower", "effort_limits", "gravity", "notes"]:
+        assert name in dir(model) and getattr(model, name) is not None
+    with pytest.raises(AttributeError):
+        model.joints
 
 
 def test_all_robots_that_are_built_in():

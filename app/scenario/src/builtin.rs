@@ -3,7 +3,7 @@
 /// Names and texts of the scenarios that are built in.
 macro_rules! scenarios {
     ($($robot:literal / $name:literal),*) => {
-        [$(($name, include_str!(concat!("../../../robots/", $robot, "/", $name, ".json")))),*]
+        [$(($name, include_str!(concat!("../robots/", $robot, "/", $name, ".json")))),*]
     };
 }
 

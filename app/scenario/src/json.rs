@@ -1,5 +1,6 @@
 //! JSON input with errors that name the key.
 
+use super::upgrade::instead_of;
 use aghf::error::{Error, Result};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{DeserializeOwned, Error as _, MapAccess, SeqAccess, Visitor};
@@ -31,17 +32,8 @@ pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str)
             let name = path.rsplit('.').next().unwrap_or_default();
             condition = format!("it has keys of its own: {{\"{name}\": {{...}}}} is needed");
         }
-        let last = path.rsplit('.').next().unwrap_or_default();
-        if let Some((_, shape)) = FORMER_OBSTACLES.iter().find(|(key, _)| *key == last) {
-            condition = format!(
-                "obstacles of every shape are in one list: \"obstacles\": [{{\"shape\": {{{shape}}}, \
-                 \"pose\": {{\"position_m\": [x, y, z]}}}}] is needed"
-            );
-        }
-        if let Some((_, weights)) = FORMER_WEIGHTS.iter().find(|(key, _)| path == *key) {
-            condition = format!(
-                "all weights are in one object: \"objective\": {{\"units\": \"si\", {weights}}} is needed"
-            );
+        if let Some(needed) = instead_of(&path) {
+            condition = needed;
         }
         refuse(key, condition)
     })?;
@@ -54,30 +46,6 @@ pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str)
         None => Ok(value),
     }
 }
-
-/// The former keys of obstacles, one per shape, and these shapes in the list that replaced them.
-const FORMER_OBSTACLES: [(&str, &str); 5] = [
-    ("sphere_obstacles", "\"sphere\": {\"radius_m\": r}"),
-    ("box_obstacles", "\"box\": {\"size_m\": [x, y, z]}"),
-    (
-        "cylinder_obstacles",
-        "\"cylinder\": {\"radius_m\": r, \"length_m\": l}",
-    ),
-    (
-        "capsule_obstacles",
-        "\"capsule\": {\"radius_m\": r, \"length_m\": l}",
-    ),
-    ("half_spaces", "\"half_space\": {}"),
-];
-
-/// The former keys of weights, and the keys that replaced them.
-const FORMER_WEIGHTS: [(&str, &str); 2] = [
-    (
-        "running_cost",
-        "\"effort\": w, \"velocity\": w, \"acceleration\": w",
-    ),
-    ("free_horizon.weight", "\"time\": w"),
-];
 
 /// Reads a value from the keys of an object; an error names the faulty key. `file` names the object.
 pub(crate) fn read_keys<T: DeserializeOwned>(keys: Map<String, Value>, file: &str) -> Result<T> {

@@ -51,6 +51,7 @@ mod summary;
 mod tracker;
 mod tradeoff;
 mod units;
+mod upgrade;
 mod walk;
 mod warm_start;
 mod waypoints;

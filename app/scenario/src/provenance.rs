@@ -78,7 +78,10 @@ impl Solved {
     }
 
     /// Parses the summary of a solve, with what is given beside it; `path` names it in errors.
-    pub(super) fn parse(text: &str, path: &str, given: &LoadOptions) -> Result<Self> {
+    ///
+    /// # Errors
+    /// Those of [`load`](Self::load).
+    pub fn parse(text: &str, path: &str, given: &LoadOptions) -> Result<Self> {
         let summary: Summary = read_json(text, path)?;
         let (name, provenance) = (&summary.scenario, &summary.provenance);
         let mut file = provenance.scenario.clone();

@@ -1,10 +1,13 @@
 //! `aghf scenarios`.
 
 use super::{RobotArgs, print, print_json};
-use crate::output::scenario_table;
+use crate::output::{refuse_existing, scenario_table, write_json, write_whole};
 use aghf::error::Result;
-use aghf_scenario::{SolveOptions, option_keys, scenario_keys, scenario_schema};
+use aghf::input::read_named;
+use aghf_scenario::{ScenarioFile, SolveOptions, option_keys, scenario_keys, scenario_schema};
 use clap::{Args, ValueEnum};
+use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// List the built-in and generated scenarios, or print one as a JSON file.
@@ -24,6 +27,17 @@ pub(super) struct Scenarios {
     /// Print a Markdown table of the keys of scenario files instead, or of the options of a solve.
     #[arg(long, value_name = "OF", num_args = 0..=1, default_missing_value = "scenario", conflicts_with = "scenario")]
     keys: Option<Keys>,
+    /// Rewrite a scenario file of version 0.2 in the form of this version, with the same meaning: defaults that have
+    /// changed are written out.
+    #[arg(long, requires = "scenario",
+        conflicts_with_all = ["schema", "keys", "robot", "mimic", "packages", "group", "srdf"])]
+    upgrade: bool,
+    /// File for the scenario [default: printed].
+    #[arg(long, short, requires = "scenario")]
+    out: Option<PathBuf>,
+    /// Replace that file if it exists.
+    #[arg(long, requires = "out")]
+    force: bool,
 }
 
 /// The keys that are described.
@@ -42,9 +56,30 @@ impl Scenarios {
             (_, Some(Keys::Options), _) => print_json(&SolveOptions::schema())?,
             (_, _, Some(Keys::Scenario)) => print(scenario_keys().trim_end())?,
             (_, _, Some(Keys::Options)) => print(option_keys().trim_end())?,
-            (Some(name), ..) => print_json(&self.robot.scenario(name)?.file)?,
+            (Some(name), ..) => self.write(name)?,
             (None, ..) => print(&scenario_table()?)?,
         }
         Ok(ExitCode::SUCCESS)
+    }
+
+    /// Writes the scenario of this name.
+    fn write(&self, name: &str) -> Result<()> {
+        if let Some(path) = &self.out {
+            refuse_existing(path, self.force)?;
+        }
+        let scenario = match self.upgrade {
+            true => ScenarioFile::upgrade(&read_named(Path::new(name), "scenario")?, name)?,
+            false => self.robot.scenario(name)?.file,
+        };
+        match &self.out {
+            None => print_json(&scenario),
+            Some(path) => {
+                write_whole(path, |file| {
+                    write_json(&scenario, &mut *file)?;
+                    writeln!(file)
+                })?;
+                print(&format!("wrote {}", path.display()))
+            }
+        }
     }
 }

@@ -12,3 +12,6 @@ pub mod export {}
 
 #[doc = include_str!("sweeps.md")]
 pub mod sweeps {}
+
+#[doc = include_str!("upgrade.md")]
+pub mod upgrade {}

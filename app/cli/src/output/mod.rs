@@ -19,8 +19,8 @@ pub use files::{remove_unfinished, write_text};
 pub use folder::{OutputFolder, refuse_existing};
 pub use json::write_json;
 pub use judgement::{judgement_table, verdict};
-pub(crate) use rows::csv_cell;
 pub use rows::csv_of;
+pub(crate) use rows::{cost_of, csv_cell};
 pub use table::{
     check_table, configurations_table, robot_table, scenario_table, summary_table, verdict_table,
 };

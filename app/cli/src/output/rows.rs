@@ -1,6 +1,8 @@
 //! Rows of tables as comma-separated values.
 
+use super::table::short;
 use aghf::error::{Error, Result};
+use aghf_scenario::{Method, Summary};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -38,4 +40,20 @@ pub(crate) fn csv_cell(value: &Value) -> String {
         Value::String(text) => text.clone(),
         other => other.to_string(),
     }
+}
+
+/// The cost, with the objective that makes it another number than the control effort.
+pub(crate) fn cost_of(summary: &Summary, cost: f64) -> String {
+    let objective = serde_json::to_value(&summary.provenance.scenario.objective);
+    let given = |(_, weight): &(&String, &Value)| weight.as_f64() != Some(0.0);
+    let objective = match objective {
+        Ok(Value::Object(terms)) if summary.method == Method::Direct => {
+            let terms = terms.iter().filter(given);
+            let terms = terms.map(|(term, weight)| format!("{term} {}", csv_cell(weight)));
+            terms.collect::<Vec<_>>().join(", ")
+        }
+        Ok(Value::String(preset)) if summary.method == Method::Direct => preset,
+        _ => return short(cost),
+    };
+    format!("{}; objective: {objective}", short(cost))
 }

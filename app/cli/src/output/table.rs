@@ -1,5 +1,6 @@
 //! Tables for people.
 
+use super::rows::cost_of;
 use aghf::direct::DegreeRefinement;
 use aghf::error::Result;
 use aghf::model::Model;
@@ -47,7 +48,7 @@ pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
     let (settings, rows) = match &s.details {
         Details::Flow(d) => flow_rows(d),
         Details::Rest(d) => rest_rows(d),
-        Details::Direct(d) => direct_rows(d),
+        Details::Direct(d) => direct_rows(summary, d),
     };
     let degree = match s.segments {
         1 => format!("degree {}", s.degree),
@@ -168,7 +169,7 @@ fn rest_rows(d: &RestDetails) -> (String, Vec<(&'static str, String)>) {
 }
 
 /// The parameters and the results that only a direct solve has.
-fn direct_rows(d: &DirectDetails) -> (String, Vec<(&'static str, String)>) {
+fn direct_rows(summary: &Summary, d: &DirectDetails) -> (String, Vec<(&'static str, String)>) {
     let settings = format!(
         "tolerance {:e}, {} starts",
         d.tolerance,
@@ -186,7 +187,7 @@ fn direct_rows(d: &DirectDetails) -> (String, Vec<(&'static str, String)>) {
     let stopped = || "the simulation stopped".to_owned();
     let replay = d.replay_error_inf.map_or_else(stopped, short);
     let mut rows = Vec::new();
-    rows.push(("cost that was minimised", short(d.cost)));
+    rows.push(("cost", cost_of(summary, d.cost)));
     let mut horizon = format!("{} s", short(d.horizon_s));
     if let Some(HorizonBound {
         least_s,

@@ -223,7 +223,7 @@ fn effort_of(rows: &[Sample], joint: usize) -> f64 {
     sum
 }
 
-/// Plots of positions, velocities, accelerations and torques, with the region beyond the joint limits shaded.
+/// Plots of positions, velocities, accelerations and torques, with strips beyond the limits of each joint.
 fn plots_of_joints(model: &Model, rows: &[Sample]) -> Result<Vec<Plot>> {
     let kinds = || model.joints().iter().map(|j| unit_of(j.kind()));
     let all = |unit: &str| kinds().all(|own| own == unit);
@@ -271,7 +271,7 @@ fn plots_of_joints(model: &Model, rows: &[Sample]) -> Result<Vec<Plot>> {
     Ok(plots)
 }
 
-/// Plots of the centre of pressure and of the friction of a standing foot, with the region beyond its bounds shaded.
+/// Plots of the centre of pressure and of the friction of a standing foot, with strips beyond its bounds.
 fn plots_of_foot(scenario: &Scenario, rows: &[Sample]) -> Result<Vec<Plot>> {
     let Some(foot) = scenario.foot() else {
         return Ok(Vec::new());

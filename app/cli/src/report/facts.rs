@@ -1,6 +1,6 @@
 //! The facts of a solve: its summary, and the commands that repeat it.
 
-use crate::output::{csv_cell, short, summary_rows};
+use crate::output::{cost_of, csv_cell, short, summary_rows};
 use aghf_scenario::{Details, Summary, builtin_scenarios, is_generated};
 
 /// The facts of a motion on a page.
@@ -38,7 +38,7 @@ impl SolveFacts {
                 "control effort, int |u|^2 dt",
                 Some(short(s.control_effort)),
             ),
-            ("cost that was minimised", Some(short(cost))),
+            ("cost", Some(cost_of(summary, cost))),
             ("final error with feedback", s.final_error_inf.map(short)),
             ("final error open loop", s.open_loop_error_inf.map(short)),
             ("gradient norm, relative", gradient_norm.map(short)),

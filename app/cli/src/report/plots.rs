@@ -10,11 +10,15 @@ use std::ops::Range;
 /// The number of SVG units per pixel of the page, because plotters draw at integers.
 const FINE: i32 = 4;
 const SIZE: [i32; 2] = [330, 160];
-/// The space for labels on the left and below, and beyond the ends of the axes.
-const LEFT: i32 = 40;
+/// The space for labels of up to eight characters on the left, for labels below, and beyond the ends of the axes.
+const LEFT: i32 = 52;
 const BELOW: i32 = 20;
 const MARGIN: i32 = 8;
 const FONT: i32 = 11;
+/// The height of the strip beyond a bound, relative to that of the plot: strips of several joints stay apart.
+const STRIP: f64 = 0.03;
+/// The least range of a plot relative to its values: labels of four digits tell its ticks apart.
+const FLAT: f64 = 1e-2;
 /// The colours that the page replaces by its own.
 const INK: RGBColor = RGBColor(1, 1, 1);
 const GRID: RGBColor = RGBColor(2, 2, 2);
@@ -96,7 +100,7 @@ fn range_of(lines: &[Line], logarithmic: bool) -> Range<f64> {
     let least = if logarithmic {
         1.0
     } else {
-        1e-6 * low.abs().max(high.abs()).max(1e-3)
+        FLAT * low.abs().max(high.abs()).max(1e-7)
     };
     let span = (high - low).max(least);
     let near = (low - 0.4 * span)..(high + 0.4 * span);
@@ -110,13 +114,21 @@ fn range_of(lines: &[Line], logarithmic: bool) -> Range<f64> {
     low - pad..high + pad
 }
 
-/// Formats a number at an axis, without rounding errors.
-fn label(x: f64) -> String {
-    let x = (x * 1e9).round() / 1e9;
-    if x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
-        return format!("{x:.0e}");
+/// Formats a number at an axis with up to four digits, without rounding errors; `range` is that of the axis.
+fn label(x: f64, range: &Range<f64>) -> String {
+    let scale = range.start.abs().max(range.end.abs());
+    if x.abs() < 1e-9 * scale {
+        return "0".to_owned();
     }
-    format!("{x}")
+    let rounded = format!("{x:.3e}");
+    let (digits, exponent) = rounded.split_once('e').unwrap_or((&rounded, "0"));
+    match (1e-3..1e5).contains(&x.abs()) {
+        true => rounded.parse::<f64>().unwrap_or(x).to_string(),
+        false => {
+            let digits = digits.trim_end_matches('0').trim_end_matches('.');
+            format!("{digits}e{exponent}")
+        }
+    }
 }
 
 /// Formats a number at a logarithmic axis: only powers of ten, unless the axis has hardly any.
@@ -129,7 +141,7 @@ fn power_label(x: f64, few: bool) -> String {
     }
 }
 
-/// Draws curves with their bounds shaded.
+/// Draws curves with a strip in the colour of each beyond its bounds.
 pub(super) fn plot(axes: Axes, lines: &[Line]) -> Result<Plot> {
     let across = lines.iter().flat_map(|l| &l.points).map(|p| p.0);
     let across = across.clone().fold(f64::INFINITY, f64::min)..across.fold(1e-9, f64::max);
@@ -177,20 +189,24 @@ fn draw(
         .x_label_area_size(fine(BELOW))
         .y_label_area_size(fine(LEFT))
         .build_cartesian_2d(across.clone(), up.clone())?;
-    let shade = 0.3 / lines.len() as f64;
+    let strip = STRIP * (up.end - up.start);
     for line in lines {
         let Range { start, end } = line.bounds;
-        let beyond = [(up.start, start.min(up.end)), (end.max(up.start), up.end)];
-        for (low, high) in beyond.into_iter().filter(|(low, high)| low < high) {
-            let corners = [(across.start, low), (across.end, high)];
-            let style = line.colour.mix(shade).filled();
-            chart.draw_series([Rectangle::new(corners, style)])?;
+        for (bound, beyond) in [(start, start - strip), (end, end + strip)] {
+            if up.contains(&bound) {
+                let corners = [
+                    (across.start, bound),
+                    (across.end, beyond.clamp(up.start, up.end)),
+                ];
+                let style = line.colour.mix(0.3).filled();
+                chart.draw_series([Rectangle::new(corners, style)])?;
+            }
         }
     }
     let few = up.end - up.start < 1.5;
     let up_label = |y: &f64| match axes.logarithmic {
         true => power_label(*y, few),
-        false => label(*y),
+        false => label(*y, &up),
     };
     let font = ("sans-serif", f64::from(fine(FONT)) * 1.24);
     chart
@@ -201,7 +217,7 @@ fn draw(
         .axis_style(GRID.stroke_width(FINE as u32))
         .x_labels(6)
         .y_labels(5)
-        .x_label_formatter(&|x| label(*x))
+        .x_label_formatter(&|x| label(*x, across))
         .y_label_formatter(&up_label)
         .set_all_tick_mark_size(fine(3))
         .draw()?;

@@ -2,7 +2,7 @@
 
 use super::links::{base_shapes, capsules_along_links};
 use super::mesh::{MeshData, Meshes};
-use aghf::error::Result;
+use aghf::error::{Error, Result};
 use aghf::geometry::{Obstacle, Shape};
 use aghf::model::{CollisionShape, Model};
 use aghf::spatial::Placement;
@@ -122,6 +122,8 @@ struct Robot<'a> {
     model: &'a Model,
     shapes: Vec<Item>,
     meshes: Meshes,
+    /// The links with a mesh that cannot be read, and the reason for the first.
+    unread: Option<(Vec<String>, Error)>,
     notes: Vec<String>,
 }
 
@@ -132,6 +134,7 @@ impl<'a> Robot<'a> {
             model: &scenario.model,
             shapes: Vec::new(),
             meshes: Meshes::default(),
+            unread: None,
             notes: Vec::new(),
         }
     }
@@ -178,6 +181,12 @@ impl<'a> Robot<'a> {
             }
             self.shapes.extend(shown);
         }
+        if let Some((links, error)) = &self.unread {
+            let links = links.join(", ");
+            let note =
+                format!("meshes that cannot be read, of the links {links}; the first one: {error}");
+            self.notes.push(note);
+        }
         let seen = |body: Option<usize>| self.shapes.iter().any(|item| item.body == body);
         unseen.retain(|body| !seen(*body));
         let capsules = capsules_along_links(self.model, &unseen);
@@ -189,7 +198,7 @@ impl<'a> Robot<'a> {
         self.shapes.extend(capsules);
     }
 
-    /// A shape of a link; `None`, with a note, for a mesh that cannot be read.
+    /// A shape of a link; `None`, with its link among the unread ones, for a mesh that cannot be read.
     fn item(
         &mut self,
         link: &str,
@@ -208,8 +217,10 @@ impl<'a> Robot<'a> {
             None => match load_mesh(file, self.scenario.source.folder(), scale) {
                 Ok(triangles) => self.meshes.add(key, &triangles),
                 Err(error) => {
-                    self.notes
-                        .push(format!("link '{link}' without its mesh: {error}"));
+                    let (links, _) = self.unread.get_or_insert((Vec::new(), error));
+                    if links.iter().all(|other| other != link) {
+                        links.push(link.to_owned());
+                    }
                     return None;
                 }
             },

@@ -15,7 +15,7 @@ use std::time::Duration;
 /// Names and texts of the built-in sweeps.
 macro_rules! sweeps {
     ($($name:literal),*) => {
-        [$(($name, include_str!(concat!("../../../../robots/sweeps/", $name, ".toml")))),*]
+        [$(($name, include_str!(concat!("../../robots/sweeps/", $name, ".toml")))),*]
     };
 }
 

@@ -1,10 +1,11 @@
 //! The commands in the blocks of the guide's pages, run as a reader would.
 
 use crate::command::{aghf, empty_folder};
+use aghf_scenario::ScenarioFile;
 use std::path::Path;
 
 /// The pages by their packages. A block of JSON that is a whole scenario is in a file by the name of its page.
-const PAGES: [(&str, &str); 7] = [
+const PAGES: [(&str, &str); 8] = [
     ("scenario", "certificates"),
     ("scenario", "goals"),
     ("scenario", "limits"),
@@ -12,6 +13,7 @@ const PAGES: [(&str, &str); 7] = [
     ("scenario", "standing"),
     ("cli", "export"),
     ("cli", "real_robots"),
+    ("cli", "upgrade"),
 ];
 
 /// The texts of the blocks in such a language.
@@ -64,4 +66,36 @@ fn the_commands_of_the_pages_run() {
         }
         assert!(run > 0, "{page} has no commands");
     }
+}
+
+/// Blocks that show some keys of a scenario, with the others that it needs.
+#[test]
+fn the_keys_of_the_pages_are_those_of_a_scenario() {
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    let mut read = 0;
+    for page in [
+        "asking_for_more",
+        "goals",
+        "limits",
+        "objectives",
+        "standing",
+    ] {
+        let path = root.join(format!("app/scenario/src/guide/{page}.md"));
+        let text = std::fs::read_to_string(&path).expect("the page is there");
+        for keys in blocks(&text, "json") {
+            if keys.starts_with('"') {
+                let keys = keys.trim_end().trim_end_matches(',');
+                let robot = match keys.starts_with("\"robot\"") {
+                    true => "",
+                    false => "\"robot\": \"r\",",
+                };
+                let others = "\"horizon_s\": 1, \"q_start\": [], \"v_start\": []";
+                let scenario = format!("{{{robot} {others}, {keys}}}");
+                let file = serde_json::from_str::<ScenarioFile>(&scenario);
+                assert!(file.is_ok(), "{page}: {keys}: {file:?}");
+                read += 1;
+            }
+        }
+    }
+    assert!(read >= 3, "{read} blocks");
 }

@@ -169,6 +169,41 @@ fn a_curve_for_each_joint_and_limits_in_its_colour() {
     assert_eq!(shaded(1), 2);
 }
 
+/// A torque of one joint is not in the colour of another one whose limits are smaller.
+#[test]
+fn strips_beyond_limits_are_narrow_and_labels_fit() {
+    let scenario = Scenario::load("kinova_obstacles_01").expect("it is built in");
+    let (_, data) = page_of(&scenario, &solved(&scenario, 1));
+    let numbers = |text: &str, key: &str| -> Vec<f64> {
+        let begin = format!(" {key}=\"");
+        let parts = text.split(begin.as_str()).skip(1);
+        let values = parts.filter_map(|part| part.split('"').next()?.parse().ok());
+        values.collect()
+    };
+    let mut strips = 0;
+    for plot in data["plots"].as_array().expect("a list") {
+        let svg = plot["svg"].as_str().expect("it is text");
+        let height = numbers(svg, "height")[0];
+        for strip in svg.split("<rect ").skip(1) {
+            let strip = strip.split("/>").next().expect("its end");
+            assert!(
+                numbers(&format!(" {strip}"), "height")[0] < 0.04 * height,
+                "{strip}"
+            );
+            strips += 1;
+        }
+        for label in svg.split("<text ").skip(1) {
+            let label = label
+                .split('>')
+                .nth(1)
+                .and_then(|text| text.split('<').next());
+            let label = label.expect("a text").trim();
+            assert!(label.len() <= 8, "{label}");
+        }
+    }
+    assert!(strips > 4, "{strips} strips");
+}
+
 #[test]
 fn violations_on_the_way_are_told() {
     // The line hits something.

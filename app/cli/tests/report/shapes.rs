@@ -79,6 +79,11 @@ fn a_link_shows_its_visuals_else_its_collision_shapes_else_capsules() {
     assert_eq!(red["pose"][2], 0.5);
     let notes = data["scene"]["notes"].to_string();
     assert!(notes.contains("not_there.stl"), "{notes}");
+    // One note for all of them.
+    let data = page(missing, missing);
+    let notes = data["scene"]["notes"].to_string();
+    assert_eq!(notes.matches("not_there.stl").count(), 1, "{notes}");
+    assert!(notes.contains("of the links one, two;"), "{notes}");
     // A fault in what nothing but the picture needs is told there and stops nothing.
     let data = page(broken, "");
     assert!(data["scene"]["notes"].to_string().contains("blob"));

@@ -36,6 +36,7 @@ mod surroundings;
 mod tracker;
 mod tradeoff;
 mod units;
+mod upgrade;
 mod walk;
 mod warm_start;
 mod waypoints;

@@ -191,13 +191,10 @@ const addMotion = (motion, i) => {
   const over = cards.filter((card) => card.plot.time);
   const search = cards.filter((card) => !card.plot.time);
   const grid = (some) => element("div", "grid", "", some.map((card) => card.root));
-  const limits = motion.joints.length > MOST_SHADED
-    ? "for a joint that is chosen in the table below it is shaded beyond its limits"
-    : "beyond the limits of the joints it is shaded";
   const panels = [
     data.plot && tradeoffPanel(),
     motion.failure && element("p", "fault", motion.failure),
-    panel("Over time", [element("p", "hint", `A click in a plot moves the robot there; ${limits}.`), grid(over)]),
+    panel("Over time", [element("p", "hint", "A click in a plot moves the robot there. A strip in the colour of a joint lies beyond each of its limits."), grid(over)]),
     panel("Joints", [joints.root]),
     search.length ? panel("The search", [grid(search)]) : null,
     minimaPanel(motion, track),
@@ -272,7 +269,8 @@ const advance = (seconds) => {
 
 let before = performance.now();
 const frame = (now) => {
-  advance(Math.min(0.1, (now - before) / 1000));
+  // The time of the first frame may be before that of the page.
+  advance(clamp((now - before) / 1000, 0, 0.1));
   before = now;
   if (dirty) {
     dirty = false;

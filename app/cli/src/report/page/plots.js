@@ -1,8 +1,5 @@
 // Plots: SVG of the report, a cursor, values at the pointer, and a click that moves the clock.
 
-// The limits of more joints would shade the whole plot, so they are shown only for a selected joint.
-const MOST_SHADED = 8;
-
 class PlotCard {
   // `joints` are those of a plot with a curve for each; `seek` takes a time.
   constructor(plot, motion, seek) {
@@ -28,7 +25,6 @@ class PlotCard {
     }
     if (plot.title === "Clearance") this.root.append(this.readout);
     this.root.dataset.title = plot.title;
-    if (this.joints && this.joints.length > MOST_SHADED) this.root.classList.add("many");
     this.marks = this.joints ? this.joints.map((joint) => [...this.svg.querySelectorAll(`[stroke="${joint.color}"], [fill="${joint.color}"]`)]) : [];
     const [left, right, top, bottom] = plot.frame;
     Object.assign(this.cursor.style, { top: `${100 * top}%`, height: `${100 * (bottom - top)}%` });
