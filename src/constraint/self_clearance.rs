@@ -7,6 +7,11 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::dot;
+use nalgebra::Vector3;
+
+/// The number of balls that are placed once for all their pairs, in memory of the call: more than joints and tool of an
+/// arm.
+const PLACED: usize = 32;
 
 /// The two balls of every pair do not overlap: $g = (r_1 + r_2)^2 - |p_1 - p_2|^2$ in m^2, one row per pair. The
 /// squares make it smooth everywhere. Consecutive pairs on the same two bodies share their work.
@@ -37,23 +42,24 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         self.pairs.len()
     }
 
-    /// Places every ball once, in newly allocated memory.
     fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
-        let mut places = Vec::with_capacity(self.balls.len());
-        for ball in &self.balls {
-            places.push(at.point(ball.body, &ball.centre)?);
+        let mut places = [Vector3::zeros(); PLACED];
+        for (place, ball) in places.iter_mut().zip(&self.balls) {
+            *place = at.point(ball.body, &ball.centre)?;
         }
+        let point = |i: usize, ball: &CollisionSphere<C>| match places.get(i) {
+            Some(place) => Ok(*place),
+            None => at.point(ball.body, &ball.centre),
+        };
         for (pair, g) in self.pairs.iter().zip(g) {
             let [first, second] = self.pair(*pair)?;
             let reach = first.radius + second.radius;
-            let d = places[pair[0]] - places[pair[1]];
+            let d = point(pair[0], first)? - point(pair[1], second)?;
             *g = S::lift(reach * reach) - dot(&d, &d);
         }
         Ok(())
     }
 
-    /// $2 (r_1 + r_2)$, because $g$ is about that times the depth; one for a pair without balls, which is an error of
-    /// the value.
     fn row_scales(&self, scales: &mut [C]) {
         for (scale, pair) in scales.iter_mut().zip(&self.pairs) {
             *scale = self.pair(*pair).map_or(C::one(), |[first, second]| {

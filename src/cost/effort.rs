@@ -130,10 +130,13 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
             let two = S::from_f64(2.0);
             let slope = |i: usize, g: usize| two * self.jerk[i] * jerks[(i, g)];
             let (n, count) = jerks.shape();
-            out.by_jerk = [
-                DMatrix::from_fn(n, count, slope),
-                DMatrix::from_fn(n, count, |i, _| two * self.jerk[i]),
-            ];
+            out.clear_jerk(n, count);
+            let [slopes, curvatures] = &mut out.by_jerk;
+            for g in 0..count {
+                for i in 0..n {
+                    (slopes[(i, g)], curvatures[(i, g)]) = (slope(i, g), two * self.jerk[i]);
+                }
+            }
         }
     }
 

@@ -6,6 +6,7 @@ mod horizon;
 mod objective;
 mod rows;
 mod scan;
+mod shared;
 
 pub use grid::Grid;
 pub(crate) use grid::Grids;
@@ -13,4 +14,5 @@ pub use horizon::HorizonDerivatives;
 pub use objective::{Derivatives, Objective};
 pub(crate) use objective::{place, points};
 pub(crate) use rows::{Rows, Standing};
-pub(crate) use scan::{Maximum, Scan};
+pub(crate) use scan::{Look, Maximum, Scan};
+pub use shared::Shared;

@@ -23,6 +23,22 @@ impl WorkingSet {
         rows: &Rows<'_, K, P>,
         search: &SearchOptions,
     ) -> Self {
+        let mut working = Self {
+            nearest: Vec::new(),
+            listed: Vec::new(),
+            clearances: rows.attributes().clearances.clone(),
+        };
+        working.restart(problem, rows, search);
+        working
+    }
+
+    /// Begins without any rows, for another problem.
+    pub fn restart<K: Constraint, P: CostWithControl>(
+        &mut self,
+        problem: &Problem<'_>,
+        rows: &Rows<'_, K, P>,
+        search: &SearchOptions,
+    ) {
         let near = match problem.reach() {
             // Without a scale all rows are in the working set.
             0.0 => f64::INFINITY,
@@ -34,23 +50,23 @@ impl WorkingSet {
             true => -near.min(search.share_of_cutoff * cutoff),
             false => f64::NEG_INFINITY,
         });
-        Self {
-            nearest: nearest.collect(),
-            listed: Vec::new(),
-            clearances: attributes.clearances.clone(),
-        }
+        self.nearest.clear();
+        self.nearest.extend(nearest);
+        self.listed.clear();
     }
 
-    /// The inequalities of the working set in ascending order, for the values `h` of the rows at all points. The state
-    /// at a fixed start or end does not change, so its rows are neither listed nor refused.
+    /// Lists the inequalities of the working set in ascending order in `all`, for the values `h` of the rows at all
+    /// points. The state at a fixed start or end does not change, so its rows are neither listed nor refused.
     pub fn list<K: Constraint, P: CostWithControl>(
         &mut self,
         grid: &Grid<f64>,
         rows: &Rows<'_, K, P>,
         fixed: [bool; 2],
         h: &[f64],
-    ) -> Vec<Row> {
-        let (count, points, mut all) = (rows.count(), grid.times.len(), Vec::new());
+        all: &mut Vec<Row>,
+    ) {
+        let (count, points) = (rows.count(), grid.times.len());
+        all.clear();
         let equalities = &rows.attributes().equalities;
         let with_ends = grid.times[0] == 0.0;
         let is_fixed = |g| with_ends && ((g == 0 && fixed[0]) || (g + 1 == points && fixed[1]));
@@ -77,7 +93,6 @@ impl WorkingSet {
                 }
             }
         }
-        all
     }
 
     /// Returns true if a clearance outside the working set is violated: a step into something that was far away.
