@@ -70,8 +70,8 @@ impl Path {
         }
     }
 
-    /// Computes the coefficients of the rest of a path on one segment after this share of it, from 0 to less than 1, as a
-    /// path of its own: the same polynomial in other coefficients.
+    /// Computes the coefficients of the rest of a path on one segment after this share of it, from 0 to less than 1, as
+    /// a path of its own: the same polynomial in other coefficients.
     pub fn after_in(&self, share: f64, memory: &mut PathMemory, coefficients: &mut DMatrix<f64>) {
         let left = 1.0 - share;
         let PathMemory { functions, fit, .. } = memory;

@@ -227,7 +227,8 @@ impl Kkt {
     }
 
     /// The Newton step with the smallest tried multiple of the norm for which the matrix is positive definite (WB,
-    /// algorithm IC); `None` if there is none. It is to be [returned](Self::reuse), so that the next one needs no memory.
+    /// algorithm IC); `None` if there is none. It is to be [returned](Self::reuse), so that the next one needs no
+    /// memory.
     pub fn step(&mut self, scale: f64, progress: &mut Progress, options: &Options) -> Option<Step> {
         let [first, later, less] = options.regularisation_factors;
         let known = self.regularisation;

@@ -1,7 +1,7 @@
 //! The derivatives of an integral over a horizon that is an unknown.
 
-use super::objective::scale;
-use super::{Grid, place};
+use super::Grid;
+use super::place::{place, scale};
 use crate::cost::{Points, PointsDerivatives};
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};

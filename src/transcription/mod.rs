@@ -4,6 +4,7 @@
 mod grid;
 mod horizon;
 mod objective;
+mod place;
 mod rows;
 mod scan;
 mod shared;
@@ -12,7 +13,7 @@ pub use grid::Grid;
 pub(crate) use grid::Grids;
 pub use horizon::HorizonDerivatives;
 pub use objective::{Derivatives, Objective};
-pub(crate) use objective::{place, points};
+pub(crate) use place::{place, points};
 pub(crate) use rows::{Rows, Standing};
 pub(crate) use scan::{Look, Maximum, Scan};
 pub use shared::Shared;

@@ -1,7 +1,7 @@
 //! The maxima of the constraint rows along a curve, between the quadrature points.
 
-use super::objective::scale;
-use super::{Rows, place};
+use super::Rows;
+use super::place::{place, scale};
 use crate::constraint::Constraint;
 use crate::cost::{CostWithControl, Points};
 use crate::curve::{Basis, Functions};

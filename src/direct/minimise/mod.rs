@@ -18,6 +18,7 @@ mod program;
 mod rate_rows;
 mod real_time;
 mod stage_terms;
+mod unknowns;
 pub(crate) mod working_set;
 
 pub(super) use candidate::Candidate;

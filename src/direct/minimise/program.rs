@@ -12,8 +12,7 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::motion::{Problem, Watch};
 use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, RowState, Term, Tightened};
-use crate::transcription::{Derivatives, Objective};
-use crate::transcription::{Grid, Look, Scan};
+use crate::transcription::{Derivatives, Grid, Look, Objective, Scan};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
@@ -57,7 +56,7 @@ pub(in crate::direct) struct Program<'g, 'a, K, P> {
     /// The last look between the points.
     pub(super) look: Look,
     /// The multipliers of all rows.
-    multipliers: Vec<f64>,
+    pub(super) multipliers: Vec<f64>,
     working: WorkingSet,
     pub(super) stage: Stage,
     pub(super) search: SearchOptions,
@@ -86,14 +85,11 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     {
         let Context {
             problem,
-            grids,
             rows,
-            watch,
-            settings,
             free_horizon,
             ..
         } = context;
-        let (search, path) = (settings.search.clone(), &candidate.path);
+        let (search, path) = (context.settings.search.clone(), &candidate.path);
         let (n, basis) = (problem.model().dof(), &path.basis);
         let looks = search.scan * grid.points();
         let last = if stage.last {
@@ -103,7 +99,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         };
         let points = grid.points() * grid.segments;
         let mut program = Self {
-            scans: [looks, last].map(|times| grids.scan(basis, times)),
+            scans: [looks, last].map(|times| context.grids.scan(basis, times)),
             finer: finer.map(|finer| Objective::new(finer, rows.cost.clone(), n)),
             finer_cost: [f64::NAN; 2],
             evaluated_at: path.coefficients.clone(),
@@ -133,7 +129,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             stage,
             search,
             equality_penalty: 1.0,
-            watch: watch.clone(),
+            watch: context.watch.clone(),
         };
         if free_horizon.is_some() {
             program.objective.free_horizon(program.rates.clone());
@@ -189,73 +185,6 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     pub(super) fn count_margins(&mut self) {
         let rows = self.first_of_border() + self.linear_rows().count();
         self.margins = vec![0.0; rows];
-    }
-
-    /// The known multipliers at the points, without those of rows beside ends that another program had.
-    pub fn known_multipliers<'k>(
-        &self,
-        of: &Candidate,
-        known: &'k mut Vec<f64>,
-    ) -> Option<&'k [f64]> {
-        let count = self.objective.cost().rows.count();
-        of.multipliers.at_in(&self.grid.times, count, known)?;
-        known.truncate(self.range_of_points().end);
-        Some(known)
-    }
-
-    /// Sets the multipliers of a candidate to those of an iterate, but those of waypoints and of a goal.
-    pub fn put_multipliers(&mut self, iterate: &Iterate, candidate: &mut Candidate) {
-        iterate.multipliers_in(self.margins.len(), &mut self.multipliers);
-        let (all, rows) = (&self.multipliers, &self.objective.cost().rows);
-        candidate.multipliers.put(&self.grid, rows, all);
-    }
-
-    /// The unknowns of a curve in the basis.
-    pub fn unknowns(&self, of: &Candidate) -> DVector<f64> {
-        let mut x = DVector::zeros(self.derivatives.gradient.len() + self.border());
-        self.unknowns_in(of, &mut x);
-        x
-    }
-
-    /// Computes the unknowns of a curve in the basis.
-    pub fn unknowns_in(&self, of: &Candidate, x: &mut DVector<f64>) {
-        let free = self.grid.free.iter();
-        let coefficients = &of.path.coefficients;
-        let all = free.flat_map(|function| coefficients.column(*function).into_iter().copied());
-        let horizon = self.free_horizon.map(|_| of.horizon);
-        let times = self.moving.iter().map(|k| of.times[*k]);
-        for (x, value) in x.iter_mut().zip(all.chain(horizon).chain(times)) {
-            *x = value;
-        }
-    }
-
-    /// Sets path, horizon and times of waypoints of a candidate to those of unknowns.
-    pub fn put(&mut self, x: &DVector<f64>, candidate: &mut Candidate) {
-        self.place(x);
-        candidate.path.coefficients.copy_from(&self.coefficients);
-        candidate.horizon = self.horizon;
-        candidate.times.clone_from(&self.times);
-    }
-
-    /// Sets coefficients, horizon and times.
-    pub(super) fn place(&mut self, x: &DVector<f64>) {
-        let own = self.derivatives.gradient.len();
-        let columns = x.as_slice()[..own].chunks_exact(self.objective.dof());
-        for (function, column) in self.grid.free.iter().zip(columns) {
-            self.coefficients
-                .column_mut(*function)
-                .copy_from_slice(column);
-        }
-        if self.free_horizon.is_some() {
-            self.horizon = x[own];
-            for column in self.basis.fixed_slopes() {
-                let mut slope = self.coefficients.column_mut(column);
-                slope.copy_from(&self.rates.column(column));
-                slope *= self.horizon;
-            }
-        }
-        self.set_times(x);
-        self.objective.set_horizon(self.horizon);
     }
 
     /// Evaluates the cost and the rows at the coefficients, unless these were the last ones.
@@ -372,10 +301,13 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         self.place(x);
         let cost = self.cost()?;
         self.evaluate_points()?;
-        let rows = self.objective.cost().h.iter();
-        let rows = rows.chain(self.points.iter().flat_map(|point| &point.h));
+        // Two loops, so that those of the grid are added side by side.
+        let (of_grid, beside) = self.margins.split_at(self.first_of_points);
+        let rows = self.objective.cost().h.iter().zip(of_grid);
+        let of_points = self.points.iter().flat_map(|point| &point.h);
         h.clear();
-        h.extend(rows.zip(&self.margins).map(|(h, margin)| h + margin));
+        h.extend(rows.map(|(h, margin)| h + margin));
+        h.extend(of_points.zip(beside).map(|(h, margin)| h + margin));
         h.extend(self.linear_rows().map(|row| row.value));
         let mut objective = cost;
         if let Some(free) = self.free_horizon {

@@ -12,8 +12,8 @@ use crate::transcription::{Grid, Rows};
 pub(crate) struct WorkingSet {
     /// The value of each row of a point below which it is not in the working set.
     nearest: Vec<f64>,
-    /// True for rows that are in the working set, or need not be: row by row for each point.
-    listed: Vec<bool>,
+    /// True for clearances that are not in the working set although they may be: row by row for each point.
+    outside: Vec<bool>,
     clearances: Vec<bool>,
 }
 
@@ -25,7 +25,7 @@ impl WorkingSet {
     ) -> Self {
         let mut working = Self {
             nearest: Vec::new(),
-            listed: Vec::new(),
+            outside: Vec::new(),
             clearances: rows.attributes().clearances.clone(),
         };
         working.restart(problem, rows, search);
@@ -52,7 +52,7 @@ impl WorkingSet {
         });
         self.nearest.clear();
         self.nearest.extend(nearest);
-        self.listed.clear();
+        self.outside.clear();
     }
 
     /// Lists the inequalities of the working set in ascending order in `all`, for the values `h` of the rows at all
@@ -70,9 +70,9 @@ impl WorkingSet {
         let equalities = &rows.attributes().equalities;
         let with_ends = grid.times[0] == 0.0;
         let is_fixed = |g| with_ends && ((g == 0 && fixed[0]) || (g + 1 == points && fixed[1]));
-        self.listed.clear();
-        self.listed.resize(points * count, false);
+        self.outside.clear();
         for g in (0..points).filter(|_| count > 0) {
+            self.outside.extend_from_slice(&self.clearances);
             let weight = grid.weights[g % grid.points()];
             let own = g * count..(g + 1) * count;
             // At collocated points there are equalities alone.
@@ -81,13 +81,14 @@ impl WorkingSet {
                 (false, true) => rows.states(),
                 (false, false) => 0,
             };
-            let (h, listed) = (&h[own.clone()], &mut self.listed[own.clone()]);
-            listed[..first].fill(true);
-            for row in first..count {
+            let outside = &mut self.outside[own.clone()];
+            outside[..first].fill(false);
+            let of_rows = h[own.clone()].iter().zip(&self.nearest).enumerate();
+            for (row, (h, nearest)) in of_rows.skip(first) {
                 // NaN counts as near.
-                let is_far = h[row] < self.nearest[row];
+                let is_far = h < nearest;
                 if !is_far && !equalities[row] {
-                    listed[row] = true;
+                    outside[row] = false;
                     let at = own.start + row;
                     all.push(Row { at, weight });
                 }
@@ -97,15 +98,14 @@ impl WorkingSet {
 
     /// Returns true if a clearance outside the working set is violated: a step into something that was far away.
     pub fn is_left(&self, h: &[f64]) -> bool {
+        // Without a branch, so that rows are compared side by side.
+        let violated = |h: &[f64], outside: &[bool]| {
+            let rows = h.iter().zip(outside);
+            rows.fold(false, |any, (h, outside)| any | (*outside & (*h > 0.0)))
+        };
         let count = self.clearances.len().max(1);
-        let points = h.chunks_exact(count).zip(self.listed.chunks_exact(count));
-        points.into_iter().any(|(h, listed)| {
-            let rows = h.iter().zip(listed).zip(&self.clearances);
-            // Without a branch, so that rows are compared side by side.
-            rows.fold(false, |any, ((h, listed), clearance)| {
-                any | (!listed & *clearance & (*h > 0.0))
-            })
-        })
+        let points = h.chunks_exact(count).zip(self.outside.chunks_exact(count));
+        points.into_iter().any(|(h, outside)| violated(h, outside))
     }
 }
 

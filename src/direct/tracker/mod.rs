@@ -54,8 +54,11 @@ const SCAN: usize = 3;
 /// model: a robot beside its plan, delays and torques of the feedback are beyond them.
 ///
 /// Accelerations and torques may jump from one plan to the next. The time of running costs and rows that depend on it
-/// begins anew with each plan. Memory is bounded, but a step allocates: about 15 small vectors for the command, and
-/// about 1500 with an iteration for an arm of seven joints, all of which it frees.
+/// begins anew with each plan.
+///
+/// **Memory.** All of it is allocated by [`new`](Self::new), [`set_constraints`](Self::set_constraints) and the first
+/// steps; a later step allocates nothing, unless a function of the user does, there are equalities, or more maxima of
+/// rows come near than in all steps before.
 ///
 /// ```
 /// use aghf::constraint::{Bounds, Constraints, TorqueLimits};
