@@ -166,7 +166,7 @@ impl BlockTridiagonal<f64> {
 }
 
 /// Replaces the lower triangle of a symmetric matrix by its Cholesky factor; returns true if it is positive definite.
-pub(crate) fn cholesky(a: &mut DMatrix<f64>, Scratch(scratch): &mut Scratch) -> bool {
+fn cholesky(a: &mut DMatrix<f64>, Scratch(scratch): &mut Scratch) -> bool {
     let n = a.nrows();
     let needed = factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default());
     let needed = needed.unaligned_bytes_required();

@@ -14,11 +14,9 @@ mod tensor;
 mod tiled;
 
 #[cfg(feature = "solvers")]
-pub(crate) use block_tridiagonal::cholesky;
-#[cfg(feature = "solvers")]
 pub use block_tridiagonal::{BlockTridiagonal, Scratch};
 #[cfg(feature = "solvers")]
-pub(crate) use gram::weighted_gram;
+pub(crate) use gram::{ROWS, weighted_gram};
 pub use ldlt::Ldlt;
 #[cfg(feature = "solvers")]
 pub use matmul::multiply;

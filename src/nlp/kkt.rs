@@ -1,7 +1,7 @@
 //! The primal-dual equations, condensed to the unknowns.
 
 use super::{Options, Progress};
-use crate::linalg::{BlockTridiagonal, Scratch, assign, cholesky};
+use crate::linalg::{BlockTridiagonal, Scratch, assign};
 use nalgebra::{DMatrix, DVector};
 
 /// The number of inverse iterations, after which the direction mixes few eigenvectors.
@@ -93,7 +93,7 @@ impl Bordered {
             column.copy_from(&memory.column);
         }
         self.corner.gemm_tr(-1.0, &memory.border, &self.border, 1.0);
-        cholesky(&mut self.corner, &mut memory.scratch)
+        cholesky(&mut self.corner)
     }
 
     /// Replaces `b` by the solution; requires [`factorise`](Self::factorise).
@@ -274,4 +274,26 @@ impl Kkt {
     pub fn reuse(&mut self, step: Step) {
         self.memory.step = step.x;
     }
+}
+
+/// Replaces the lower triangle of a small matrix by its Cholesky factor; returns true if it is positive definite.
+fn cholesky(a: &mut DMatrix<f64>) -> bool {
+    for j in 0..a.nrows() {
+        for k in 0..j {
+            let factor = a[(j, k)];
+            for i in j..a.nrows() {
+                a[(i, j)] -= factor * a[(i, k)];
+            }
+        }
+        let pivot = a[(j, j)].sqrt();
+        // False for NaN.
+        if !(pivot > 0.0 && pivot.is_finite()) {
+            return false;
+        }
+        a[(j, j)] = pivot;
+        for i in j + 1..a.nrows() {
+            a[(i, j)] /= pivot;
+        }
+    }
+    true
 }

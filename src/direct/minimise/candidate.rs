@@ -187,6 +187,13 @@ impl Multipliers {
         }
     }
 
+    /// Takes over other multipliers in the memory of these.
+    pub(crate) fn set(&mut self, from: &Self) {
+        self.times.clone_from(&from.times);
+        self.values.clone_from(&from.values);
+        self.of_points.clone_from(&from.of_points);
+    }
+
     /// Changes the times to those of the rest of a motion after this share of it, from 0 to less than 1.
     pub(crate) fn begin_after(&mut self, share: f64) {
         for time in &mut self.times {

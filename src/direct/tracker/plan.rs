@@ -27,7 +27,7 @@ impl Plan {
     pub fn rest_in(&self, now: f64, shortest: f64, memory: &mut Memory, rest: &mut Self) {
         let (from, to) = (&self.motion, &mut rest.motion);
         let left = self.left(now).max(shortest).min(from.horizon);
-        to.multipliers.clone_from(&from.multipliers);
+        to.multipliers.set(&from.multipliers);
         if left < from.horizon {
             let share = 1.0 - left / from.horizon;
             from.path.after_in(share, memory, &mut to.path.coefficients);
@@ -48,7 +48,7 @@ impl Plan {
     /// Becomes another plan in the same basis.
     pub fn set(&mut self, other: &Self) {
         let (from, to) = (&other.motion, &mut self.motion);
-        to.multipliers.clone_from(&from.multipliers);
+        to.multipliers.set(&from.multipliers);
         to.path.coefficients.copy_from(&from.path.coefficients);
         (to.horizon, self.began) = (from.horizon, other.began);
     }
