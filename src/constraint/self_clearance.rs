@@ -9,9 +9,8 @@ use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::dot;
 use nalgebra::Vector3;
 
-/// The number of balls that are placed once for all their pairs, in memory of the call: more than joints and tool of an
-/// arm.
-const PLACED: usize = 32;
+/// The number of balls up to which their places are on the stack: more than those of most models of arms.
+const FEW: usize = 128;
 
 /// The two balls of every pair do not overlap: $g = (r_1 + r_2)^2 - |p_1 - p_2|^2$ in m^2, one row per pair. The
 /// squares make it smooth everywhere. Consecutive pairs on the same two bodies share their work.
@@ -43,18 +42,21 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
     }
 
     fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
-        let mut places = [Vector3::zeros(); PLACED];
+        let (mut few, mut many) = ([Vector3::zeros(); FEW], Vec::new());
+        let count = self.balls.len();
+        let places = if count <= FEW {
+            &mut few[..count]
+        } else {
+            many.resize(count, Vector3::zeros());
+            &mut many
+        };
         for (place, ball) in places.iter_mut().zip(&self.balls) {
             *place = at.point(ball.body, &ball.centre)?;
         }
-        let point = |i: usize, ball: &CollisionSphere<C>| match places.get(i) {
-            Some(place) => Ok(*place),
-            None => at.point(ball.body, &ball.centre),
-        };
         for (pair, g) in self.pairs.iter().zip(g) {
             let [first, second] = self.pair(*pair)?;
             let reach = first.radius + second.radius;
-            let d = point(pair[0], first)? - point(pair[1], second)?;
+            let d = places[pair[0]] - places[pair[1]];
             *g = S::lift(reach * reach) - dot(&d, &d);
         }
         Ok(())

@@ -83,8 +83,8 @@ impl WorkingSet {
             };
             let outside = &mut self.outside[own.clone()];
             outside[..first].fill(false);
-            let of_rows = h[own.clone()].iter().zip(&self.nearest).enumerate();
-            for (row, (h, nearest)) in of_rows.skip(first) {
+            let of_rows = h[own.clone()][first..].iter().zip(&self.nearest[first..]);
+            for (row, (h, nearest)) in (first..).zip(of_rows) {
                 // NaN counts as near.
                 let is_far = h < nearest;
                 if !is_far && !equalities[row] {

@@ -56,9 +56,9 @@ const SCAN: usize = 3;
 /// Accelerations and torques may jump from one plan to the next. The time of running costs and rows that depend on it
 /// begins anew with each plan.
 ///
-/// **Memory.** All of it is allocated by [`new`](Self::new), [`set_constraints`](Self::set_constraints) and the first
-/// steps; a later step allocates nothing, unless a function of the user does, there are equalities, or more maxima of
-/// rows come near than in all steps before.
+/// **Memory.** It is allocated by [`new`](Self::new), [`set_constraints`](Self::set_constraints) and the first steps.
+/// A later step allocates a vector per factorisation, by `faer`, and otherwise nothing, unless a function of the user
+/// does, there are equalities, or more maxima of rows come near than in all steps before.
 ///
 /// ```
 /// use aghf::constraint::{Bounds, Constraints, TorqueLimits};

@@ -115,10 +115,10 @@ fn crowded(model: &Model) -> Kept {
     kept
 }
 
-/// After the first steps a step allocates nothing: with its iterations and looks, a goal that moves, plans that take
-/// the place of others, and near obstacles; without time too.
+/// After the first steps only factorisations allocate, one or two vectors of `faer` per iteration: with looks, a goal
+/// that moves, plans that take the place of others, and near obstacles. Nothing is kept.
 #[test]
-fn steps_allocate_nothing() {
+fn steps_allocate_for_factorisations_alone() {
     let model = robot("kinova_gen3");
     let problem = reach(&model);
     let mut tracker = tracker(&problem, crowded(&model), options(12));
@@ -143,12 +143,14 @@ fn steps_allocate_nothing() {
         }
         (iterations, replaced)
     };
-    steps(0);
+    let (mut seen, _) = steps(0);
     for from in [100, 200, 300] {
-        let mut done = (0, 0);
+        let (before, mut done) = (seen, (0, 0));
         let of = allocation_counter::measure(|| done = steps(from));
-        assert_eq!((of.count_total, of.bytes_total), (0, 0), "from {from}");
-        assert!(done.0 > from as usize / 2 && done.1 > 5, "{done:?}");
+        seen = done.0;
+        let most = 2 * (done.0 - before) as u64;
+        assert!(of.count_total <= most && of.bytes_current == 0, "{of:?}");
+        assert!(done.0 > before + 50 && done.1 > 5, "{done:?}");
     }
 }
 
