@@ -301,7 +301,6 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
         self.counts().sum()
     }
 
-    /// In newly allocated memory.
     fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
         let all = |_| true;
         g.fill(S::lift(-self.far));
