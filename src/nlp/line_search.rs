@@ -1,7 +1,7 @@
 //! Backtracking on the barrier function.
 
 use super::kkt::Step;
-use super::{Iterate, Nlp, Options, State};
+use super::{Iterate, Nlp, Options, RowStep, State};
 use crate::error::Result;
 use crate::linalg::assign;
 use nalgebra::DVector;
@@ -13,7 +13,7 @@ const ROUNDING: f64 = 1e-13;
 /// values. Returns the predicted decrease of the whole step, or `None` if no fraction does.
 ///
 /// The change of a row along the step is that to the end of the tried fraction, relative to the fraction, so that
-/// slacks follow the rows to second order.
+/// slacks follow the rows to second order. Multipliers take the Newton step of the linearised rows.
 pub(super) fn line_search<P: Nlp>(
     problem: &mut P,
     state: &mut State,
@@ -24,13 +24,15 @@ pub(super) fn line_search<P: Nlp>(
     let highest = state.remember(before, options.memory);
     let mut trial = std::mem::take(&mut state.trial);
     trial.iterate.clone_from(&state.iterate);
+    trial.set_tangent(problem, state, step, options)?;
     let whole = options.longest_step / state.progress.step;
     let first = problem.longest(&state.x, &step.x).min(whole);
     let (mut alpha, mut predicted) = (first, f64::NAN);
     for _ in 0..options.cuts {
         let f = trial.evaluate(problem, state, &step.x, alpha)?;
         if f.is_finite() {
-            let slope = step.slope + problem.measure(&state.x) * trial.take(state, alpha, options);
+            let bend = trial.take(state, alpha, options);
+            let slope = step.slope + problem.measure(&state.x) * bend;
             if predicted.is_nan() {
                 predicted = -slope;
             }
@@ -91,6 +93,7 @@ impl End {
                 return Ok(());
             }
             longer.iterate.clone_from(&state.iterate);
+            longer.tangent.clone_from(&self.trial.tangent);
             let f = longer.evaluate(problem, state, &step.x, alpha)?;
             let merit = match f.is_finite() {
                 true => {
@@ -115,6 +118,8 @@ impl End {
 pub(super) struct Trial {
     x: DVector<f64>,
     h: Vec<f64>,
+    /// The changes of the linearised rows along the whole step.
+    tangent: Vec<f64>,
     pub iterate: Iterate,
 }
 
@@ -132,6 +137,26 @@ impl Trial {
         problem.value(&self.x, &mut self.h)
     }
 
+    /// Sets the changes of the linearised rows along a step: those over a short part of it, relative to that.
+    fn set_tangent<P: Nlp>(
+        &mut self,
+        problem: &mut P,
+        state: &State,
+        step: &Step,
+        options: &Options,
+    ) -> Result<()> {
+        if state.iterate.working.is_empty() {
+            return Ok(());
+        }
+        let part = (options.tangent / state.progress.step).min(1.0);
+        self.evaluate(problem, state, &step.x, part)?;
+        self.tangent.clear();
+        let rows = self.h.iter().zip(&state.h);
+        self.tangent
+            .extend(rows.map(|(h, before)| (h - before) / part));
+        Ok(())
+    }
+
     /// The barrier function for an objective.
     fn merit(&self, f: f64, measure: f64) -> f64 {
         f + measure * self.iterate.barrier_terms(&self.h)
@@ -144,7 +169,12 @@ impl Trial {
         for (before, after) in from.working.iter().zip(&mut self.iterate.working) {
             let at = before.row.at;
             let change = (self.h[at] - state.h[at]) / alpha;
-            let step = from.step(before, state.h[at], change);
+            // With the change of the row itself, one that curves beyond its bound would get the multiplier of a
+            // violation, and with its second derivative a Hessian that makes the next steps short.
+            let step = RowStep {
+                multiplier: from.step(before, state.h[at], self.tangent[at]).multiplier,
+                ..from.step(before, state.h[at], change)
+            };
             let [bend, condensed] = from.bend(before, &step, change);
             slope += before.row.weight * (condensed - bend);
             *after = before.take(&step, alpha, options.fraction_to_boundary);

@@ -24,6 +24,9 @@ pub struct Options {
     /// The longest step, in the norm of steps: a radian in the mean, beyond which a robot has other minima. It may be
     /// infinite.
     pub longest_step: f64,
+    /// The length, in the norm of steps, over which the change of a row counts as linear: short beside the way on which
+    /// rows bend, and so long that rounding leaves half of the digits.
+    pub tangent: f64,
     /// The fraction of its distance from zero by which a slack or multiplier shrinks at most in a step. WB take 0.99 or
     /// more for the smallest of all; here each row is cut by itself, and 0.9 keeps the rows central (tuned on seven
     /// problems of a seven-joint arm in clutter: 0.7 and 0.99 solve four and five of them in the time in which 0.9
@@ -98,6 +101,7 @@ impl Default for Options {
             last_barrier: 1e-7,
             barrier: Arc::new(Monotone::default()),
             longest_step: 1.0,
+            tangent: 1e-4,
             fraction_to_boundary: 0.9,
             penalty: 1.0,
             penalty_of_multipliers: 2.0,
@@ -139,6 +143,7 @@ impl Options {
             ("first_barrier", self.first_barrier),
             ("warm_barrier", self.warm_barrier),
             ("last_barrier", self.last_barrier),
+            ("tangent", self.tangent),
             ("penalty", self.penalty),
             ("largest_penalty", self.largest_penalty),
             ("infeasible_cost", self.infeasible_cost),

@@ -8,6 +8,7 @@ mod barrier;
 mod dense;
 mod iterate;
 mod kkt;
+mod line_search;
 mod options;
 mod problems;
 mod state;

@@ -1,0 +1,50 @@
+//! The steps of a search.
+
+use crate::dense::{Dense, accurate};
+use crate::problems::two_wells;
+use aghf::cost::HyperDual64;
+use aghf::nlp::{Options, Status};
+
+/// Beside a saddle, where the multiple of the norm makes steps short, they are extended along negative curvature, and
+/// derivatives are still those at the iterates.
+#[test]
+fn steps_along_negative_curvature_are_long() {
+    let mut program = Dense::new(two_wells, &[0.01, 0.5], 0, 0);
+    let (mut fractions, start) = (Vec::new(), program.start.clone());
+    let (x, kkt) = (nalgebra::DVector::from_vec(start), program.kkt());
+    let end = aghf::nlp::solve(&mut program, x, None, kkt, &accurate(), &mut |progress| {
+        fractions.push(progress.alpha);
+    });
+    let end = end.expect("no function fails");
+    assert_eq!(end.status, Status::Converged);
+    assert_close!(&end.x, &[1.0, 0.0], 1e-6);
+    assert!(fractions.iter().any(|alpha| *alpha > 2.0), "{fractions:?}");
+    assert!(fractions.len() < 15, "{fractions:?}");
+}
+
+/// A least abscissa distance on a parabola that bends beyond its bound along the step.
+fn parabola(x: &[HyperDual64]) -> (HyperDual64, Vec<HyperDual64>) {
+    let off = x[0] - 1.0;
+    let row = x[0] * x[0] * 5.0 - x[1];
+    (off * off * 0.5 + x[1] + 1.0, vec![row])
+}
+
+/// The multiplier of a row that a step violates by its curvature is that of the linearised row, not that of a
+/// violation, which would be near the penalty.
+#[test]
+fn multipliers_follow_the_linearised_rows() {
+    let options = Options {
+        iterations: 1,
+        warm_barrier: 1e-6,
+        penalty: 1e3,
+        ..accurate()
+    };
+    let mut program = Dense::new(parabola, &[0.0, 1e-6], 0, 1);
+    let end = program.solve_from(&[0.0, 1e-6], Some(&[1.0]), &options);
+    let [state] = end.iterate.working[..] else {
+        panic!("there is one row");
+    };
+    assert_eq!(end.status, Status::Iterations);
+    assert!(end.x[0] > 0.05, "{}", end.x);
+    assert!((state.multiplier - 1.0).abs() < 0.1, "{}", state.multiplier);
+}
