@@ -6,7 +6,7 @@ use super::label::name_of;
 use super::solid_clearance::name_of_solid;
 use super::{Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
 use crate::error::{Error, Result};
-use crate::geometry::{BallTree, FLAT, Scene, Solid};
+use crate::geometry::{BallTree, FLAT, SETS, Scene, Solid};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Placement, dot, outer};
@@ -28,7 +28,7 @@ const FAR: f64 = 0.35;
 pub struct CoverClearance<C: Scalar = f64> {
     /// The balls of each link.
     pub links: Vec<BallTree<C>>,
-    /// The number of sets of each link, one at least.
+    /// The number of sets of each link, one at least and eight at most.
     pub counts: Vec<usize>,
     /// The set of each ball among those of its link.
     pub sets: Vec<usize>,
@@ -107,8 +107,10 @@ pub(crate) fn place<C: Scalar, S: AlgebraOver<C>>(
 
 /// The rows of a pair.
 struct Rows<S: Scalar> {
-    /// None while all are far.
-    all: Vec<Nearest<S>>,
+    /// All of them, `count`.
+    all: [Nearest<S>; SETS],
+    /// True while all are far.
+    is_far: bool,
     count: usize,
     far: S,
     /// The least of the rows: balls further than this need no look.
@@ -118,10 +120,13 @@ struct Rows<S: Scalar> {
 impl<S: Scalar> Rows<S> {
     /// Takes the distance of two balls for a row.
     fn take(&mut self, row: usize, g: S, points: [&Vector3<S>; 2]) {
-        self.all.resize(self.count, Nearest::none(self.far));
-        self.all[row].take(g, points);
+        let all = &mut self.all[..self.count];
+        if std::mem::take(&mut self.is_far) {
+            all.fill(Nearest::none(self.far));
+        }
+        all[row].take(g, points);
         let smaller = |a: S, b: S| (a - b).if_negative(a, b);
-        let rows = self.all.iter().map(|row| row.g);
+        let rows = all.iter().map(|row| row.g);
         self.least = rows.reduce(smaller).unwrap_or(self.least);
     }
 }
@@ -178,35 +183,33 @@ impl<C: Scalar> CoverClearance<C> {
         of_solids.chain(of_pairs.map(move |[i, j]| count(*i).max(count(*j))))
     }
 
-    /// The placements of the links; `None` for those on the base.
-    fn places<'a, S: AlgebraOver<C>>(
+    /// The placement of a link; `None` for the base.
+    fn placement<'a, S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'a, C, S>,
-    ) -> Result<Vec<Option<&'a Placement<S>>>> {
-        let placement = |tree: &BallTree<C>| {
-            let Some(body) = tree.body else {
-                return Ok(None);
-            };
-            at.placements.get(body).map(Some).ok_or(Error::Length {
-                what: "bodies of the robot of a constraint",
-                expected: body + 1,
-                found: at.placements.len(),
-            })
+        link: usize,
+    ) -> Result<Option<&'a Placement<S>>> {
+        let Some(body) = self.links[link].body else {
+            return Ok(None);
         };
-        self.links.iter().map(placement).collect()
+        at.placements.get(body).map(Some).ok_or(Error::Length {
+            what: "bodies of the robot of a constraint",
+            expected: body + 1,
+            found: at.placements.len(),
+        })
     }
 
     /// Computes the rows of a link and a solid.
     fn of_solid<S: AlgebraOver<C>>(
         &self,
-        places: &[Option<&Placement<S>>],
+        placement: Option<&Placement<S>>,
         [i, j]: [usize; 2],
         rows: &mut Rows<S>,
     ) {
         let (tree, solid, margin) = (&self.links[i], &self.solids[j], self.margins[0]);
         let bound = |at: usize| {
             let ball = &tree.nodes[at].bound;
-            let p = place(places[i], &ball.centre);
+            let p = place(placement, &ball.centre);
             (S::lift(ball.radius + margin) - solid.distance(&p), p)
         };
         let is_nearer = |(a, _): &(S, Vector3<S>), (b, _): &(S, Vector3<S>)| is_negative(*b - *a);
@@ -222,7 +225,7 @@ impl<C: Scalar> CoverClearance<C> {
     /// Computes the rows of two links.
     fn of_pair<S: AlgebraOver<C>>(
         &self,
-        places: &[Option<&Placement<S>>],
+        [first, second]: [Option<&Placement<S>>; 2],
         [i, j]: [usize; 2],
         rows: &mut Rows<S>,
     ) {
@@ -230,7 +233,7 @@ impl<C: Scalar> CoverClearance<C> {
         let count = rows.count;
         let bound = |[k, l]: [usize; 2]| {
             let (a, b) = (&tree.nodes[k].bound, &other.nodes[l].bound);
-            let (p, q) = (place(places[i], &a.centre), place(places[j], &b.centre));
+            let (p, q) = (place(first, &a.centre), place(second, &b.centre));
             let [length, _] = length_and_inverse(&(p - q));
             (S::lift(a.radius + b.radius + margin) - length, [p, q])
         };
@@ -254,10 +257,10 @@ impl<C: Scalar> CoverClearance<C> {
         is_needed: impl Fn(usize) -> bool,
         mut visit: impl FnMut(usize, usize, &[Nearest<S>]) -> Result<()>,
     ) -> Result<()> {
-        let places = self.places(at)?;
         let far = S::lift(-self.far);
         let mut rows = Rows {
-            all: Vec::new(),
+            all: [Nearest::none(far); SETS],
+            is_far: true,
             count: 0,
             far,
             least: far,
@@ -266,16 +269,26 @@ impl<C: Scalar> CoverClearance<C> {
         for (k, count) in self.counts().enumerate() {
             if (first..first + count).any(&is_needed) {
                 let solid = self.solid_pairs.get(k);
-                (rows.count, rows.least) = (count, far);
-                rows.all.clear();
+                if count > SETS {
+                    let what = "sets of the balls of a link";
+                    let expected = SETS;
+                    return Err(Error::Length {
+                        what,
+                        expected,
+                        found: count,
+                    });
+                }
+                (rows.count, rows.least, rows.is_far) = (count, far, true);
                 match solid {
-                    Some(pair) => self.of_solid(&places, *pair, &mut rows),
+                    Some(pair) => self.of_solid(self.placement(at, pair[0])?, *pair, &mut rows),
                     None => {
                         let pair = self.pairs[k - self.solid_pairs.len()];
-                        self.of_pair(&places, pair, &mut rows);
+                        let [first, second] = pair.map(|link| self.placement(at, link));
+                        self.of_pair([first?, second?], pair, &mut rows);
                     }
                 }
-                visit(k, first, &rows.all)?;
+                let found = if rows.is_far { 0 } else { count };
+                visit(k, first, &rows.all[..found])?;
             }
             first += count;
         }
@@ -288,7 +301,6 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
         self.counts().sum()
     }
 
-    /// In newly allocated memory.
     fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
         let all = |_| true;
         g.fill(S::lift(-self.far));

@@ -7,6 +7,10 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::dot;
+use nalgebra::Vector3;
+
+/// The number of balls up to which their places are on the stack: more than those of most models of arms.
+const FEW: usize = 128;
 
 /// The two balls of every pair do not overlap: $g = (r_1 + r_2)^2 - |p_1 - p_2|^2$ in m^2, one row per pair. The
 /// squares make it smooth everywhere. Consecutive pairs on the same two bodies share their work.
@@ -37,11 +41,17 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         self.pairs.len()
     }
 
-    /// Places every ball once, in newly allocated memory.
     fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
-        let mut places = Vec::with_capacity(self.balls.len());
-        for ball in &self.balls {
-            places.push(at.point(ball.body, &ball.centre)?);
+        let (mut few, mut many) = ([Vector3::zeros(); FEW], Vec::new());
+        let count = self.balls.len();
+        let places = if count <= FEW {
+            &mut few[..count]
+        } else {
+            many.resize(count, Vector3::zeros());
+            &mut many
+        };
+        for (place, ball) in places.iter_mut().zip(&self.balls) {
+            *place = at.point(ball.body, &ball.centre)?;
         }
         for (pair, g) in self.pairs.iter().zip(g) {
             let [first, second] = self.pair(*pair)?;
@@ -52,8 +62,6 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         Ok(())
     }
 
-    /// $2 (r_1 + r_2)$, because $g$ is about that times the depth; one for a pair without balls, which is an error of
-    /// the value.
     fn row_scales(&self, scales: &mut [C]) {
         for (scale, pair) in scales.iter_mut().zip(&self.pairs) {
             *scale = self.pair(*pair).map_or(C::one(), |[first, second]| {

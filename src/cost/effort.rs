@@ -8,7 +8,7 @@ use crate::dynamics::{
     Data, InverseDynamicsDerivatives, RneaWeightedHessian, rnea, rnea_second_order,
 };
 use crate::error::{Result, check_length};
-use crate::linalg::weighted_gram;
+use crate::linalg::{ROWS, weighted_gram};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, LANES, Scalar, Wide};
 use nalgebra::{DMatrix, DVector};
@@ -43,6 +43,9 @@ pub struct ControlEffort<'m, C: Scalar = f64, S: Scalar = C> {
     /// $2 J^T J$, and with the stiffness instead of 2; lower halves.
     squares: DMatrix<Wide<S>>,
     stiff: DMatrix<Wide<S>>,
+    /// The weights of these products, and columns of $J$ with their weights.
+    doubled: DVector<Wide<S>>,
+    scaled: [Vec<Wide<S>>; ROWS],
     /// The control at one point.
     u: DVector<S>,
     by_term: ControlDerivatives<S>,
@@ -53,22 +56,23 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
         let n = model.dof();
-        let zeros = vec![Wide::splat(S::zero()); n];
-        let zero = DVector::from_vec(zeros.clone());
+        let zero = DVector::from_element(n, Wide::splat(S::zero()));
         Self {
             model,
-            squares_of: [zero.map(|_| Wide::splat(S::one())), zero.clone(), zero],
             with_motion: false,
             jerk: Vec::new(),
-            slopes: DVector::from_vec(zeros.clone()),
+            slopes: zero.clone(),
             data: Data::new(model),
             id: InverseDynamicsDerivatives::new(n),
             second: RneaWeightedHessian::new(n),
             state: vec![Wide::splat(S::zero()); 3 * n],
-            weights: DVector::from_vec(zeros.clone()),
-            stiffness: DVector::from_vec(zeros),
+            weights: zero.clone(),
+            stiffness: zero.clone(),
             squares: DMatrix::zeros(3 * n, 3 * n),
             stiff: DMatrix::zeros(3 * n, 3 * n),
+            doubled: zero.clone(),
+            squares_of: [zero.map(|_| Wide::splat(S::one())), zero.clone(), zero],
+            scaled: Default::default(),
             u: DVector::zeros(n),
             by_term: ControlDerivatives::new(n),
         }
@@ -130,10 +134,13 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
             let two = S::from_f64(2.0);
             let slope = |i: usize, g: usize| two * self.jerk[i] * jerks[(i, g)];
             let (n, count) = jerks.shape();
-            out.by_jerk = [
-                DMatrix::from_fn(n, count, slope),
-                DMatrix::from_fn(n, count, |i, _| two * self.jerk[i]),
-            ];
+            out.clear_jerk(n, count);
+            let [slopes, curvatures] = &mut out.by_jerk;
+            for g in 0..count {
+                for i in 0..n {
+                    (slopes[(i, g)], curvatures[(i, g)]) = (slope(i, g), two * self.jerk[i]);
+                }
+            }
         }
     }
 
@@ -219,8 +226,9 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
             }
         }
         let column = |c: usize| &jacobian[c / n].as_slice()[c % n * n..(c % n + 1) * n];
-        let doubled = &self.squares_of[0] * two;
-        weighted_gram(column, &doubled, &mut self.squares);
+        self.doubled
+            .zip_apply(&self.squares_of[0], |to, w| *to = w * two);
+        weighted_gram(column, &self.doubled, &mut self.scaled, &mut self.squares);
         if self.with_motion {
             for x in 1..3 {
                 for i in 0..n {
@@ -229,7 +237,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
             }
         }
         if stiff {
-            weighted_gram(column, &self.stiffness, &mut self.stiff);
+            weighted_gram(column, &self.stiffness, &mut self.scaled, &mut self.stiff);
         }
         for (x, y, phi) in [
             (0, 0, Some(qq)),

@@ -32,6 +32,8 @@ pub struct PackedHessian<S: Scalar> {
     symmetric: DMatrix<S>,
     /// One column for each $i > j$; one row per point and block with $x < y$.
     antisymmetric: DMatrix<S>,
+    /// A block of the Hessian of a curve.
+    block: DMatrix<S>,
 }
 
 /// The number of points with storage, a multiple of the number of lanes.
@@ -54,6 +56,7 @@ impl<S: Scalar> PackedHessian<S> {
             capacity: capacity(points),
             symmetric: DMatrix::zeros(6 * capacity(points), half + dof),
             antisymmetric: DMatrix::zeros(3 * capacity(points), half),
+            block: DMatrix::zeros(dof, dof),
         }
     }
 
@@ -259,7 +262,7 @@ impl<S: Scalar> PackedHessian<S> {
         let [symmetric, antisymmetric] = sums;
         multiply(&products[0], &self.symmetric, symmetric);
         multiply(&products[1], &self.antisymmetric, antisymmetric);
-        let mut block = DMatrix::zeros(n, n);
+        let block = &mut self.block;
         for pair in 0..symmetric.nrows() {
             let (mut at, mut below) = (0, 0);
             for j in 0..n {
@@ -276,7 +279,7 @@ impl<S: Scalar> PackedHessian<S> {
                     }
                 }
             }
-            take(pair, &mut block);
+            take(pair, block);
         }
     }
 

@@ -157,6 +157,16 @@ impl<S: Scalar> PointsDerivatives<S> {
         }
     }
 
+    /// Sets the derivatives in the jerk to zero, `n` by `points`.
+    pub(crate) fn clear_jerk(&mut self, n: usize, points: usize) {
+        for of in &mut self.by_jerk {
+            match of.shape() == (n, points) {
+                true => of.fill(S::zero()),
+                false => *of = DMatrix::zeros(n, points),
+            }
+        }
+    }
+
     /// Stores the results of point `g`.
     pub fn set(&mut self, g: usize, cost: S, of: &PointDerivatives<S>) {
         let n = self.gradients.nrows();

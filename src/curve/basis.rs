@@ -1,9 +1,8 @@
 //! Piecewise polynomials with continuous derivatives.
 
-use super::gauss_legendre;
 use super::hermite::{hermite, legendre_slope};
 use super::legendre::legendre;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 /// Polynomials of one degree on equal segments of normalised time $\tau = t / T \in [0, 1]$, joined with continuous
 /// value and slope, with continuous second derivative as well, or with continuous value alone.
@@ -26,9 +25,9 @@ use nalgebra::{DMatrix, DVector};
 /// on, so that segment `e` owns the `degree + 1` functions from `e (degree + 1 - k)` on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Basis {
-    segments: usize,
-    degree: usize,
-    continuity: Continuity,
+    pub(super) segments: usize,
+    pub(super) degree: usize,
+    pub(super) continuity: Continuity,
 }
 
 /// The derivatives that are continuous between segments, and those that are unknown at the ends.
@@ -70,8 +69,16 @@ impl Continuity {
     }
 }
 
-/// A configuration and its first two derivatives in normalised time.
-pub(crate) type Local = [DVector<f64>; 3];
+/// The functions of one segment at a point, and memory for them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Functions {
+    /// Legendre polynomials and their slopes.
+    p: Vec<f64>,
+    slopes: Vec<f64>,
+    /// Value and first three derivatives in normalised time, one column per function, and one row.
+    pub table: DMatrix<f64>,
+    pub transposed: DMatrix<f64>,
+}
 
 impl Basis {
     /// The number of segments from which on [`finer`](Self::finer) raises the degree, and the degree up to which it
@@ -160,11 +167,16 @@ impl Basis {
 
     /// The functions whose coefficients are given velocities at the ends.
     pub(crate) fn fixed_slopes(&self) -> impl Iterator<Item = usize> + use<> {
-        let ends = match self.continuity.corners {
-            true => Vec::new(),
-            false => vec![self.slope(0), self.slope(self.segments)],
+        let (ends, fixed) = match self.continuity.corners {
+            true => ([0; 2], 0),
+            false => {
+                let free = self.continuity.free_final_velocity;
+                (
+                    [0, self.segments].map(|end| self.slope(end)),
+                    2 - usize::from(free),
+                )
+            }
         };
-        let fixed = 2 - usize::from(self.continuity.free_final_velocity);
         ends.into_iter().take(fixed)
     }
 
@@ -202,10 +214,28 @@ impl Basis {
     /// The functions of one segment at `s` in `[-1, 1]`: value and first three derivatives in $\tau$, one column per
     /// function.
     pub(crate) fn local(&self, s: f64) -> DMatrix<f64> {
+        let mut functions = Functions::default();
+        self.functions_in(s, &mut functions);
+        functions.table
+    }
+
+    /// Computes the functions of one segment at `s` in `[-1, 1]`.
+    pub(crate) fn functions_in(&self, s: f64, functions: &mut Functions) {
         let (half, k) = (self.half(), self.continuity.order());
-        let mut p = vec![0.0; self.degree + 1];
-        legendre(s, &mut p);
-        let slopes: Vec<f64> = (0..=self.degree).map(|j| legendre_slope(&p, j)).collect();
+        let Functions {
+            p,
+            slopes,
+            table,
+            transposed,
+        } = functions;
+        p.resize(self.degree + 1, 0.0);
+        legendre(s, p);
+        slopes.clear();
+        slopes.extend((0..=self.degree).map(|j| legendre_slope(p, j)));
+        if table.ncols() != self.degree + 1 {
+            *table = DMatrix::zeros(4, self.degree + 1);
+            *transposed = DMatrix::zeros(self.degree + 1, 4);
+        }
         // The bubble of a continuous slope with second derivative P_j.
         let bubble = |j: usize| {
             let twice = (2 * j) as f64;
@@ -215,7 +245,6 @@ impl Basis {
             let value = (upper - lower) / (twice + 1.0);
             [value, slope, p[j], slopes[j]]
         };
-        let mut table = DMatrix::zeros(4, self.degree + 1);
         for f in 0..=self.degree {
             let (scale, in_s) = if f < k || f + k > self.degree {
                 let of_end = (f + 2 * k).saturating_sub(self.degree + 1);
@@ -225,7 +254,7 @@ impl Basis {
             } else if k == 1 {
                 let twice = 2.0 * f as f64 + 1.0;
                 let value = (p[f + 1] - p[f - 1]) / twice;
-                let in_s = [value, p[f], slopes[f], legendre_slope(&slopes, f)];
+                let in_s = [value, p[f], slopes[f], legendre_slope(slopes, f)];
                 ((0.5 * twice).sqrt() * half.sqrt(), in_s)
             } else if k == 2 {
                 let norm = ((2.0 * f as f64 + 1.0) / 2.0).sqrt();
@@ -240,76 +269,20 @@ impl Basis {
                 table[(d, f)] = scale * x / half.powi(d as i32);
             }
         }
-        table
+        table.transpose_to(transposed);
     }
 
     /// The segment at a normalised time, with its functions there as by [`local`](Self::local).
     pub(crate) fn functions_at(&self, time: f64) -> (usize, DMatrix<f64>) {
+        let mut functions = Functions::default();
+        (self.functions_at_in(time, &mut functions), functions.table)
+    }
+
+    /// Computes the functions at a normalised time; returns the segment.
+    pub(super) fn functions_at_in(&self, time: f64, functions: &mut Functions) -> usize {
         let e = ((time * self.segments as f64) as usize).min(self.segments - 1);
         let s = time / self.half() - (2 * e + 1) as f64;
-        (e, self.local(s))
-    }
-
-    /// Evaluates the curve with these coefficients, `N` by [`count`](Self::count), at a normalised time.
-    pub(crate) fn evaluate(&self, coefficients: &DMatrix<f64>, time: f64) -> Local {
-        let (e, table) = self.functions_at(time);
-        let own = coefficients.columns(self.first(e), self.degree + 1);
-        [0, 1, 2].map(|d| own * table.row(d).transpose())
-    }
-
-    /// The coefficients of a curve: the derivatives of the breakpoints are interpolated, and between them the second
-    /// derivative is the best approximation, for a continuous second derivative with the weight $1 / (1 - s^2)$, or the
-    /// slope if that may jump. Exact for curves in the basis, if the breakpoints of the curve are among its own.
-    pub(crate) fn fit(&self, dof: usize, mut curve: impl FnMut(f64) -> Local) -> DMatrix<f64> {
-        let mut coefficients = DMatrix::zeros(dof, self.count());
-        let k = self.continuity.order();
-        for e in 0..=self.segments {
-            let [value, slope, second] = curve(e as f64 / self.segments as f64);
-            if k > 2 {
-                coefficients.set_column(self.first(e), &second);
-            }
-            if k > 1 {
-                coefficients.set_column(self.slope(e), &slope);
-            }
-            coefficients.set_column(self.value(e), &value);
-        }
-        let (nodes, weights) = gauss_legendre(self.degree + 1);
-        let mut bubbles = DMatrix::zeros(dof, self.count());
-        for (s, weight) in nodes.iter().zip(weights) {
-            let table = self.local(*s);
-            for e in 0..self.segments {
-                let [_, slope, second] = curve(self.time(e, *s));
-                let (order, mut highest) = match k {
-                    1 => (1, slope),
-                    _ => (2, second),
-                };
-                // The second derivatives of cubics are orthogonal to those of the bubbles, as slopes of lines are.
-                let mut weight = weight * self.half();
-                if k > 2 {
-                    let own = coefficients.columns(self.first(e), self.degree + 1);
-                    highest -= own * table.row(2).transpose();
-                    weight /= 1.0 - s * s;
-                }
-                for f in k..=self.degree - k {
-                    let by = weight * table[(order, f)] / self.weighted_square(f);
-                    let mut column = bubbles.column_mut(self.first(e) + f);
-                    column.axpy(by, &highest, 1.0);
-                }
-            }
-        }
-        coefficients + bubbles
-    }
-
-    /// The integral of the square of the highest derivative in [`fit`](Self::fit) of a bubble, with its weight.
-    fn weighted_square(&self, f: usize) -> f64 {
-        let m = f as f64;
-        match self.continuity.order() {
-            1 | 2 => 1.0,
-            // $P_{m-1} - P_{m+1} = (2 m + 1) (1 - s^2) P_m' / (m (m + 1))$, whose weighted square is that of $P_m'$.
-            _ => {
-                let unscaled = 2.0 * (2.0 * m + 1.0) / (m * (m + 1.0));
-                unscaled / (2.0 / (2.0 * m - 1.0) + 2.0 / (2.0 * m + 3.0))
-            }
-        }
+        self.functions_in(s, functions);
+        e
     }
 }

@@ -3,11 +3,14 @@
 
 mod basis;
 mod chebyshev;
+mod fit;
 mod hermite;
 mod legendre;
 mod piecewise;
 
+pub(crate) use basis::Functions;
 pub use basis::{Basis, Continuity};
 pub use chebyshev::Chebyshev;
+pub(crate) use fit::{Fit, Local};
 pub use legendre::{gauss_legendre, gauss_lobatto};
 pub use piecewise::Curve;

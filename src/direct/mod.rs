@@ -85,7 +85,7 @@ impl<'a> Direct<'a, (), ControlEffort<'a, f64, f64>> {
     }
 }
 
-impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
+impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
     /// Replaces the running cost.
     #[must_use]
     pub fn cost<Q: CostWithControl>(self, cost: Q) -> Direct<'a, K, Q> {
@@ -100,7 +100,7 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Direct<'a, K, P> {
 
     /// Replaces the constraints.
     #[must_use]
-    pub fn constraints<L: Constraint + Sync>(
+    pub fn constraints<L: Constraint + Send + Sync>(
         self,
         constraints: &'a Constraints<L>,
     ) -> Direct<'a, L, P> {

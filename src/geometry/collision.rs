@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 
 /// The largest number of sets of the balls of a link. With fewer, balls that are neighbours get into one set, and the
 /// search takes more iterations at the kinks of its rows; with more, an iteration takes longer.
-const SETS: usize = 8;
+pub(crate) const SETS: usize = 8;
 
 /// A ball on a body, in m; with radius zero it is a point.
 #[derive(Clone, Copy, Debug, PartialEq)]

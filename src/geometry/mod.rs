@@ -34,6 +34,7 @@ mod shape;
 mod tree;
 
 pub use ball_tree::{BallNode, BallTree};
+pub(crate) use collision::SETS;
 pub use collision::{Capsule, CollisionGeometry, CollisionSphere};
 pub use corner::FLAT;
 pub use cover::Cover;

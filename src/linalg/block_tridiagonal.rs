@@ -2,10 +2,15 @@
 //! neighbours.
 
 use crate::scalar::Scalar;
-use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::dyn_stack::MemStack;
 use faer::linalg::cholesky::llt::factor::{self, LltRegularization};
 use faer::{MatMut, Par};
 use nalgebra::{DMatrix, DVector};
+use std::mem::MaybeUninit;
+
+/// Memory of a factorisation, which it keeps for the next.
+#[derive(Default)]
+pub struct Scratch(Vec<MaybeUninit<u8>>);
 
 /// A symmetric matrix of diagonal blocks, each coupled with the next only by its last few columns. Lower triangles are
 /// stored.
@@ -83,6 +88,12 @@ impl BlockTridiagonal<f64> {
     #[must_use]
     pub fn product(&self, x: &DVector<f64>) -> DVector<f64> {
         let mut y = DVector::zeros(x.len());
+        self.add_product(x, &mut y);
+        y
+    }
+
+    /// Adds the product with the first entries of a vector to those of `y`.
+    pub(crate) fn add_product(&self, x: &DVector<f64>, y: &mut DVector<f64>) {
         let mut at = 0;
         for (e, block) in self.diagonal.iter().enumerate() {
             let n = block.nrows();
@@ -98,14 +109,18 @@ impl BlockTridiagonal<f64> {
                     .gemv_tr(1.0, coupling, &lower, 1.0);
             }
         }
-        y
     }
 
     /// Replaces the matrix by its Cholesky factor; returns true if it was positive definite. Otherwise the contents are
     /// undefined.
     pub fn factorise(&mut self) -> bool {
+        self.factorise_in(&mut Scratch::default())
+    }
+
+    /// The same with memory that is kept.
+    pub fn factorise_in(&mut self, scratch: &mut Scratch) -> bool {
         for e in 0..self.diagonal.len() {
-            if !cholesky(&mut self.diagonal[e]) {
+            if !cholesky(&mut self.diagonal[e], scratch) {
                 return false;
             }
             let Some(coupling) = self.coupling.get_mut(e) else {
@@ -122,7 +137,7 @@ impl BlockTridiagonal<f64> {
         true
     }
 
-    /// Replaces `b` by the solution; requires [`factorise`](Self::factorise).
+    /// Replaces the first entries of `b` by the solution; requires [`factorise`](Self::factorise).
     pub fn solve(&self, b: &mut DVector<f64>) {
         let mut at = 0;
         for (e, factor) in self.diagonal.iter().enumerate() {
@@ -132,17 +147,16 @@ impl BlockTridiagonal<f64> {
             at += n;
             if let Some(coupling) = self.coupling.get(e) {
                 let (below, shared) = coupling.shape();
-                let known = b.rows(at - shared, shared).into_owned();
-                b.rows_mut(at, below).gemv(-1.0, coupling, &known, 1.0);
+                let (known, mut own) = b.rows_range_pair_mut(at - shared..at, at..at + below);
+                own.gemv(-1.0, coupling, &known, 1.0);
             }
         }
         for (e, factor) in self.diagonal.iter().enumerate().rev() {
             let n = factor.nrows();
             if let Some(coupling) = self.coupling.get(e) {
                 let (below, shared) = coupling.shape();
-                let known = b.rows(at, below).into_owned();
-                b.rows_mut(at - shared, shared)
-                    .gemv_tr(-1.0, coupling, &known, 1.0);
+                let (mut own, known) = b.rows_range_pair_mut(at - shared..at, at..at + below);
+                own.gemv_tr(-1.0, coupling, &known, 1.0);
             }
             at -= n;
             let mut own = b.rows_mut(at, n);
@@ -152,15 +166,19 @@ impl BlockTridiagonal<f64> {
 }
 
 /// Replaces the lower triangle of a symmetric matrix by its Cholesky factor; returns true if it is positive definite.
-fn cholesky(a: &mut DMatrix<f64>) -> bool {
+fn cholesky(a: &mut DMatrix<f64>, Scratch(scratch): &mut Scratch) -> bool {
     let n = a.nrows();
-    let scratch = factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default());
+    let needed = factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default());
+    let needed = needed.unaligned_bytes_required();
+    if scratch.len() < needed {
+        scratch.resize(needed, MaybeUninit::uninit());
+    }
     let columns = MatMut::from_column_major_slice_mut(a.as_mut_slice(), n, n);
     let factored = factor::cholesky_in_place(
         columns,
         LltRegularization::default(),
         Par::Seq,
-        MemStack::new(&mut MemBuffer::new(scratch)),
+        MemStack::new(scratch),
         Default::default(),
     );
     // An infinite pivot is not reported as an error.

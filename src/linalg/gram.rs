@@ -3,29 +3,30 @@
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
 
+/// The number of rows of a tile.
+pub(crate) const ROWS: usize = 2;
+
 /// Computes the lower triangle of $A^T D A$ from the columns of `A` and a diagonal `D`, in tiles that stay in
-/// registers.
+/// registers; `scaled` is memory for some columns of $D A$.
 pub(crate) fn weighted_gram<'a, S: Scalar>(
     columns: impl Fn(usize) -> &'a [S],
     diagonal: &DVector<S>,
+    scaled: &mut [Vec<S>; ROWS],
     out: &mut DMatrix<S>,
 ) {
-    const ROWS: usize = 2;
     const COLUMNS: usize = 4;
     let last = out.nrows() - 1;
-    let mut scaled: [Vec<S>; ROWS] = std::array::from_fn(|_| diagonal.as_slice().to_vec());
     for row in (0..=last).step_by(ROWS) {
         for (k, scaled) in scaled.iter_mut().enumerate() {
             let column = columns((row + k).min(last)).iter().zip(diagonal);
-            for (to, (x, d)) in scaled.iter_mut().zip(column) {
-                *to = *x * *d;
-            }
+            scaled.clear();
+            scaled.extend(column.map(|(x, d)| *x * *d));
         }
         for column in (0..=row + 1).step_by(COLUMNS) {
             let right: [&[S]; COLUMNS] = std::array::from_fn(|k| columns((column + k).min(last)));
             let mut sums = [[S::zero(); COLUMNS]; ROWS];
             for k in 0..diagonal.len() {
-                for (sums, scaled) in sums.iter_mut().zip(&scaled) {
+                for (sums, scaled) in sums.iter_mut().zip(&*scaled) {
                     for (sum, right) in sums.iter_mut().zip(&right) {
                         *sum += scaled[k] * right[k];
                     }

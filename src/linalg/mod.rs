@@ -14,9 +14,9 @@ mod tensor;
 mod tiled;
 
 #[cfg(feature = "solvers")]
-pub use block_tridiagonal::BlockTridiagonal;
+pub use block_tridiagonal::{BlockTridiagonal, Scratch};
 #[cfg(feature = "solvers")]
-pub(crate) use gram::weighted_gram;
+pub(crate) use gram::{ROWS, weighted_gram};
 pub use ldlt::Ldlt;
 #[cfg(feature = "solvers")]
 pub use matmul::multiply;
@@ -29,4 +29,19 @@ pub(crate) use tiled::{TILE, Tiled};
 pub fn rows(matrix: &nalgebra::DMatrix<f64>) -> Vec<Vec<f64>> {
     let rows = matrix.row_iter();
     rows.map(|row| row.iter().copied().collect()).collect()
+}
+
+/// Copies a matrix or a vector into the memory of another, unless that has another shape.
+#[cfg(feature = "solvers")]
+pub(crate) fn assign<C: nalgebra::Dim>(
+    to: &mut nalgebra::OMatrix<f64, nalgebra::Dyn, C>,
+    from: &nalgebra::OMatrix<f64, nalgebra::Dyn, C>,
+) where
+    nalgebra::DefaultAllocator: nalgebra::allocator::Allocator<nalgebra::Dyn, C>,
+{
+    if to.shape() == from.shape() {
+        to.copy_from(from);
+    } else {
+        to.clone_from(from);
+    }
 }

@@ -6,6 +6,7 @@ mod control;
 mod interrupt;
 mod path;
 mod problem;
+mod row_values;
 mod simulate;
 mod violations;
 
@@ -16,10 +17,10 @@ pub use control::{Sample, control_at, sample};
 #[cfg(feature = "solvers")]
 pub(crate) use interrupt::Watch;
 pub use interrupt::{Interrupt, Stopped};
-pub(crate) use path::{Path, curve_of, path_of};
+pub(crate) use path::{Path, PathMemory, curve_of, path_of};
 pub use problem::{Guess, Problem};
 pub use simulate::{Feedback, Simulation, replay_error, simulate, simulate_with};
 pub use violations::largest_torques;
 pub use violations::passive_share;
-pub(crate) use violations::violations_near_ends;
+pub(crate) use violations::{LargestRows, Motion};
 pub use violations::{Violation, violations};

@@ -1,7 +1,7 @@
 //! A curve in a basis.
 
 use super::Problem;
-use crate::curve::{Basis, Chebyshev, Continuity, Curve};
+use crate::curve::{Basis, Chebyshev, Continuity, Curve, Fit, Functions, Local};
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
@@ -16,6 +16,30 @@ pub(crate) struct Path {
     pub basis: Basis,
     /// The coefficients, `N` by [`Basis::count`].
     pub coefficients: DMatrix<f64>,
+}
+
+/// Memory of values of paths.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PathMemory {
+    functions: Functions,
+    fit: Fit,
+    local: Local,
+}
+
+impl PathMemory {
+    /// The configuration and its first two derivatives at a normalised time.
+    pub fn evaluate(&mut self, path: &Path, time: f64) -> &Local {
+        let n = path.coefficients.nrows();
+        if self.local[0].len() != n {
+            self.local = [(); 3].map(|()| DVector::zeros(n));
+        }
+        let Self {
+            functions, local, ..
+        } = self;
+        path.basis
+            .evaluate_in(&path.coefficients, time, functions, local);
+        local
+    }
 }
 
 impl Path {
@@ -46,19 +70,19 @@ impl Path {
         }
     }
 
-    /// The rest of a path on one segment after this share of it, from 0 to less than 1, as a path of its own: the same
-    /// polynomial in other coefficients.
-    pub fn after(&self, share: f64) -> Self {
-        let (left, dof) = (1.0 - share, self.coefficients.nrows());
-        let coefficients = self.basis.fit(dof, |time| {
+    /// Computes the coefficients of the rest of a path on one segment after this share of it, from 0 to less than 1, as
+    /// a path of its own: the same polynomial in other coefficients.
+    pub fn after_in(&self, share: f64, memory: &mut PathMemory, coefficients: &mut DMatrix<f64>) {
+        let left = 1.0 - share;
+        let PathMemory { functions, fit, .. } = memory;
+        let rest = |time: f64, local: &mut Local| {
             let time = share + left * time;
-            let [q, slope, second] = self.basis.evaluate(&self.coefficients, time);
-            [q, slope * left, second * (left * left)]
-        });
-        Self {
-            basis: self.basis.clone(),
-            coefficients,
-        }
+            let own = &self.coefficients;
+            self.basis.evaluate_in(own, time, functions, local);
+            local[1] *= left;
+            local[2] *= left * left;
+        };
+        self.basis.fit_in(rest, fit, coefficients);
     }
 
     /// The states along a curve, `2 N` coefficients per function, or their best approximation in a basis whose slopes
@@ -131,6 +155,13 @@ impl Path {
     pub fn rates(&self, problem: &Problem<'_>) -> DMatrix<f64> {
         let (n, count) = self.coefficients.shape();
         let mut rates = DMatrix::zeros(n, count);
+        self.rates_in(problem, &mut rates);
+        rates
+    }
+
+    /// Computes the derivatives of the coefficients with respect to the horizon into `rates`, which are zero elsewhere.
+    pub fn rates_in(&self, problem: &Problem<'_>, rates: &mut DMatrix<f64>) {
+        let n = self.coefficients.nrows();
         for (column, state) in self
             .basis
             .fixed_slopes()
@@ -138,15 +169,22 @@ impl Path {
         {
             rates.column_mut(column).copy_from_slice(&state[n..]);
         }
-        rates
     }
 
     /// The same shape between the boundary states of a problem, on its horizon. A free final position is kept.
     pub fn between_ends_of(mut self, problem: &Problem<'_>) -> Self {
+        self.set_ends(problem);
+        self
+    }
+
+    /// Moves the ends to the boundary states of a problem, on its horizon, but for a free final position.
+    pub fn set_ends(&mut self, problem: &Problem<'_>) {
         let n = self.coefficients.nrows();
-        let slopes = self.rates(problem) * problem.horizon();
-        for column in self.basis.fixed_slopes() {
-            self.coefficients.set_column(column, &slopes.column(column));
+        let ends = [problem.start(), problem.goal()];
+        for (column, state) in self.basis.fixed_slopes().zip(ends) {
+            let mut slope = self.coefficients.column_mut(column);
+            slope.copy_from_slice(&state[n..]);
+            slope *= problem.horizon();
         }
         let last = self.basis.segments();
         let Continuity {
@@ -167,7 +205,6 @@ impl Path {
                     .fill(0.0);
             }
         }
-        self
     }
 }
 

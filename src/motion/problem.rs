@@ -38,7 +38,30 @@ impl<'m> Problem<'m> {
     /// A state does not have `2 N` entries, a number is not finite, or the horizon is below
     /// [`SHORTEST_HORIZON`](Self::SHORTEST_HORIZON) or above [`LONGEST_HORIZON`](Self::LONGEST_HORIZON).
     pub fn new(model: &'m Model, start: Vec<f64>, goal: Vec<f64>, horizon: f64) -> Result<Self> {
-        for (what, state) in [("start", &start), ("goal", &goal)] {
+        Self::check(model, [&start, &goal], horizon)?;
+        Ok(Self {
+            model,
+            start,
+            goal,
+            horizon,
+        })
+    }
+
+    /// Changes the states and the horizon.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new); the former ones remain.
+    pub(crate) fn set(&mut self, start: &[f64], goal: &[f64], horizon: f64) -> Result<()> {
+        Self::check(self.model, [start, goal], horizon)?;
+        self.start.copy_from_slice(start);
+        self.goal.copy_from_slice(goal);
+        self.horizon = horizon;
+        Ok(())
+    }
+
+    /// Checks states and a horizon.
+    fn check(model: &Model, states: [&[f64]; 2], horizon: f64) -> Result<()> {
+        for (what, state) in ["start", "goal"].into_iter().zip(states) {
             check_length(what, 2 * model.dof(), state.len())?;
             if let Some(i) = state.iter().position(|x| !x.is_finite()) {
                 let condition = format!("entry {i} is not a finite number");
@@ -47,12 +70,7 @@ impl<'m> Problem<'m> {
         }
         Self::check_horizon(horizon)
             .map_err(|condition| Error::input(model.name(), "horizon", condition))?;
-        Ok(Self {
-            model,
-            start,
-            goal,
-            horizon,
-        })
+        Ok(())
     }
 
     /// The robot.
@@ -83,17 +101,19 @@ impl<'m> Problem<'m> {
     /// goal, m: a scale for distances in the problem. Zero for a robot of one body that turns about one point.
     #[must_use]
     pub fn reach(&self) -> f64 {
-        let joints = self.model.joints();
-        let mut lengths = vec![0.0; joints.len()];
-        for (i, joint) in joints.iter().enumerate() {
-            let before = joint.parent().map_or(0.0, |parent| lengths[parent]);
-            let slides = match joint.kind() {
-                JointKind::Prismatic => (self.goal[i] - self.start[i]).abs(),
-                _ => 0.0,
-            };
-            lengths[i] = before + joint.origin().translation.norm() + slides;
-        }
-        lengths.into_iter().fold(0.0, f64::max)
+        let joints = 0..self.model.dof();
+        joints.fold(0.0, |most, joint| self.length_to(joint).max(most))
+    }
+
+    /// The sum of these lengths from the base to a joint.
+    fn length_to(&self, i: usize) -> f64 {
+        let joint = &self.model.joints()[i];
+        let before = joint.parent().map_or(0.0, |parent| self.length_to(parent));
+        let slides = match joint.kind() {
+            JointKind::Prismatic => (self.goal[i] - self.start[i]).abs(),
+            _ => 0.0,
+        };
+        before + joint.origin().translation.norm() + slides
     }
 
     /// The same problem on another horizon.

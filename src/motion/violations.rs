@@ -1,13 +1,13 @@
 //! The violations of constraints along a motion, for reports and for the success criterion.
 
 use super::bracket::Bracket;
-use crate::constraint::{Constraint, Constraints, Evaluator, RateLimit, StageInput, TorqueLimits};
+use super::row_values::Rows;
+use crate::constraint::{Constraint, Constraints, TorqueLimits};
 use crate::curve::{Chebyshev, Curve};
-use crate::dynamics::{Data, rnea};
 use crate::error::{Error, Result};
 use crate::linalg::multiply;
 use crate::model::Model;
-use crate::scalar::{LANES, Lanes, Wide};
+use crate::transcription::Shared;
 use nalgebra::{DMatrix, DVector};
 
 /// The largest value over time of one row of constraints.
@@ -40,107 +40,218 @@ pub fn violations<K: Constraint>(
     constraints: &Constraints<K>,
     intervals: usize,
 ) -> Result<Vec<Violation>> {
-    largest_rows(model, curve, constraints, intervals, |part| part)
-}
-
-/// The same with times that are dense near the ends of each segment, $T (1 - \cos \pi k / K) / 2$. In `k` a polynomial
-/// in time is a sum of cosines with as many half-waves as its degree at most, so that a few times the degree resolve
-/// it, near an end at which the state is fixed too.
-pub(crate) fn violations_near_ends<K: Constraint>(
-    model: &Model,
-    curve: &Curve,
-    constraints: &Constraints<K>,
-    intervals: usize,
-) -> Result<Vec<Violation>> {
-    let part = |part: f64| 0.5 - 0.5 * (std::f64::consts::PI * part).cos();
-    largest_rows(model, curve, constraints, intervals, part)
-}
-
-/// The [`violations`] at the times to which `part` takes equal parts of a segment.
-fn largest_rows<K: Constraint>(
-    model: &Model,
-    curve: &Curve,
-    constraints: &Constraints<K>,
-    intervals: usize,
-    part: impl Fn(f64) -> f64,
-) -> Result<Vec<Violation>> {
     model.check("curve", curve.dof())?;
-    constraints.check(model)?;
-    if intervals == 0 {
-        let condition = "it is 0, at least 1 is needed";
-        return Err(Error::input("violations", "intervals", condition));
-    }
-    let scales = constraints.row_scales();
-    let equalities: Vec<bool> = (0..scales.len())
-        .map(|row| constraints.is_equality(row))
-        .collect();
-    let mut largest: Vec<Violation> = (0..scales.len())
-        .map(|row| Violation {
-            row,
-            by: f64::NEG_INFINITY,
-            at_s: 0.0,
-        })
-        .collect();
-    let time = |k: f64| curve.chebyshev().horizon() * part(k / intervals as f64);
-    let own_times: Vec<f64> = (0..=intervals).map(|k| time(k as f64)).collect();
-    let table = interpolation(curve.chebyshev(), &own_times);
-    let mut rows = Rows::new(model, constraints, intervals + 1);
-    let mut uncertain: Vec<Option<(usize, Bracket)>> = vec![None; scales.len()];
-    for (segment, begin) in curve.breakpoints()[..curve.segments()].iter().enumerate() {
-        rows.evaluate(curve, segment, (&own_times, &table), &scales)?;
-        let all = rows.values.chunks_exact(rows.stride);
-        for ((values, largest), equality) in all.zip(&mut largest).zip(&equalities) {
-            let (by, position) = maximum(&values[..=intervals], *equality);
-            if by > largest.by {
-                largest.by = by;
-                largest.at_s = begin + time(position);
-                let middle = (position.round() as usize).clamp(1, (intervals - 1).max(1));
-                let bracket = Bracket {
-                    times: [middle - 1, middle, middle + 1].map(|k| time(k as f64)),
-                    values: [middle - 1, middle, middle + 1].map(|k| values[k]),
-                };
-                let inside = intervals > 1 && !equality && bracket.is_valid();
-                let refined = inside && bracket.may_exceed(0.0);
-                uncertain[largest.row] = refined.then_some((segment, bracket));
-            }
-        }
-    }
-    refine(model, curve, constraints, &uncertain, &mut largest)?;
-    Ok(largest)
+    let mut search = LargestRows::new(model, constraints, intervals, |part| part)?;
+    let mut motion = OnCurve {
+        curve,
+        table: None,
+        states: DMatrix::zeros(0, 0),
+    };
+    Ok(search.along(&mut motion)?.to_vec())
 }
 
-/// Evaluates rows at the estimated times of their maxima, and estimates them again.
-fn refine<K: Constraint>(
-    model: &Model,
-    curve: &Curve,
-    constraints: &Constraints<K>,
-    uncertain: &[Option<(usize, Bracket)>],
-    largest: &mut [Violation],
-) -> Result<()> {
-    let (chebyshev, scales) = (curve.chebyshev(), constraints.row_scales());
-    for (segment, begin) in curve.breakpoints()[..curve.segments()].iter().enumerate() {
-        let own = uncertain.iter().enumerate();
-        let own =
-            own.filter_map(|(row, of)| of.filter(|(at, _)| *at == segment).map(|of| (row, of.1)));
-        let mut own: Vec<(usize, Bracket)> = own.collect();
-        if own.is_empty() {
-            continue;
+/// A motion at times of its segments.
+pub(crate) trait Motion {
+    /// The number of segments.
+    fn segments(&self) -> usize;
+
+    /// The time at which a segment begins, s.
+    fn begin(&self, segment: usize) -> f64;
+
+    /// The length of a segment, s.
+    fn length(&self) -> f64;
+
+    /// Computes $[q; v; a; \dot a]$ at times of a segment, one after the other; `regular` times are the same parts of
+    /// each segment.
+    fn states(&mut self, segment: usize, times: &[f64], regular: bool) -> &[f64];
+}
+
+/// A search for the largest values of rows along motions, which keeps its memory.
+pub(crate) struct LargestRows<'a, K> {
+    rows: Rows<'a, K>,
+    scales: Vec<f64>,
+    equalities: Vec<bool>,
+    /// Takes equal parts of a segment to those at which it is evaluated, this number of intervals of them.
+    part: fn(f64) -> f64,
+    intervals: usize,
+    times: Vec<f64>,
+    largest: Vec<Violation>,
+    /// The maxima that may be violations, by segments.
+    uncertain: Vec<Option<(usize, Bracket)>>,
+    own: Vec<(usize, Bracket)>,
+}
+
+impl<'a, K: Constraint> LargestRows<'a, K> {
+    /// The search at the times to which `part` takes equal parts of a segment.
+    ///
+    /// # Errors
+    /// Those of [`violations`].
+    pub fn new(
+        model: &'a Model,
+        constraints: impl Into<Shared<'a, Constraints<K>>>,
+        intervals: usize,
+        part: fn(f64) -> f64,
+    ) -> Result<Self> {
+        let constraints = constraints.into();
+        constraints.check(model)?;
+        if intervals == 0 {
+            let condition = "it is 0, at least 1 is needed";
+            return Err(Error::input("violations", "intervals", condition));
         }
-        let mut rows = Rows::new(model, constraints, own.len());
-        for _ in 0..Bracket::REFINEMENTS {
-            let times: Vec<f64> = own.iter().map(|(_, bracket)| bracket.next()).collect();
-            let table = interpolation(chebyshev, &times);
-            rows.evaluate(curve, segment, (&times, &table), &scales)?;
-            for (k, (row, bracket)) in own.iter_mut().enumerate() {
-                bracket.narrow(times[k], rows.values[*row * rows.stride + k]);
+        let scales = constraints.row_scales();
+        let equalities = (0..scales.len()).map(|row| constraints.is_equality(row));
+        Ok(Self {
+            equalities: equalities.collect(),
+            scales,
+            rows: Rows::new(model, constraints),
+            part,
+            intervals,
+            times: Vec::new(),
+            largest: Vec::new(),
+            uncertain: Vec::new(),
+            own: Vec::new(),
+        })
+    }
+
+    /// The same with times that are dense near the ends of each segment, $T (1 - \cos \pi k / K) / 2$. In `k` a
+    /// polynomial in time is a sum of cosines with as many half-waves as its degree at most, so that a few times the
+    /// degree resolve it, near an end at which the state is fixed too.
+    ///
+    /// # Errors
+    /// Those of [`violations`].
+    pub fn near_ends(
+        model: &'a Model,
+        constraints: impl Into<Shared<'a, Constraints<K>>>,
+        intervals: usize,
+    ) -> Result<Self> {
+        let part = |part: f64| 0.5 - 0.5 * (std::f64::consts::PI * part).cos();
+        Self::new(model, constraints, intervals, part)
+    }
+
+    /// The parts of a segment at which it is evaluated.
+    pub fn parts(&self) -> impl Iterator<Item = f64> {
+        (0..=self.intervals).map(|k| (self.part)(k as f64 / self.intervals as f64))
+    }
+
+    /// Computes the largest value over time of every row, one entry per row; see [`violations`].
+    ///
+    /// # Errors
+    /// Those of the rows.
+    pub fn along(&mut self, motion: &mut impl Motion) -> Result<&[Violation]> {
+        let (part, intervals, length) = (self.part, self.intervals, motion.length());
+        let time = |k: f64| length * part(k / intervals as f64);
+        self.times.clear();
+        self.times.extend((0..=intervals).map(|k| time(k as f64)));
+        self.largest.clear();
+        self.largest
+            .extend((0..self.scales.len()).map(|row| Violation {
+                row,
+                by: f64::NEG_INFINITY,
+                at_s: 0.0,
+            }));
+        self.uncertain.clear();
+        self.uncertain.resize(self.scales.len(), None);
+        for segment in 0..motion.segments() {
+            let begin = motion.begin(segment);
+            let states = motion.states(segment, &self.times, true);
+            self.rows
+                .evaluate(states, (begin, &self.times), &self.scales)?;
+            let all = self.rows.values.chunks_exact(self.rows.stride);
+            for ((values, largest), equality) in all.zip(&mut self.largest).zip(&self.equalities) {
+                let (by, position) = maximum(&values[..=intervals], *equality);
+                if by > largest.by {
+                    largest.by = by;
+                    largest.at_s = begin + time(position);
+                    let middle = (position.round() as usize).clamp(1, (intervals - 1).max(1));
+                    let bracket = Bracket {
+                        times: [middle - 1, middle, middle + 1].map(|k| time(k as f64)),
+                        values: [middle - 1, middle, middle + 1].map(|k| values[k]),
+                    };
+                    let inside = intervals > 1 && !equality && bracket.is_valid();
+                    let refined = inside && bracket.may_exceed(0.0);
+                    self.uncertain[largest.row] = refined.then_some((segment, bracket));
+                }
             }
         }
-        for (row, bracket) in own {
-            let (time, height) = bracket.vertex();
-            (largest[row].at_s, largest[row].by) = (begin + time, height);
-        }
+        self.refine(motion)?;
+        Ok(&self.largest)
     }
-    Ok(())
+
+    /// Evaluates rows at the estimated times of their maxima, and estimates them again.
+    fn refine(&mut self, motion: &mut impl Motion) -> Result<()> {
+        for segment in 0..motion.segments() {
+            let begin = motion.begin(segment);
+            let all = self.uncertain.iter().enumerate();
+            let own = all
+                .filter_map(|(row, of)| of.filter(|(at, _)| *at == segment).map(|of| (row, of.1)));
+            self.own.clear();
+            self.own.extend(own);
+            if self.own.is_empty() {
+                continue;
+            }
+            for _ in 0..Bracket::REFINEMENTS {
+                self.times.clear();
+                self.times
+                    .extend(self.own.iter().map(|(_, bracket)| bracket.next()));
+                let states = motion.states(segment, &self.times, false);
+                self.rows
+                    .evaluate(states, (begin, &self.times), &self.scales)?;
+                for (k, (row, bracket)) in self.own.iter_mut().enumerate() {
+                    let value = self.rows.values[*row * self.rows.stride + k];
+                    bracket.narrow(self.times[k], value);
+                }
+            }
+            for (row, bracket) in &self.own {
+                let (time, height) = bracket.vertex();
+                (self.largest[*row].at_s, self.largest[*row].by) = (begin + time, height);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A curve through nodes.
+struct OnCurve<'c> {
+    curve: &'c Curve,
+    /// The weights of the nodes at the regular times, one column per time.
+    table: Option<DMatrix<f64>>,
+    states: DMatrix<f64>,
+}
+
+impl Motion for OnCurve<'_> {
+    fn segments(&self) -> usize {
+        self.curve.segments()
+    }
+
+    fn begin(&self, segment: usize) -> f64 {
+        self.curve.breakpoints()[segment]
+    }
+
+    fn length(&self) -> f64 {
+        self.curve.chebyshev().horizon()
+    }
+
+    fn states(&mut self, segment: usize, times: &[f64], regular: bool) -> &[f64] {
+        let (curve, chebyshev) = (self.curve, self.curve.chebyshev());
+        let n = curve.dof();
+        let mut nodes = DMatrix::zeros(4 * n, chebyshev.degree() + 1);
+        nodes.rows_mut(0, 2 * n).copy_from(&curve.segment(segment));
+        let rates = curve.segment_rates(segment);
+        nodes.rows_mut(2 * n, n).copy_from(&rates.rows(n, n));
+        let jerks = rates.rows(n, n) * chebyshev.d().transpose();
+        nodes.rows_mut(3 * n, n).copy_from(&jerks);
+        let further;
+        let table = match regular {
+            true => &*(self.table).get_or_insert_with(|| interpolation(chebyshev, times)),
+            false => {
+                further = interpolation(chebyshev, times);
+                &further
+            }
+        };
+        self.states = DMatrix::zeros(4 * n, times.len());
+        multiply(&nodes, table, &mut self.states);
+        self.states.as_slice()
+    }
 }
 
 /// The largest absolute torque of each joint along `curve`, N m or N, `N` entries, on `intervals` intervals per segment
@@ -189,120 +300,6 @@ fn interpolation(chebyshev: &Chebyshev, times: &[f64]) -> DMatrix<f64> {
         table.set_column(k, &weights);
     }
     table
-}
-
-/// All rows at all times of a segment.
-struct Rows<'a, K> {
-    model: &'a Model,
-    constraints: &'a Constraints<K>,
-    evaluator: Evaluator<'a, f64, Wide>,
-    data: Data<Wide>,
-    /// $[q; v; a]$, the torque and the rows at the times that are evaluated side by side.
-    z: Vec<Wide>,
-    u: Vec<Wide>,
-    g: Vec<Wide>,
-    /// $[q; v; a; \dot a]$ at all times, one column each.
-    states: DMatrix<f64>,
-    rates: Vec<RateLimit>,
-    /// The rows divided by their scales, one after the other, each over time and padded to full lanes.
-    values: Vec<f64>,
-    stride: usize,
-}
-
-impl<'a, K: Constraint> Rows<'a, K> {
-    fn new(model: &'a Model, constraints: &'a Constraints<K>, times: usize) -> Self {
-        let (n, count, zero) = (model.dof(), constraints.dim(), Wide::splat(0.0));
-        let stride = times.next_multiple_of(LANES);
-        Self {
-            model,
-            constraints,
-            evaluator: Evaluator::new(model),
-            data: Data::new(model),
-            z: vec![zero; 4 * n],
-            rates: constraints.stage.rates().collect(),
-            u: vec![zero; n],
-            g: vec![zero; count],
-            states: DMatrix::zeros(4 * n, times),
-            values: vec![0.0; count * stride],
-            stride,
-        }
-    }
-
-    fn evaluate(
-        &mut self,
-        curve: &Curve,
-        segment: usize,
-        (own_times, table): (&[f64], &DMatrix<f64>),
-        scales: &[f64],
-    ) -> Result<()> {
-        let n = self.model.dof();
-        let mut nodes = DMatrix::zeros(4 * n, table.nrows());
-        nodes.rows_mut(0, 2 * n).copy_from(&curve.segment(segment));
-        let rates = curve.segment_rates(segment);
-        nodes.rows_mut(2 * n, n).copy_from(&rates.rows(n, n));
-        let jerks = rates.rows(n, n) * curve.chebyshev().d().transpose();
-        nodes.rows_mut(3 * n, n).copy_from(&jerks);
-        multiply(&nodes, table, &mut self.states);
-        let Constraints {
-            state,
-            torque,
-            stage,
-        } = self.constraints;
-        let (of_state, others) = self.g.split_at_mut(state.dim());
-        let (of_torque, of_stage) = others.split_at_mut(torque.dim());
-        let times = self.states.ncols();
-        for first in (0..times).step_by(LANES) {
-            Lanes::gather(self.states.as_slice(), first, &mut self.z);
-            let placed = self.evaluator.at(&self.z[..2 * n])?;
-            placed.value(state, of_state)?;
-            if !(of_torque.is_empty() && stage.others.is_empty()) {
-                let [q, v, a] = [0, 1, 2].map(|part| &self.z[part * n..(part + 1) * n]);
-                rnea(self.model, &mut self.data, q, v, a, &mut self.u)?;
-                if !of_torque.is_empty() {
-                    torque.value(&self.u, of_torque)?;
-                }
-            }
-            for (g, rate) in of_stage.iter_mut().zip(&self.rates) {
-                let of_joint = self.z[rate.order * n + rate.joint];
-                *g = of_joint * Wide::splat(rate.sign()) - Wide::splat(rate.limit);
-            }
-            if let Some((row, foot)) = stage.foot() {
-                let z = [0, 1, 2].map(|part| &self.z[part * n..(part + 1) * n]);
-                let g = &mut of_stage[row..row + foot.dim()];
-                foot.value(self.model, &mut self.data, z, g)?;
-            }
-            for (row, other) in stage.others() {
-                let begin = curve.breakpoints()[segment];
-                for lane in 0..LANES.min(times - first) {
-                    let t = begin + own_times[first + lane];
-                    let z: Vec<f64> = self.z.iter().chain(&self.u).map(|z| z.0[lane]).collect();
-                    let [q, v, a, _, u] = [0, 1, 2, 3, 4].map(|part| &z[part * n..(part + 1) * n]);
-                    let mut g = vec![0.0; other.dim()];
-                    other.value(&StageInput { t, q, v, a, u }, &mut g)?;
-                    for (to, g) in of_stage[row..].iter_mut().zip(g) {
-                        to.0[lane] = g;
-                    }
-                }
-            }
-            let all = of_state
-                .iter()
-                .chain(of_torque.iter())
-                .chain(of_stage.iter())
-                .zip(scales);
-            for ((g, scale), values) in all.zip(self.values.chunks_exact_mut(self.stride)) {
-                for (value, g) in values[first..first + LANES].iter_mut().zip(g.0) {
-                    let scaled = g / scale;
-                    // Comparisons would ignore a NaN.
-                    *value = if scaled.is_nan() {
-                        f64::INFINITY
-                    } else {
-                        scaled
-                    };
-                }
-            }
-        }
-        Ok(())
-    }
 }
 
 /// The largest of values at successive times, or of their absolute values for an equality, and its position in

@@ -4,7 +4,7 @@ use super::{Options, Progress, State};
 use std::fmt::Debug;
 
 /// The parameters of the barrier function.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Barrier {
     /// The barrier parameter $\mu$.
     pub mu: f64,

@@ -33,20 +33,38 @@ impl Equality {
 
 /// The inequalities of the working set and the equalities, with their multipliers. Equalities have the terms
 /// $\lambda h + \tfrac12 \rho h^2$ of an augmented Lagrangian (NW 17.3).
-#[derive(Clone, Debug)]
+#[derive(Debug, Default)]
 pub struct Iterate {
     /// The inequalities of the working set, by their indices.
     pub working: Vec<RowState>,
+    /// Memory for the next working set.
+    spare: Vec<RowState>,
     pub equalities: Vec<Equality>,
     /// The largest equality at the last update of their multipliers.
     before: f64,
     pub barrier: Barrier,
 }
 
+// By hand, so that the memory of the copy is kept.
+impl Clone for Iterate {
+    fn clone(&self) -> Self {
+        let mut clone = Self::new(self.barrier, Vec::new());
+        clone.clone_from(self);
+        clone
+    }
+
+    fn clone_from(&mut self, from: &Self) {
+        self.working.clone_from(&from.working);
+        self.equalities.clone_from(&from.equalities);
+        (self.before, self.barrier) = (from.before, from.barrier);
+    }
+}
+
 impl Iterate {
     pub fn new(barrier: Barrier, equalities: Vec<Equality>) -> Self {
         Self {
             working: Vec::new(),
+            spare: Vec::new(),
             equalities,
             before: f64::INFINITY,
             barrier,
@@ -56,14 +74,27 @@ impl Iterate {
     /// The multipliers by the indices of their rows, up to `count`; zero for inequalities outside the working set.
     #[must_use]
     pub fn multipliers(&self, count: usize) -> Vec<f64> {
-        let mut all = vec![0.0; count];
+        let mut all = Vec::new();
+        self.multipliers_in(count, &mut all);
+        all
+    }
+
+    /// Computes [`multipliers`](Self::multipliers) into `all`.
+    pub(crate) fn multipliers_in(&self, count: usize, all: &mut Vec<f64>) {
+        all.clear();
+        all.resize(count, 0.0);
         for of in &self.working {
             all[of.row.at] = of.multiplier;
         }
         for of in &self.equalities {
             all[of.row.at] = of.multiplier;
         }
-        all
+    }
+
+    /// Allocates memory for a number of rows.
+    pub(crate) fn allocate(&mut self, rows: usize) {
+        self.working.reserve(rows);
+        self.spare.reserve(rows);
     }
 
     /// Returns true if the multiplier of a row that is violated by more than `feasible` has nearly reached the penalty.
@@ -118,16 +149,23 @@ impl Iterate {
     /// Replaces the working set by rows in ascending order. Those that were in it keep their state; new ones have the
     /// slack of their value and the multiplier of that.
     pub fn set_working(&mut self, working: &[Row], h: &[f64]) {
-        let before = std::mem::take(&mut self.working);
-        let mut before = before.into_iter().peekable();
-        let states = working.iter().map(|row| {
+        let mut states = std::mem::take(&mut self.spare);
+        states.clear();
+        let mut before = self.working.iter().copied().peekable();
+        states.extend(working.iter().map(|row| {
             while before.next_if(|known| known.row.at < row.at).is_some() {}
             match before.next_if(|known| known.row.at == row.at) {
                 Some(known) => RowState { row: *row, ..known },
                 None => self.central(*row, h[row.at], self.barrier.nu),
             }
-        });
-        self.working = states.collect();
+        }));
+        self.spare = std::mem::replace(&mut self.working, states);
+    }
+
+    /// Begins without rows but for these equalities.
+    pub(crate) fn restart(&mut self, barrier: Barrier, equalities: Vec<Equality>) {
+        self.working.clear();
+        (self.equalities, self.before, self.barrier) = (equalities, f64::INFINITY, barrier);
     }
 
     /// Uses known multipliers $\lambda$ of the first rows, except those that are zero. An inequality whose slack is

@@ -1,8 +1,8 @@
 //! The primal-dual equations, condensed to the unknowns.
 
 use super::{Options, Progress};
-use crate::linalg::BlockTridiagonal;
-use nalgebra::{Cholesky, DMatrix, DVector};
+use crate::linalg::{BlockTridiagonal, Scratch, assign};
+use nalgebra::{DMatrix, DVector};
 
 /// The number of inverse iterations, after which the direction mixes few eigenvectors.
 const INVERSE_ITERATIONS: usize = 30;
@@ -23,10 +23,23 @@ pub struct Kkt {
     pub hessian: Bordered,
     norm: Bordered,
     factor: Bordered,
+    memory: Memory,
     /// The last multiple of the norm that was added to an indefinite matrix.
     regularisation: f64,
     /// The smallest multiple to be tried.
     floor: f64,
+}
+
+/// Memory of factorisations and products.
+#[derive(Default)]
+struct Memory {
+    scratch: Scratch,
+    /// The border before a factorisation, and one of its columns.
+    border: DMatrix<f64>,
+    column: DVector<f64>,
+    /// A product, and the last step.
+    product: DVector<f64>,
+    step: DVector<f64>,
 }
 
 /// A Newton step.
@@ -55,79 +68,100 @@ impl Bordered {
     /// Sets the matrix to `a + factor b`.
     fn set_sum(&mut self, a: &Self, factor: f64, b: &Self) {
         self.matrix.set_sum(&a.matrix, factor, &b.matrix);
-        self.border = &a.border + &b.border * factor;
-        self.corner = &a.corner + &b.corner * factor;
+        let sum = |to: &mut f64, a: f64, b: f64| *to = a + b * factor;
+        self.border.zip_zip_apply(&a.border, &b.border, sum);
+        self.corner.zip_zip_apply(&a.corner, &b.corner, sum);
     }
 
     /// Replaces the matrix by its factor; the border becomes the solution for it, and the corner the Cholesky factor of
     /// the Schur complement. Returns false if the matrix is not positive definite.
-    fn factorise(&mut self) -> bool {
-        if !self.matrix.factorise() {
+    fn factorise(&mut self, memory: &mut Memory) -> bool {
+        if !self.matrix.factorise_in(&mut memory.scratch) {
             return false;
         }
         if self.border.ncols() == 0 {
             return true;
         }
-        let known = self.border.clone();
-        for mut column in self.border.column_iter_mut() {
-            let mut solution = column.clone_owned();
-            self.matrix.solve(&mut solution);
-            column.copy_from(&solution);
+        assign(&mut memory.border, &self.border);
+        for (known, mut column) in memory
+            .border
+            .column_iter()
+            .zip(self.border.column_iter_mut())
+        {
+            memory.column.copy_from(&known);
+            self.matrix.solve(&mut memory.column);
+            column.copy_from(&memory.column);
         }
-        let complement = &self.corner - known.tr_mul(&self.border);
-        let factor =
-            Cholesky::new(complement).filter(|of| of.l_dirty().iter().all(|x| x.is_finite()));
-        factor.map(|factor| self.corner = factor.unpack()).is_some()
+        self.corner.gemm_tr(-1.0, &memory.border, &self.border, 1.0);
+        cholesky(&mut self.corner)
     }
 
     /// Replaces `b` by the solution; requires [`factorise`](Self::factorise).
     fn solve(&self, b: &mut DVector<f64>) {
-        let (n, own) = (self.border.nrows(), self.border.ncols());
-        if own == 0 {
+        let n = self.border.nrows();
+        if self.border.ncols() == 0 {
             self.matrix.solve(b);
             return;
         }
-        let mut head = b.rows(0, n).into_owned();
-        let mut tail = b.rows(n, own) - self.border.tr_mul(&head);
+        let (head, mut tail) = b.rows_range_pair_mut(..n, n..);
+        tail.gemv_tr(-1.0, &self.border, &head, 1.0);
         // A pivot of a factor is not zero.
         self.corner.solve_lower_triangular_mut(&mut tail);
         self.corner.tr_solve_lower_triangular_mut(&mut tail);
-        self.matrix.solve(&mut head);
+        self.matrix.solve(b);
+        let (mut head, tail) = b.rows_range_pair_mut(..n, n..);
         head.gemv(-1.0, &self.border, &tail, 1.0);
-        b.rows_mut(0, n).copy_from(&head);
-        b.rows_mut(n, own).copy_from(&tail);
     }
 
     /// The product with a vector.
     pub fn product(&self, x: &DVector<f64>) -> DVector<f64> {
-        let (n, own) = (self.border.nrows(), self.border.ncols());
-        if own == 0 {
-            return self.matrix.product(x);
-        }
-        let (head, tail) = (x.rows(0, n).into_owned(), x.rows(n, own));
-        let mut y = self.matrix.product(&head).insert_rows(n, own, 0.0);
-        y.rows_mut(0, n).gemv(1.0, &self.border, &tail, 1.0);
-        y.rows_mut(n, own)
-            .copy_from(&(self.border.tr_mul(&head) + &self.corner * tail));
+        let mut y = DVector::zeros(x.len());
+        self.product_into(x, &mut y);
         y
+    }
+
+    /// Computes the product with a vector into `y`.
+    fn product_into(&self, x: &DVector<f64>, y: &mut DVector<f64>) {
+        let (n, own) = (self.border.nrows(), self.border.ncols());
+        y.fill(0.0);
+        self.matrix.add_product(x, y);
+        if own > 0 {
+            let (head, tail) = (x.rows(0, n), x.rows(n, own));
+            y.rows_mut(0, n).gemv(1.0, &self.border, &tail, 1.0);
+            let mut below = y.rows_mut(n, own);
+            below.gemv_tr(1.0, &self.border, &head, 0.0);
+            below.gemv(1.0, &self.corner, &tail, 1.0);
+        }
     }
 }
 
 impl Kkt {
     /// Zeros, with the norm of steps. `None` if the norm is not positive definite.
     pub fn new(norm: Bordered) -> Option<Self> {
-        let mut norm_factor = norm.clone();
-        if !norm_factor.factorise() {
+        let (mut factor, order) = (norm.clone(), norm.order());
+        let mut memory = Memory {
+            column: DVector::zeros(norm.border.nrows()),
+            product: DVector::zeros(order),
+            ..Memory::default()
+        };
+        if !factor.factorise(&mut memory) {
             return None;
         }
         Some(Self {
-            gradient: DVector::zeros(norm.order()),
+            gradient: DVector::zeros(order),
             hessian: norm.clone(),
-            factor: norm.clone(),
+            factor,
             norm,
+            memory,
             regularisation: 0.0,
             floor: 0.0,
         })
+    }
+
+    /// Begins anew after `change` of the corner of the norm, which remains positive definite.
+    pub(crate) fn restart(&mut self, change: impl FnOnce(&mut DMatrix<f64>)) {
+        change(&mut self.norm.corner);
+        (self.regularisation, self.floor) = (0.0, 0.0);
     }
 
     /// Adapts the smallest multiple of the norm to the fraction of the last step that was taken, as the radius of a
@@ -150,13 +184,13 @@ impl Kkt {
     /// iteration, shifted beyond the smallest eigenvalue.
     pub fn negative_curvature(&mut self, scale: f64) -> Option<DVector<f64>> {
         self.factor.set_sum(&self.hessian, 0.0, &self.norm);
-        if self.factor.factorise() {
+        if self.factor.factorise(&mut self.memory) {
             return None;
         }
         let mut shift = scale;
         loop {
             self.factor.set_sum(&self.hessian, shift, &self.norm);
-            if self.factor.factorise() {
+            if self.factor.factorise(&mut self.memory) {
                 break;
             }
             shift *= 4.0;
@@ -166,9 +200,10 @@ impl Kkt {
         }
         let mut x = DVector::from_fn(self.gradient.len(), |i, _| (1.0 + i as f64).sin());
         for _ in 0..INVERSE_ITERATIONS {
-            let mut y = self.norm.product(&x);
-            self.factor.solve(&mut y);
-            x = &y / self.length(&y);
+            self.norm.product_into(&x, &mut self.memory.product);
+            x.copy_from(&self.memory.product);
+            self.factor.solve(&mut x);
+            x /= self.length(&x);
         }
         (x.dot(&self.hessian.product(&x)) < 0.0).then_some(x)
     }
@@ -176,21 +211,24 @@ impl Kkt {
     /// The length of the gradient in the dual norm.
     pub fn dual_length(&mut self) -> f64 {
         self.factor.set_sum(&self.norm, 0.0, &self.norm);
-        if !self.factor.factorise() {
+        if !self.factor.factorise(&mut self.memory) {
             return f64::INFINITY;
         }
-        let mut x = self.gradient.clone();
-        self.factor.solve(&mut x);
-        self.gradient.dot(&x).sqrt()
+        let x = &mut self.memory.product;
+        x.copy_from(&self.gradient);
+        self.factor.solve(x);
+        self.gradient.dot(x).sqrt()
     }
 
     /// The length of a step.
-    pub fn length(&self, step: &DVector<f64>) -> f64 {
-        step.dot(&self.norm.product(step)).sqrt()
+    pub fn length(&mut self, step: &DVector<f64>) -> f64 {
+        self.norm.product_into(step, &mut self.memory.product);
+        step.dot(&self.memory.product).sqrt()
     }
 
     /// The Newton step with the smallest tried multiple of the norm for which the matrix is positive definite (WB,
-    /// algorithm IC); `None` if there is none.
+    /// algorithm IC); `None` if there is none. It is to be [returned](Self::reuse), so that the next one needs no
+    /// memory.
     pub fn step(&mut self, scale: f64, progress: &mut Progress, options: &Options) -> Option<Step> {
         let [first, later, less] = options.regularisation_factors;
         let known = self.regularisation;
@@ -200,7 +238,7 @@ impl Kkt {
             progress.factorisations += 1;
             self.factor
                 .set_sum(&self.hessian, multiple * scale, &self.norm);
-            if self.factor.factorise() {
+            if self.factor.factorise(&mut self.memory) {
                 break;
             }
             multiple = if multiple > 0.0 && multiple == self.floor {
@@ -222,11 +260,40 @@ impl Kkt {
             self.regularisation = multiple;
         }
         progress.regularisation = multiple;
-        let mut x = -&self.gradient;
+        let mut x = std::mem::take(&mut self.memory.step);
+        assign(&mut x, &self.gradient);
+        x.neg_mut();
         self.factor.solve(&mut x);
         let slope = self.gradient.dot(&x);
         progress.step = self.length(&x);
         progress.stationarity = (-slope / scale).sqrt();
         Some(Step { x, slope })
     }
+
+    /// Keeps the memory of a step.
+    pub fn reuse(&mut self, step: Step) {
+        self.memory.step = step.x;
+    }
+}
+
+/// Replaces the lower triangle of a small matrix by its Cholesky factor; returns true if it is positive definite.
+fn cholesky(a: &mut DMatrix<f64>) -> bool {
+    for j in 0..a.nrows() {
+        for k in 0..j {
+            let factor = a[(j, k)];
+            for i in j..a.nrows() {
+                a[(i, j)] -= factor * a[(i, k)];
+            }
+        }
+        let pivot = a[(j, j)].sqrt();
+        // False for NaN.
+        if !(pivot > 0.0 && pivot.is_finite()) {
+            return false;
+        }
+        a[(j, j)] = pivot;
+        for i in j + 1..a.nrows() {
+            a[(i, j)] /= pivot;
+        }
+    }
+    true
 }

@@ -3,6 +3,7 @@
 use super::kkt::Step;
 use super::{Iterate, Nlp, Options, RowStep, State};
 use crate::error::Result;
+use crate::linalg::assign;
 use nalgebra::DVector;
 
 /// The relative part of the barrier function that rounding can hide.
@@ -21,67 +22,50 @@ pub(super) fn line_search<P: Nlp>(
 ) -> Result<Option<f64>> {
     let before = state.merit(problem);
     let highest = state.remember(before, options.memory);
-    let mut trial = Trial::new(state);
-    let tangent = tangent(problem, state, step, options)?;
+    let mut trial = std::mem::take(&mut state.trial);
+    trial.iterate.clone_from(&state.iterate);
+    trial.set_tangent(problem, state, step, options)?;
     let whole = options.longest_step / state.progress.step;
     let first = problem.longest(&state.x, &step.x).min(whole);
     let (mut alpha, mut predicted) = (first, f64::NAN);
     for _ in 0..options.cuts {
-        let x = &state.x + &step.x * alpha;
-        let f = problem.value(&x, &mut trial.h)?;
+        let f = trial.evaluate(problem, state, &step.x, alpha)?;
         if f.is_finite() {
-            let bend = trial.take(state, (alpha, &tangent), options);
+            let bend = trial.take(state, alpha, options);
             let slope = step.slope + problem.measure(&state.x) * bend;
             if predicted.is_nan() {
                 predicted = -slope;
             }
-            let after = trial.merit(f, problem.measure(&x));
+            let after = trial.merit(f, problem.measure(&trial.x));
             let (gained, rounding) = (highest - after, ROUNDING * before.abs().max(f.abs()));
             let hidden = gained.abs() <= rounding && (alpha * slope).abs() <= rounding;
             if hidden || gained >= -options.sufficient_decrease * alpha * slope {
                 let mut end = End {
                     alpha,
-                    x,
                     f,
                     trial,
                     merit: after,
                 };
                 if alpha == first {
-                    end.extend(problem, state, (step, &tangent), options)?;
+                    let mut longer = std::mem::take(&mut state.longer);
+                    end.extend(problem, (state, step), &mut longer, options)?;
+                    state.longer = longer;
                 }
                 state.progress.alpha = end.alpha;
-                state.move_to(problem, end.x, end.f, end.trial, options);
+                state.move_to(problem, end.f, end.trial, options);
                 return Ok(Some(predicted));
             }
         }
         alpha *= options.backtracking;
     }
+    state.trial = trial;
     state.progress.alpha = 0.0;
     Ok(None)
-}
-
-/// The changes of the linearised rows along a step: those over a short part of it, relative to that.
-fn tangent<P: Nlp>(
-    problem: &mut P,
-    state: &State,
-    step: &Step,
-    options: &Options,
-) -> Result<Vec<f64>> {
-    let mut h = Vec::new();
-    if !state.iterate.working.is_empty() {
-        let part = (options.tangent / state.progress.step).min(1.0);
-        problem.value(&(&state.x + &step.x * part), &mut h)?;
-        for (h, before) in h.iter_mut().zip(&state.h) {
-            *h = (*h - before) / part;
-        }
-    }
-    Ok(h)
 }
 
 /// The end of a fraction of a step.
 struct End {
     alpha: f64,
-    x: DVector<f64>,
     f: f64,
     trial: Trial,
     merit: f64,
@@ -93,8 +77,8 @@ impl End {
     fn extend<P: Nlp>(
         &mut self,
         problem: &mut P,
-        state: &State,
-        (step, tangent): (&Step, &[f64]),
+        (state, step): (&State, &Step),
+        longer: &mut Trial,
         options: &Options,
     ) -> Result<()> {
         let most = options.longest_step / state.progress.step;
@@ -103,48 +87,74 @@ impl End {
         }
         loop {
             let alpha = 2.0 * self.alpha;
-            let whole = &step.x * alpha;
-            if alpha > most || problem.longest(&state.x, &whole) < 1.0 {
+            assign(&mut longer.x, &step.x);
+            longer.x *= alpha;
+            if alpha > most || problem.longest(&state.x, &longer.x) < 1.0 {
                 return Ok(());
             }
-            let x = &state.x + whole;
-            let mut trial = Trial::new(state);
-            let f = problem.value(&x, &mut trial.h)?;
+            longer.iterate.clone_from(&state.iterate);
+            longer.tangent.clone_from(&self.trial.tangent);
+            let f = longer.evaluate(problem, state, &step.x, alpha)?;
             let merit = match f.is_finite() {
                 true => {
-                    trial.take(state, (alpha, tangent), options);
-                    trial.merit(f, problem.measure(&x))
+                    longer.take(state, alpha, options);
+                    longer.merit(f, problem.measure(&longer.x))
                 }
                 false => f64::INFINITY,
             };
             if merit.is_nan() || merit >= self.merit {
                 // The derivatives are those at the last evaluated point.
-                self.f = problem.value(&self.x, &mut self.trial.h)?;
+                self.f = problem.value(&self.trial.x, &mut self.trial.h)?;
                 return Ok(());
             }
-            *self = Self {
-                alpha,
-                x,
-                f,
-                trial,
-                merit,
-            };
+            std::mem::swap(&mut self.trial, longer);
+            (self.alpha, self.f, self.merit) = (alpha, f, merit);
         }
     }
 }
 
-/// The rows at the end of a fraction of a step.
-struct Trial {
+/// The unknowns and the rows at the end of a fraction of a step.
+#[derive(Default)]
+pub(super) struct Trial {
+    x: DVector<f64>,
     h: Vec<f64>,
-    iterate: Iterate,
+    /// The changes of the linearised rows along the whole step.
+    tangent: Vec<f64>,
+    pub iterate: Iterate,
 }
 
 impl Trial {
-    fn new(state: &State) -> Self {
-        Self {
-            h: Vec::with_capacity(state.h.len()),
-            iterate: state.iterate.clone(),
+    /// Evaluates the objective and the rows at the end of a fraction of a step; returns the objective.
+    fn evaluate<P: Nlp>(
+        &mut self,
+        problem: &mut P,
+        state: &State,
+        step: &DVector<f64>,
+        alpha: f64,
+    ) -> Result<f64> {
+        assign(&mut self.x, &state.x);
+        self.x.axpy(alpha, step, 1.0);
+        problem.value(&self.x, &mut self.h)
+    }
+
+    /// Sets the changes of the linearised rows along a step: those over a short part of it, relative to that.
+    fn set_tangent<P: Nlp>(
+        &mut self,
+        problem: &mut P,
+        state: &State,
+        step: &Step,
+        options: &Options,
+    ) -> Result<()> {
+        if state.iterate.working.is_empty() {
+            return Ok(());
         }
+        let part = (options.tangent / state.progress.step).min(1.0);
+        self.evaluate(problem, state, &step.x, part)?;
+        self.tangent.clear();
+        let rows = self.h.iter().zip(&state.h);
+        self.tangent
+            .extend(rows.map(|(h, before)| (h - before) / part));
+        Ok(())
     }
 
     /// The barrier function for an objective.
@@ -152,10 +162,9 @@ impl Trial {
         f + measure * self.iterate.barrier_terms(&self.h)
     }
 
-    /// Takes this fraction of the steps of the rows, whose values at its end are known, as are the changes of the
-    /// linearised rows along the whole step. Returns the difference between the slope of the barrier function along the
-    /// step and that of the condensed equations, without the measure.
-    fn take(&mut self, state: &State, (alpha, tangent): (f64, &[f64]), options: &Options) -> f64 {
+    /// Takes this fraction of the steps of the rows, whose values at its end are known. Returns the difference between
+    /// the slope of the barrier function along the step and that of the condensed equations, without the measure.
+    fn take(&mut self, state: &State, alpha: f64, options: &Options) -> f64 {
         let (from, mut slope) = (&state.iterate, 0.0);
         for (before, after) in from.working.iter().zip(&mut self.iterate.working) {
             let at = before.row.at;
@@ -163,7 +172,7 @@ impl Trial {
             // With the change of the row itself, one that curves beyond its bound would get the multiplier of a
             // violation, and with its second derivative a Hessian that makes the next steps short.
             let step = RowStep {
-                multiplier: from.step(before, state.h[at], tangent[at]).multiplier,
+                multiplier: from.step(before, state.h[at], self.tangent[at]).multiplier,
                 ..from.step(before, state.h[at], change)
             };
             let [bend, condensed] = from.bend(before, &step, change);
@@ -186,18 +195,13 @@ impl State {
     }
 
     /// Moves to a trial, and adapts the working set.
-    fn move_to<P: Nlp>(
-        &mut self,
-        problem: &mut P,
-        x: DVector<f64>,
-        f: f64,
-        trial: Trial,
-        options: &Options,
-    ) {
-        (self.x, self.f, self.h, self.iterate) = (x, f, trial.h, trial.iterate);
+    fn move_to<P: Nlp>(&mut self, problem: &mut P, f: f64, mut trial: Trial, options: &Options) {
+        std::mem::swap(&mut self.x, &mut trial.x);
+        std::mem::swap(&mut self.h, &mut trial.h);
+        std::mem::swap(&mut self.iterate, &mut trial.iterate);
+        (self.f, self.trial) = (f, trial);
         self.iterate.safeguard_all(options.multiplier_range);
-        let working = problem.working_set(&self.h);
-        self.iterate.set_working(&working, &self.h);
+        self.list_rows(problem);
     }
 }
 
@@ -213,14 +217,14 @@ pub(super) fn leave_saddle<P: Nlp>(
     let mut length = options.saddle_step;
     for _ in 0..options.cuts {
         for sign in [1.0, -1.0] {
-            let x = &state.x + direction * (sign * length);
-            let mut trial = Trial::new(state);
-            let f = problem.value(&x, &mut trial.h)?;
+            let mut trial = Trial::default();
+            trial.iterate.clone_from(&state.iterate);
+            let f = trial.evaluate(problem, state, direction, sign * length)?;
             for row in &mut trial.iterate.working {
                 row.meet(trial.h[row.row.at]);
             }
-            if trial.merit(f, problem.measure(&x)) < before {
-                state.move_to(problem, x, f, trial, options);
+            if trial.merit(f, problem.measure(&trial.x)) < before {
+                state.move_to(problem, f, trial, options);
                 return Ok(true);
             }
         }

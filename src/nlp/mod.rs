@@ -65,8 +65,9 @@ pub trait Nlp {
     /// The equalities, with their first penalties for an objective of this density.
     fn equalities(&self, density: f64) -> Vec<Equality>;
 
-    /// The inequalities of the working set in ascending order, for values of all rows.
-    fn working_set(&mut self, h: &[f64]) -> Vec<Row>;
+    /// Lists the inequalities of the working set in ascending order, for values of all rows, in place of those in
+    /// `rows`.
+    fn working_set(&mut self, h: &[f64], rows: &mut Vec<Row>);
 
     /// The largest fraction of a step from `x` that may be tried, at most 1.
     fn longest(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64;
@@ -192,7 +193,11 @@ pub(crate) fn iterate<P: Nlp>(
         return state.tighten_end(problem, options);
     }
     let taken = match step {
-        Some(step) => line_search(problem, state, &step, options)?,
+        Some(step) => {
+            let taken = line_search(problem, state, &step, options)?;
+            state.kkt.reuse(step);
+            taken
+        }
         None => None,
     };
     observe(&state.progress);

@@ -1,7 +1,9 @@
 //! A search in progress.
 
-use super::line_search::leave_saddle;
-use super::{Barrier, Iterate, Kkt, Nlp, Options, Progress, RowState, Solution, Status, Tightened};
+use super::line_search::{Trial, leave_saddle};
+use super::{
+    Barrier, Iterate, Kkt, Nlp, Options, Progress, Row, RowState, Solution, Status, Tightened,
+};
 use crate::error::Result;
 use nalgebra::DVector;
 
@@ -26,6 +28,11 @@ pub(crate) struct State {
     residual: f64,
     /// The barrier function at the last iterates with this barrier and working set.
     pub(super) merits: std::collections::VecDeque<f64>,
+    /// Memory of a line search, of the rows of the working set, and of values of rows.
+    pub(super) trial: Trial,
+    pub(super) longer: Trial,
+    rows: Vec<Row>,
+    before: Vec<f64>,
 }
 
 impl State {
@@ -36,11 +43,47 @@ impl State {
         kkt: Kkt,
         options: &Options,
     ) -> Result<Self> {
-        let mut h = Vec::new();
-        let f = problem.value(&x, &mut h)?;
-        let (working, measure) = (problem.working_set(&h), problem.measure(&x));
-        let weight: f64 = working.iter().map(|row| measure * row.weight).sum();
-        let scale = f.abs().max(f64::EPSILON);
+        let mut state = Self::idle(x, kkt);
+        state.begin(problem, multipliers, options)?;
+        Ok(state)
+    }
+
+    /// The memory of a search that has not [begun](Self::begin).
+    pub(crate) fn idle(x: DVector<f64>, kkt: Kkt) -> Self {
+        Self {
+            x,
+            f: f64::NAN,
+            h: Vec::new(),
+            iterate: Iterate::default(),
+            kkt,
+            progress: Progress::default(),
+            measure: f64::NAN,
+            iterations: 0,
+            rounds: 0,
+            excess: f64::INFINITY,
+            is_infeasible: false,
+            residual: f64::INFINITY,
+            merits: Default::default(),
+            trial: Trial::default(),
+            longer: Trial::default(),
+            rows: Vec::new(),
+            before: Vec::new(),
+        }
+    }
+
+    /// Begins a search at the unknowns, and keeps the memory of the one before.
+    pub(crate) fn begin<P: Nlp>(
+        &mut self,
+        problem: &mut P,
+        multipliers: Option<&[f64]>,
+        options: &Options,
+    ) -> Result<()> {
+        self.f = problem.value(&self.x, &mut self.h)?;
+        problem.working_set(&self.h, &mut self.rows);
+        self.measure = problem.measure(&self.x);
+        let measure = self.measure;
+        let weight: f64 = self.rows.iter().map(|row| measure * row.weight).sum();
+        let scale = self.scale();
         let first = match multipliers {
             Some(_) => options.warm_barrier,
             None => options.first_barrier,
@@ -53,26 +96,34 @@ impl State {
             mu: first.max(options.last_barrier) * scale / if weight > 0.0 { weight } else { 1.0 },
             nu: penalty.max(options.penalty_of_multipliers * largest),
         };
-        let mut iterate = Iterate::new(barrier, problem.equalities(scale / measure));
-        iterate.set_working(&working, &h);
+        let equalities = problem.equalities(scale / measure);
+        self.iterate.restart(barrier, equalities);
+        self.iterate.set_working(&self.rows, &self.h);
         if let Some(lambda) = multipliers {
-            iterate.set_multipliers(lambda, &h, options);
+            self.iterate.set_multipliers(lambda, &self.h, options);
         }
-        Ok(Self {
-            x,
-            f,
-            h,
-            iterate,
-            kkt,
-            progress: Progress::default(),
-            measure,
-            iterations: 0,
-            rounds: 0,
-            excess: f64::INFINITY,
-            is_infeasible: false,
-            residual: f64::INFINITY,
-            merits: Default::default(),
-        })
+        self.progress = Progress::default();
+        (self.iterations, self.rounds) = (0, 0);
+        (self.excess, self.residual) = (f64::INFINITY, f64::INFINITY);
+        self.is_infeasible = false;
+        self.merits.clear();
+        Ok(())
+    }
+
+    /// Allocates memory for a working set of all rows.
+    pub(crate) fn allocate(&mut self, rows: usize) {
+        self.rows.reserve(rows);
+        let trials = [&mut self.trial, &mut self.longer];
+        let iterates = trials.map(|trial| &mut trial.iterate).into_iter();
+        for iterate in iterates.chain([&mut self.iterate]) {
+            iterate.allocate(rows);
+        }
+    }
+
+    /// Adapts the working set to the rows.
+    pub(super) fn list_rows<P: Nlp>(&mut self, problem: &mut P) {
+        problem.working_set(&self.h, &mut self.rows);
+        self.iterate.set_working(&self.rows, &self.h);
     }
 
     /// Computes the derivatives at the current iterate.
@@ -238,7 +289,8 @@ impl State {
     /// Evaluates the rows again after a change of margins, and raises the barrier parameter to the change of the
     /// objective that this makes to first order, at most to `most`: with less the rows cannot follow.
     fn follow<P: Nlp>(&mut self, problem: &mut P, most: f64, options: &Options) -> Result<()> {
-        let before = self.h.clone();
+        let mut before = std::mem::take(&mut self.before);
+        before.clone_from(&self.h);
         self.reset(problem, options)?;
         // Rows at the penalty are violated with any margin.
         let change = |of: &RowState| match of.is_at_penalty() {
@@ -249,6 +301,7 @@ impl State {
             }
         };
         let change = self.measure * self.iterate.working.iter().map(change).sum::<f64>();
+        self.before = before;
         let change = change.min(options.warm_barrier * self.scale());
         let Barrier { mu, nu } = self.iterate.barrier;
         let total = self.total_weight();
@@ -266,12 +319,12 @@ impl State {
     fn reset<P: Nlp>(&mut self, problem: &mut P, options: &Options) -> Result<()> {
         self.merits.clear();
         self.f = problem.value(&self.x, &mut self.h)?;
-        let working = problem.working_set(&self.h);
+        problem.working_set(&self.h, &mut self.rows);
         if !self.f.is_finite() {
             // Rows of the new working set were not in the last one.
             self.f = problem.value(&self.x, &mut self.h)?;
         }
-        self.iterate.set_working(&working, &self.h);
+        self.iterate.set_working(&self.rows, &self.h);
         self.iterate.reset(&self.h, options.multiplier_range);
         Ok(())
     }

@@ -316,22 +316,20 @@ impl<S: Scalar> Grid<S> {
     }
 }
 
-/// Multiplies the first derivatives in the jerk by their weights; returns them, and the second derivatives summed over
-/// the points with the products of each pair of functions, `N` by pairs.
+/// Multiplies the first derivatives in the jerk by their weights, and sums the second derivatives over the points with
+/// the products of each pair of functions into `squares`, `N` by pairs.
 pub(super) fn jerk_products<S: Scalar>(
     grid: &Grid<S>,
     horizon: S,
     [first, second]: &mut [DMatrix<S>; 2],
-) -> (DMatrix<S>, DMatrix<S>) {
+    squares: &mut DMatrix<S>,
+) {
     let rate = S::one() / (horizon * horizon * horizon);
-    let mut by_jerk = first.clone();
     for (g, weight) in grid.weights.iter().enumerate() {
-        let mut column = by_jerk.column_mut(g);
+        let mut column = first.column_mut(g);
         column *= *weight * horizon * rate;
         let mut column = second.column_mut(g);
         column *= *weight * horizon * rate * rate;
     }
-    let mut squares = DMatrix::zeros(second.nrows(), grid.pairs.len());
-    multiply(second, grid.products_of_thirds(), &mut squares);
-    (by_jerk, squares)
+    multiply(second, grid.products_of_thirds(), squares);
 }

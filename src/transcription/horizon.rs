@@ -1,7 +1,7 @@
 //! The derivatives of an integral over a horizon that is an unknown.
 
-use super::objective::scale;
-use super::{Grid, place};
+use super::Grid;
+use super::place::{place, scale};
 use crate::cost::{Points, PointsDerivatives};
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
@@ -25,6 +25,37 @@ pub(super) struct Moving<'g, S: Scalar> {
     pub rates: &'g DMatrix<S>,
 }
 
+/// Memory of the derivatives in the horizon.
+pub(super) struct Moved<S: Scalar> {
+    /// The rates of the derivatives of the curve, and the mixed derivatives.
+    rates: DMatrix<S>,
+    mixed: DMatrix<S>,
+    /// $z_T$, $z_{TT}$ and $l_{zz} z_T$ at a point.
+    at_point: [DVector<S>; 3],
+}
+
+impl<S: Scalar> Default for Moved<S> {
+    fn default() -> Self {
+        let [rates, mixed] = [(); 2].map(|()| DMatrix::zeros(0, 0));
+        Self {
+            rates,
+            mixed,
+            at_point: [(); 3].map(|()| DVector::zeros(0)),
+        }
+    }
+}
+
+impl<S: Scalar> Moved<S> {
+    /// Memory for `n` joints and this number of columns.
+    fn resize(&mut self, n: usize, columns: usize) {
+        if self.mixed.shape() != (n, columns) {
+            self.rates = DMatrix::zeros(n, columns);
+            self.mixed = DMatrix::zeros(n, columns);
+            self.at_point = [(); 3].map(|()| DVector::zeros(3 * n));
+        }
+    }
+}
+
 impl<S: Scalar> Moving<'_, S> {
     /// Adds the derivatives of the integral over segment `e` in the horizon; returns the mixed derivatives in
     /// $(q, q', q'')$ at the points, `N` by `3 M`, with their weights.
@@ -39,25 +70,29 @@ impl<S: Scalar> Moving<'_, S> {
     /// $$ \frac{\partial}{\partial T} T l = l + T l_z z_T, \qquad
     ///    \frac{\partial^2}{\partial T^2} T l = 2\\, l_z z_T + T (z_T^T l_{zz} z_T + l_z z_{TT}), \qquad
     ///    \frac{\partial^2}{\partial T\\, \partial (\phi^x c)} T l = T^{-x} ((1 - x)\\, l_z^x + T (l_{zz} z_T)^x) . $$
-    pub fn integrate(
+    pub fn integrate<'m>(
         &self,
         e: usize,
         points: Points<'_, S>,
         at: &PointsDerivatives<S>,
+        memory: &'m mut Moved<S>,
         out: &mut HorizonDerivatives<S>,
-    ) -> DMatrix<S> {
+    ) -> &'m DMatrix<S> {
         let Self {
             grid,
             horizon,
             rates,
         } = *self;
         let n = rates.nrows();
-        let mut moved = DMatrix::zeros(n, grid.table.ncols());
-        place(rates, grid.first(e), &grid.table, &mut moved);
-        scale(&mut moved, horizon);
-        let mut mixed = DMatrix::zeros(n, moved.ncols());
+        memory.resize(n, grid.table.ncols());
+        let Moved {
+            rates: moved,
+            mixed,
+            at_point: [first, second, bent],
+        } = memory;
+        place(rates, grid.first(e), &grid.table, moved);
+        scale(moved, horizon);
         let power = |x: usize| S::from_f64(x as f64);
-        let [mut first, mut second, mut bent] = [(); 3].map(|()| DVector::zeros(3 * n));
         for (g, weight) in grid.weights.iter().enumerate() {
             let gradient = &at.gradients.as_slice()[3 * g * n..(3 * g + 3) * n];
             let state = &points.states.as_slice()[3 * g * n..(3 * g + 3) * n];
@@ -67,34 +102,35 @@ impl<S: Scalar> Moving<'_, S> {
                 first[i] = moved[i] - rate * state[i];
                 second[i] = rate * (state[i] / horizon - moved[i] - first[i]);
             }
-            at.hessians.product(g, &first, &mut bent);
+            at.hessians.product(g, first, bent);
             let dot = |x: &DVector<S>| {
                 x.iter()
                     .zip(gradient)
                     .fold(S::zero(), |sum, (a, b)| sum + *a * *b)
             };
-            let slope = dot(&first);
+            let slope = dot(first);
             out.first += *weight * (at.costs[g] + horizon * slope);
             let two = S::from_f64(2.0);
-            out.second += *weight * (two * slope + horizon * (first.dot(&bent) + dot(&second)));
+            out.second += *weight * (two * slope + horizon * (first.dot(bent) + dot(second)));
             for i in 0..3 * n {
                 let own = (S::one() - power(i / n)) * gradient[i] + horizon * bent[i];
                 mixed[(i % n, 3 * g + i / n)] = *weight * own;
             }
         }
-        scale(&mut mixed, horizon);
+        scale(mixed, horizon);
         mixed
     }
 
     /// Does the same for the part of a cost in the jerk $z = T^{-3} \phi^{(3)} c$, with the first and second derivatives
     /// in it in `at`. The cost itself is part of [`integrate`](Self::integrate).
-    pub fn integrate_jerk(
+    pub fn integrate_jerk<'m>(
         &self,
         e: usize,
         jerks: &DMatrix<S>,
         at: &PointsDerivatives<S>,
+        memory: &'m mut Moved<S>,
         out: &mut HorizonDerivatives<S>,
-    ) -> DMatrix<S> {
+    ) -> &'m DMatrix<S> {
         let Self {
             grid,
             horizon,
@@ -102,10 +138,14 @@ impl<S: Scalar> Moving<'_, S> {
         } = *self;
         let (n, [two, three]) = (rates.nrows(), [2.0, 3.0].map(S::from_f64));
         let scale = S::one() / (horizon * horizon * horizon);
-        let mut moved = DMatrix::zeros(n, grid.points());
-        place(rates, grid.first(e), &grid.thirds[0], &mut moved);
-        moved *= scale;
-        let mut mixed = DMatrix::zeros(n, grid.points());
+        memory.resize(n, grid.points());
+        let Moved {
+            rates: moved,
+            mixed,
+            ..
+        } = memory;
+        place(rates, grid.first(e), &grid.thirds[0], moved);
+        *moved *= scale;
         let [slopes, curvatures] = &at.by_jerk;
         for (g, weight) in grid.weights.iter().enumerate() {
             for i in 0..n {

@@ -4,13 +4,16 @@
 mod grid;
 mod horizon;
 mod objective;
+mod place;
 mod rows;
 mod scan;
+mod shared;
 
 pub use grid::Grid;
 pub(crate) use grid::Grids;
 pub use horizon::HorizonDerivatives;
 pub use objective::{Derivatives, Objective};
-pub(crate) use objective::{place, points};
+pub(crate) use place::{place, points};
 pub(crate) use rows::{Rows, Standing};
-pub(crate) use scan::{Maximum, Scan};
+pub(crate) use scan::{Look, Maximum, Scan};
+pub use shared::Shared;

@@ -1,9 +1,10 @@
 //! The integral of a running cost along a curve of a basis, with its derivatives in the coefficients.
 
 use super::grid::jerk_products;
-use super::horizon::Moving;
-use super::{Grid, HorizonDerivatives};
-use crate::cost::{PackedHessian, PointCost, Points, PointsDerivatives};
+use super::horizon::{Moved, Moving};
+use super::place::{place, points, scale};
+use super::{Grid, HorizonDerivatives, Shared};
+use crate::cost::{PackedHessian, PointCost, PointsDerivatives};
 use crate::error::{Result, check_length};
 use crate::linalg::{BlockTridiagonal, multiply};
 use crate::scalar::Scalar;
@@ -21,7 +22,7 @@ use nalgebra::{DMatrix, DVector};
 /// The products of functions are tabulated, so that all blocks of the Hessian of a segment with `p` functions and `M`
 /// points are two matrix products, see [`PackedHessian`]: about $p^2 / 2$ by $9 M$ times $9 M$ by $N^2 / 2$.
 pub struct Objective<'g, S: Scalar, P> {
-    grid: &'g Grid<S>,
+    grid: Shared<'g, Grid<S>>,
     cost: P,
     dof: usize,
     /// The factor from the time of the grid to time, and if it is an unknown the rates of the coefficients in it.
@@ -42,6 +43,10 @@ struct Workspace<S: Scalar> {
     at_points: PointsDerivatives<S>,
     sums: [DMatrix<S>; 2],
     gradient: DMatrix<S>,
+    /// The derivatives in a free horizon, at the points and in the jerk.
+    moved: [Moved<S>; 2],
+    /// The second derivatives in the jerk by pairs of functions.
+    squares: DMatrix<S>,
 }
 
 /// The derivatives of an objective in the unknown coefficients, function by function.
@@ -81,10 +86,10 @@ impl<S: Scalar> Derivatives<S> {
 impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     /// The integral of `cost` on `grid` for a robot with `dof` joints.
     #[must_use]
-    pub fn new(grid: &'g Grid<S>, cost: P, dof: usize) -> Self {
+    pub fn new(grid: impl Into<Shared<'g, Grid<S>>>, cost: P, dof: usize) -> Self {
+        let grid = grid.into();
         let points = grid.points();
         Self {
-            grid,
             jerks: cost.needs_jerk().then(|| DMatrix::zeros(dof, points)),
             cost,
             dof,
@@ -94,6 +99,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             states: DMatrix::zeros(dof, 3 * points),
             costs: vec![S::zero(); points],
             workspace: None,
+            grid,
         }
     }
 
@@ -111,10 +117,17 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         self.rates = Some(rates);
     }
 
+    /// Changes the rates of a [free horizon](Self::free_horizon), if it is one.
+    pub(crate) fn set_rates(&mut self, rates: &DMatrix<S>) {
+        if let Some(own) = &mut self.rates {
+            own.copy_from(rates);
+        }
+    }
+
     /// The grid.
     #[must_use]
-    pub fn grid(&self) -> &'g Grid<S> {
-        self.grid
+    pub fn grid(&self) -> &Grid<S> {
+        &self.grid
     }
 
     /// The running cost.
@@ -144,7 +157,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             self.place(coefficients, e);
             let phase = self.phase(e);
             let here = points(
-                self.grid,
+                &self.grid,
                 &self.times,
                 (&self.states, &self.jerks),
                 e,
@@ -190,12 +203,10 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     ) -> Result<S> {
         self.check(coefficients)?;
         out.gradient.fill(S::zero());
-        out.horizon = HorizonDerivatives {
-            first: S::zero(),
-            second: S::zero(),
-            mixed: DVector::zeros(out.gradient.len()),
-        };
-        let (grid, dof, horizon) = (self.grid, self.dof, self.horizon);
+        (out.horizon.first, out.horizon.second) = (S::zero(), S::zero());
+        out.horizon.mixed.fill(S::zero());
+        let (shared, dof, horizon) = (self.grid.clone(), self.dof, self.horizon);
+        let grid = &*shared;
         let mut sum = S::zero();
         for e in 0..grid.segments {
             self.place(coefficients, e);
@@ -205,6 +216,8 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
                 at_points,
                 sums,
                 gradient,
+                moved: [moved, moved_jerks],
+                squares,
             } = self
                 .workspace
                 .get_or_insert_with(|| Workspace::new(grid, dof));
@@ -219,16 +232,17 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
                     horizon,
                     rates,
                 };
-                let mixed = moving.integrate(e, here, at_points, &mut out.horizon);
+                let mixed = moving.integrate(e, here, at_points, moved, &mut out.horizon);
                 for (g, weight) in grid.weights.iter().enumerate() {
                     let late = self.cost.time_rate(here.point(g))?;
                     out.horizon.first += *weight * here.times[g] * late;
                 }
-                multiply(&mixed, &grid.transposed, gradient);
+                multiply(mixed, &grid.transposed, gradient);
                 add_gradient(grid, gradient, e, &mut out.horizon.mixed);
                 if let Some(jerks) = here.jerks {
-                    let mixed = moving.integrate_jerk(e, jerks, at_points, &mut out.horizon);
-                    multiply(&mixed, &grid.thirds[1], gradient);
+                    let mixed =
+                        moving.integrate_jerk(e, jerks, at_points, moved_jerks, &mut out.horizon);
+                    multiply(mixed, &grid.thirds[1], gradient);
                     add_gradient(grid, gradient, e, &mut out.horizon.mixed);
                 }
             }
@@ -239,17 +253,16 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             scale(&mut at_points.gradients, horizon);
             multiply(&at_points.gradients, &grid.transposed, gradient);
             add_gradient(grid, gradient, e, &mut out.gradient);
-            let mut of_jerk = None;
-            if here.jerks.is_some() {
-                let (by_jerk, squares) = jerk_products(grid, horizon, &mut at_points.by_jerk);
-                multiply(&by_jerk, &grid.thirds[1], gradient);
+            let with_jerk = here.jerks.is_some();
+            if with_jerk {
+                jerk_products(grid, horizon, &mut at_points.by_jerk, squares);
+                multiply(&at_points.by_jerk[0], &grid.thirds[1], gradient);
                 add_gradient(grid, gradient, e, &mut out.gradient);
-                of_jerk = Some(squares);
             }
             at_points
                 .hessians
                 .integrate(grid.products(), horizon, sums, |pair, block| {
-                    if let Some(squares) = &of_jerk {
+                    if with_jerk {
                         for i in 0..dof {
                             block[(i, i)] += squares[(i, pair)];
                         }
@@ -271,7 +284,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     /// which for the longest wave that vanishes at both ends is the mean square of $\delta q$.
     #[must_use]
     pub fn gram(&self) -> BlockTridiagonal<S> {
-        let (n, grid) = (self.dof, self.grid);
+        let (n, grid) = (self.dof, &*self.grid);
         let segments = S::from_f64(grid.segments as f64 / std::f64::consts::PI.powi(2));
         let scale = grid.weights.iter().fold(S::zero(), |sum, w| sum + *w) * segments;
         let mut gram = Derivatives::new(grid, n).hessian;
@@ -299,7 +312,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
 
     /// Computes the curve at the points of segment `e`.
     fn place(&mut self, coefficients: &DMatrix<S>, e: usize) {
-        let (grid, first) = (self.grid, self.grid.first(e));
+        let (grid, first) = (&self.grid, self.grid.first(e));
         place(coefficients, first, &grid.table, &mut self.states);
         scale(&mut self.states, self.horizon);
         if let Some(jerks) = &mut self.jerks {
@@ -320,18 +333,8 @@ impl<S: Scalar> Workspace<S> {
             at_points: PointsDerivatives::new(dof, grid.points()),
             sums: PackedHessian::sums(dof, grid.pairs.len()),
             gradient: DMatrix::zeros(dof, grid.table.nrows()),
-        }
-    }
-}
-
-/// Divides the columns of first derivatives by the horizon, and those of second ones by its square.
-pub(crate) fn scale<S: Scalar>(states: &mut DMatrix<S>, horizon: S) {
-    let rate = S::one() / horizon;
-    for (column, mut values) in states.column_iter_mut().enumerate() {
-        match column % 3 {
-            0 => (),
-            1 => values *= rate,
-            _ => values *= rate * rate,
+            moved: Default::default(),
+            squares: DMatrix::zeros(dof, grid.pairs.len()),
         }
     }
 }
@@ -363,34 +366,5 @@ fn put_block<S: Scalar>(
         } else {
             target.copy_from(block);
         }
-    }
-}
-
-/// Computes the curve of the functions from `first` on by `table`.
-pub(crate) fn place<S: Scalar>(
-    coefficients: &DMatrix<S>,
-    first: usize,
-    table: &DMatrix<S>,
-    states: &mut DMatrix<S>,
-) {
-    let own = coefficients.columns(first, table.nrows()).into_owned();
-    multiply(&own, table, states);
-}
-
-/// The input of the running cost at the points of segment `e`, which is in `phase`.
-pub(crate) fn points<'a, S: Scalar>(
-    grid: &'a Grid<S>,
-    times: &'a [S],
-    (states, jerks): (&'a DMatrix<S>, &'a Option<DMatrix<S>>),
-    e: usize,
-    phase: usize,
-) -> Points<'a, S> {
-    let first = e * grid.points();
-    Points {
-        first,
-        phase,
-        times: &times[first..first + grid.points()],
-        states,
-        jerks: jerks.as_ref(),
     }
 }

@@ -1,5 +1,6 @@
 //! The rows of constraints at the points of a curve.
 
+use super::Shared;
 use crate::constraint::{
     Constraint, Constraints, Evaluator, Phase, RateLimit, RowKind, StandingFoot,
     WeightedDerivatives, Weights,
@@ -15,7 +16,7 @@ use nalgebra::DMatrix;
 #[derive(Debug)]
 pub(crate) struct Rows<'a, K, P> {
     pub model: &'a Model,
-    pub constraints: &'a Constraints<K>,
+    pub constraints: Shared<'a, Constraints<K>>,
     /// The limits of acceleration and jerk, after the rows of state and torque.
     pub rates: Vec<RateLimit>,
     /// The running cost.
@@ -28,11 +29,33 @@ pub(crate) struct Rows<'a, K, P> {
     /// $[q; v; a]$ and the rows of the state at points that are evaluated side by side.
     z: Vec<Wide<f64>>,
     wide: Vec<Wide<f64>>,
+    /// The rows of a standing foot.
+    foot: Vec<Wide<f64>>,
+    /// The running cost where it is not asked for.
+    costs: Vec<f64>,
     attributes: Attributes,
 }
 
 /// The first row of a foot, the robot on it, the foot, and the phase if there are several.
 pub(crate) type Standing<'a> = (usize, &'a Model, &'a StandingFoot, Option<&'a Phase>);
+
+/// The foot on which a robot stands in a phase.
+fn standing<'c, K>(
+    constraints: &'c Constraints<K>,
+    model: &'c Model,
+    phase: usize,
+) -> Option<Standing<'c>>
+where
+    K: Constraint,
+{
+    let stage = &constraints.stage;
+    let (row, foot) = stage.foot()?;
+    let first = constraints.first_of_stage() + row;
+    Some(match stage.phases.get(phase) {
+        None => (first, model, foot, None),
+        Some(of) => (first, &of.model, &of.foot, Some(of)),
+    })
+}
 
 /// The value of a row in a phase in which it is not kept: far from its bound.
 const NOT_KEPT: f64 = -1.0;
@@ -57,7 +80,7 @@ impl<K, P: Clone> Clone for Rows<'_, K, P> {
     fn clone(&self) -> Self {
         Self {
             model: self.model,
-            constraints: self.constraints,
+            constraints: self.constraints.clone(),
             rates: self.rates.clone(),
             cost: self.cost.clone(),
             controls: self.controls.clone(),
@@ -65,13 +88,20 @@ impl<K, P: Clone> Clone for Rows<'_, K, P> {
             evaluator: self.evaluator.clone(),
             z: self.z.clone(),
             wide: self.wide.clone(),
+            foot: self.foot.clone(),
+            costs: self.costs.clone(),
             attributes: self.attributes.clone(),
         }
     }
 }
 
 impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
-    pub fn new(model: &'a Model, constraints: &'a Constraints<K>, cost: P) -> Result<Self> {
+    pub fn new(
+        model: &'a Model,
+        constraints: impl Into<Shared<'a, Constraints<K>>>,
+        cost: P,
+    ) -> Result<Self> {
+        let constraints = constraints.into();
         constraints.check(model)?;
         let state = &constraints.state;
         let n = model.dof();
@@ -98,15 +128,17 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         };
         Ok(Self {
             model,
-            constraints,
             rates: constraints.stage.rates().collect(),
             cost,
             controls: DMatrix::zeros(n, 0),
             data: Data::new(model),
             evaluator: Evaluator::new(model),
             z: vec![Wide::splat(0.0); 3 * n],
-            wide: vec![Wide::splat(0.0); state.dim()],
+            wide: vec![Wide::splat(0.0); states],
+            foot: Vec::new(),
+            costs: Vec::new(),
             attributes,
+            constraints,
         })
     }
 
@@ -134,14 +166,8 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
     }
 
     /// The robot, the foot, and the phase if there are several.
-    pub fn standing(&self, phase: usize) -> Option<Standing<'a>> {
-        let stage = &self.constraints.stage;
-        let (row, foot) = stage.foot()?;
-        let first = self.constraints.first_of_stage() + row;
-        Some(match stage.phases.get(phase) {
-            None => (first, self.model, foot, None),
-            Some(of) => (first, &of.model, &of.foot, Some(of)),
-        })
+    pub fn standing(&self, phase: usize) -> Option<Standing<'_>> {
+        standing(&self.constraints, self.model, phase)
     }
 
     /// The attributes of all rows.
@@ -151,7 +177,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
 
     /// Returns true if any row depends on the control.
     fn with_control(&self) -> bool {
-        let Constraints { torque, stage, .. } = self.constraints;
+        let Constraints { torque, stage, .. } = &*self.constraints;
         torque.dim() > 0 || !stage.others.is_empty()
     }
 
@@ -169,7 +195,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             return self.cost.values(points, costs);
         }
         let (states, count) = (self.states(), self.count());
-        let Constraints { torque, stage, .. } = self.constraints;
+        let Constraints { torque, stage, .. } = &*self.constraints;
         let rates = states + torque.dim();
         if self.controls.ncols() < points.count() {
             self.controls = DMatrix::zeros(points.states.nrows(), points.count());
@@ -217,19 +243,21 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
 
     /// Computes the rows of a standing foot.
     fn of_foot(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
-        let Some((first, model, foot, phase)) = self.standing(points.phase) else {
+        let found = standing(&self.constraints, self.model, points.phase);
+        let Some((first, model, foot, phase)) = found else {
             return Ok(());
         };
-        let (n, count) = (self.model.dof(), self.count());
+        let (n, count) = (self.model.dof(), self.attributes.scales.len());
         let scales = &self.attributes.scales[first..first + foot.dim()];
-        let mut g = vec![Wide::splat(0.0); foot.dim()];
+        let g = &mut self.foot;
+        g.resize(foot.dim(), Wide::splat(0.0));
         for start in (0..points.count()).step_by(LANES) {
             let found = points.gather(start, &mut self.z);
             if let Some(phase) = phase {
                 phase.sort(&self.z.clone(), &mut self.z);
             }
             let z = [0, 1, 2].map(|part| &self.z[part * n..(part + 1) * n]);
-            foot.value(model, &mut self.data, z, &mut g)?;
+            foot.value(model, &mut self.data, z, g)?;
             for lane in 0..found {
                 let h = &mut h[(start + lane) * count + first..];
                 for (h, (g, scale)) in h.iter_mut().zip(g.iter().zip(scales)) {
@@ -243,7 +271,11 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
     /// Computes the rows without the running cost, which is skipped if only the state has constraints.
     pub fn of_all(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
         if self.with_control() {
-            return self.at(points, h, &mut vec![0.0; points.count()]);
+            let mut costs = std::mem::take(&mut self.costs);
+            costs.resize(points.count(), 0.0);
+            let done = self.at(points, h, &mut costs);
+            self.costs = costs;
+            return done;
         }
         self.of_rates(points, h);
         self.of_foot(points, h)?;

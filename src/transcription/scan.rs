@@ -1,12 +1,13 @@
 //! The maxima of the constraint rows along a curve, between the quadrature points.
 
-use super::objective::scale;
-use super::{Rows, place};
+use super::Rows;
+use super::place::{place, scale};
 use crate::constraint::Constraint;
 use crate::cost::{CostWithControl, Points};
-use crate::curve::Basis;
+use crate::curve::{Basis, Functions};
 use crate::error::Result;
 use crate::motion::Bracket;
+use crate::scalar::LANES;
 use nalgebra::DMatrix;
 
 /// A basis tabulated at equally spaced times.
@@ -26,6 +27,37 @@ pub(crate) struct Maximum {
     pub segment: usize,
     pub time: f64,
     pub height: f64,
+}
+
+/// The maxima of a scan, and its memory.
+#[derive(Default)]
+pub(crate) struct Look {
+    /// The local maxima that were found.
+    pub found: Vec<Maximum>,
+    /// Those that may be above zero, by their index, with their phases.
+    uncertain: Vec<(usize, usize, Bracket)>,
+    states: DMatrix<f64>,
+    jerks: Option<DMatrix<f64>>,
+    times: Vec<f64>,
+    h: Vec<f64>,
+    /// The functions at a time, and the curve there and at up to `LANES` times with its third derivatives.
+    functions: Functions,
+    one: DMatrix<f64>,
+    few: [[DMatrix<f64>; 2]; LANES],
+}
+
+impl Look {
+    /// Memory for a scan of `times` times of `n` joints and `count` rows.
+    fn resize(&mut self, n: usize, times: usize, count: usize, with_jerk: bool) {
+        self.h.resize(count * times.max(LANES), 0.0);
+        if self.states.shape() == (n, 3 * times) && self.jerks.is_some() == with_jerk {
+            return;
+        }
+        self.states = DMatrix::zeros(n, 3 * times);
+        self.jerks = with_jerk.then(|| DMatrix::zeros(n, times));
+        self.one = DMatrix::zeros(n, 4);
+        self.few = std::array::from_fn(|k| [3, 1].map(|d| DMatrix::zeros(n, d * (k + 1))));
+    }
 }
 
 impl Scan {
@@ -57,39 +89,44 @@ impl Scan {
         coefficients: &DMatrix<f64>,
         horizon: f64,
         floor: f64,
-    ) -> Result<Vec<Maximum>> {
+        look: &mut Look,
+    ) -> Result<()> {
         let (n, count) = (coefficients.nrows(), rows.count());
         let segments = self.basis.segments();
         let interval = 1.0 / (segments * self.intervals) as f64;
-        let (mut found, mut states) = (Vec::new(), DMatrix::zeros(n, self.table.ncols()));
-        let mut uncertain = Vec::new();
         let with_jerk = rows.constraints.stage.has_jerk();
-        let mut jerks = with_jerk.then(|| DMatrix::zeros(n, self.intervals + 1));
-        let mut h = vec![0.0; count * (self.intervals + 1)];
+        look.resize(n, self.intervals + 1, count, with_jerk);
+        let Look {
+            found,
+            uncertain,
+            states,
+            jerks,
+            times,
+            h,
+            ..
+        } = look;
+        found.clear();
+        uncertain.clear();
         for segment in 0..segments {
-            place(
-                coefficients,
-                self.basis.first(segment),
-                &self.table,
-                &mut states,
-            );
-            scale(&mut states, horizon);
-            if let Some(jerks) = &mut jerks {
-                place(coefficients, self.basis.first(segment), &self.thirds, jerks);
+            let of_first = self.basis.first(segment);
+            place(coefficients, of_first, &self.table, states);
+            scale(states, horizon);
+            if let Some(jerks) = jerks {
+                place(coefficients, of_first, &self.thirds, jerks);
                 *jerks *= horizon.powi(-3);
             }
             let first = segment * self.intervals;
-            let times: Vec<_> = (0..=self.intervals)
-                .map(|k| (first + k) as f64 * interval * horizon)
-                .collect();
+            times.clear();
+            times.extend((0..=self.intervals).map(|k| (first + k) as f64 * interval * horizon));
             let points = Points {
                 first: 0,
                 phase: segment * rows.cost.phases() / segments,
-                times: &times,
-                states: &states,
+                times,
+                states,
                 jerks: jerks.as_ref(),
             };
-            rows.of_all(points, &mut h)?;
+            rows.of_all(points, &mut h[..count * points.count()])?;
+            let equalities = &rows.attributes().equalities;
             // The control may jump where two segments meet, so each has ends of its own.
             for k in 1..self.intervals {
                 let time = (first + k) as f64 * interval;
@@ -101,7 +138,7 @@ impl Scan {
                 for (row, ((before, here), after)) in all {
                     let values = [*before, *here, *after];
                     let is_low = before.max(*here).max(*after) <= floor;
-                    if is_low || rows.attributes().equalities[row] {
+                    if is_low || equalities[row] {
                         continue;
                     }
                     let bracket = Bracket { times, values };
@@ -126,52 +163,62 @@ impl Scan {
                 }
             }
         }
-        if !uncertain.is_empty() {
-            for _ in 0..Bracket::REFINEMENTS {
-                for of_phase in uncertain.chunk_by_mut(|(_, a, _), (_, b, _)| a == b) {
-                    self.refine(rows, coefficients, horizon, of_phase, &mut found)?;
-                }
-            }
+        for _ in 0..Bracket::REFINEMENTS {
+            self.refine(rows, coefficients, horizon, look)?;
         }
-        Ok(found)
+        Ok(())
     }
 
-    /// Evaluates the rows at the estimated times of maxima in one phase, and estimates them again.
+    /// Evaluates the rows at the estimated times of maxima, side by side in one phase, and estimates them again.
     fn refine<K: Constraint, P: CostWithControl>(
         &self,
         rows: &mut Rows<'_, K, P>,
         coefficients: &DMatrix<f64>,
         horizon: f64,
-        uncertain: &mut [(usize, usize, Bracket)],
-        found: &mut [Maximum],
+        look: &mut Look,
     ) -> Result<()> {
-        let (n, count, segments) = (coefficients.nrows(), rows.count(), self.basis.segments());
-        let mut states = DMatrix::zeros(n, 3 * uncertain.len());
-        let (mut one, mut times) = (DMatrix::zeros(n, 4), Vec::new());
-        let mut jerks = DMatrix::zeros(n, uncertain.len());
-        for (k, (at, _, bracket)) in uncertain.iter().enumerate() {
-            let (segment, time) = (found[*at].segment, bracket.next());
-            let local = 2.0 * (time * segments as f64 - segment as f64) - 1.0;
-            let table = self.basis.local(local).transpose();
-            place(coefficients, self.basis.first(segment), &table, &mut one);
-            states.columns_mut(3 * k, 3).copy_from(&one.columns(0, 3));
-            jerks.set_column(k, &(one.column(3) * horizon.powi(-3)));
-            times.push(time * horizon);
-        }
-        scale(&mut states, horizon);
-        let mut h = vec![0.0; count * times.len()];
-        let points = Points {
-            first: 0,
-            phase: uncertain[0].1,
-            times: &times,
-            states: &states,
-            jerks: Some(&jerks),
-        };
-        rows.of_all(points, &mut h)?;
-        for (k, (at, _, bracket)) in uncertain.iter_mut().enumerate() {
-            let maximum = &mut found[*at];
-            bracket.narrow(bracket.next(), h[k * count + maximum.row]);
-            (maximum.time, maximum.height) = bracket.vertex();
+        let (count, segments) = (rows.count(), self.basis.segments());
+        let Look {
+            found,
+            uncertain,
+            times,
+            h,
+            functions,
+            one,
+            few,
+            ..
+        } = look;
+        let of_phases = uncertain.chunk_by_mut(|(_, a, _), (_, b, _)| a == b);
+        for few_maxima in of_phases.flat_map(|of_phase| of_phase.chunks_mut(LANES)) {
+            let [states, jerks] = &mut few[few_maxima.len() - 1];
+            times.clear();
+            for (k, (at, _, bracket)) in few_maxima.iter().enumerate() {
+                let (segment, time) = (found[*at].segment, bracket.next());
+                let local = 2.0 * (time * segments as f64 - segment as f64) - 1.0;
+                self.basis.functions_in(local, functions);
+                let first = self.basis.first(segment);
+                place(coefficients, first, &functions.transposed, one);
+                states.columns_mut(3 * k, 3).copy_from(&one.columns(0, 3));
+                let factor = horizon.powi(-3);
+                jerks
+                    .column_mut(k)
+                    .zip_apply(&one.column(3), |to, x| *to = x * factor);
+                times.push(time * horizon);
+            }
+            scale(states, horizon);
+            let points = Points {
+                first: 0,
+                phase: few_maxima[0].1,
+                times,
+                states,
+                jerks: Some(jerks),
+            };
+            rows.of_all(points, &mut h[..count * times.len()])?;
+            for (k, (at, _, bracket)) in few_maxima.iter_mut().enumerate() {
+                let maximum = &mut found[*at];
+                bracket.narrow(bracket.next(), h[k * count + maximum.row]);
+                (maximum.time, maximum.height) = bracket.vertex();
+            }
         }
         Ok(())
     }

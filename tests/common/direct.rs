@@ -27,7 +27,7 @@ pub fn solved(problem: &Problem<'_>, settings: &DirectSettings) -> DirectSolutio
 }
 
 /// The direct method of a valid problem with constraints.
-pub fn solved_within<K: Constraint + Sync>(
+pub fn solved_within<K: Constraint + Send + Sync>(
     problem: &Problem<'_>,
     settings: &DirectSettings,
     constraints: &Constraints<K>,

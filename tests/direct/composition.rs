@@ -93,7 +93,7 @@ fn what_holds_constraints_does_not_matter() {
     assert_close!(ours.curve.x(), theirs.curve.x(), 1e-6);
 }
 
-fn within<K: Constraint + Sync>(problem: &Problem<'_>, state: K) -> DirectSolution {
+fn within<K: Constraint + Send + Sync>(problem: &Problem<'_>, state: K) -> DirectSolution {
     let settings = DirectSettings {
         degree: 9,
         starts: 3,

@@ -2,17 +2,18 @@
 
 use crate::common::{assert_refused, robot};
 use aghf::constraint::{
-    AnyConstraint, Bounds, CollisionSphere, Constraints, RowKind, Sphere, SphereClearance,
-    TorqueLimits,
+    AnyConstraint, Bounds, CollisionSphere, Constraints, CoverClearance, RowKind, SelfClearance,
+    SolidClearance, Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::cost::ControlEffort;
 use aghf::direct::{Direct, DirectSettings, FreeHorizon, Outcome, Safety, Tracker, TrackerOptions};
 use aghf::dynamics::{Data, ForwardDynamicsDerivatives, aba, aba_derivatives, forward_kinematics};
+use aghf::geometry::{BallTree, Shape, Solid};
 use aghf::model::Model;
 use aghf::motion::{Problem, violations};
 use aghf::spatial::Placement;
 use aghf::urdf::{builtin_robot_text, parse_urdf};
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::time::Duration;

@@ -187,8 +187,9 @@ impl Nlp for Dense {
         self.all_rows(true).map(of).collect()
     }
 
-    fn working_set(&mut self, _: &[f64]) -> Vec<Row> {
-        self.all_rows(false).collect()
+    fn working_set(&mut self, _: &[f64], rows: &mut Vec<Row>) {
+        rows.clear();
+        rows.extend(self.all_rows(false));
     }
 
     fn longest(&self, _: &DVector<f64>, _: &DVector<f64>) -> f64 {

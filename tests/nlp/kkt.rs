@@ -61,7 +61,7 @@ fn system(rng: &mut ChaCha8Rng, columns: usize, shift: f64) -> (Kkt, DMatrix<f64
 fn products() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     for columns in [0, 1, 3] {
-        let (kkt, norm, hessian) = system(&mut rng, columns, 0.0);
+        let (mut kkt, norm, hessian) = system(&mut rng, columns, 0.0);
         let x = kkt.gradient.clone();
         assert_close!(&kkt.hessian.product(&x), &(&hessian * &x), 1e-14);
         let length = x.dot(&(&norm * &x)).sqrt();

@@ -14,8 +14,8 @@ use std::ops::Range;
 /// A row that is linear in the unknowns of the border.
 pub(super) struct LinearRow {
     pub value: f64,
-    /// The slopes by the index of the unknown in the border.
-    pub slopes: Vec<(usize, f64)>,
+    /// The slopes by the index of the unknown in the border, at most two.
+    slopes: [Option<(usize, f64)>; 2],
     /// The unit of the row: s, or the horizon.
     pub unit: f64,
 }
@@ -28,7 +28,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 
     /// The mean square of the slope of the curve in normalised time.
     pub(super) fn mean_square_slope(&self) -> f64 {
-        let (grid, mut sum) = (self.grid, 0.0);
+        let (grid, mut sum) = (&self.grid, 0.0);
         let mut states = DMatrix::zeros(self.coefficients.nrows(), grid.table.ncols());
         for e in 0..grid.segments {
             place(&self.coefficients, grid.first(e), &grid.table, &mut states);
@@ -54,43 +54,39 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     }
 
     /// The rows that keep the times of waypoints between those of their neighbours.
-    fn time_rows(&self) -> Vec<LinearRow> {
-        let mut rows = Vec::new();
-        for after in 0..=self.times.len() {
+    fn time_rows(&self) -> impl Iterator<Item = LinearRow> {
+        // Without unknown times there are none.
+        let after = 0..=self.times.len();
+        let after = after.filter(|_| !self.moving.is_empty());
+        after.filter_map(|after| {
             let before = after.checked_sub(1);
-            let unknowns = [before, Some(after)].map(|k| self.unknown_time(k?));
-            let slopes = unknowns.into_iter().zip([1.0, -1.0]);
-            let slopes: Vec<_> = slopes.filter_map(|(k, slope)| Some((k?, slope))).collect();
-            if slopes.is_empty() {
-                continue;
-            }
+            let slope = |k, slope| Some((self.unknown_time(k)?, slope));
+            let slopes = [before.and_then(|k| slope(k, 1.0)), slope(after, -1.0)];
             let earlier = before.map_or(0.0, |k| self.times[k]);
             let later = self.times.get(after).copied().unwrap_or(1.0);
-            rows.push(LinearRow {
+            slopes.iter().any(Option::is_some).then_some(LinearRow {
                 value: earlier - later,
                 slopes,
                 unit: self.horizon,
-            });
-        }
-        rows
+            })
+        })
     }
 
     /// The rows that are linear in the unknowns of the border: those of times, then the two bounds of a free horizon.
-    pub(super) fn linear_rows(&self) -> Vec<LinearRow> {
-        let mut rows = self.time_rows();
-        if let Some(free) = self.free_horizon {
+    pub(super) fn linear_rows(&self) -> impl Iterator<Item = LinearRow> {
+        let of_horizon = self.free_horizon.into_iter().flat_map(|free| {
             let unit = free.longest;
             let bounds = [
                 ((free.shortest - self.horizon) / unit, -1.0 / unit),
                 ((self.horizon - unit) / unit, 1.0 / unit),
             ];
-            rows.extend(bounds.map(|(value, slope)| LinearRow {
+            bounds.map(|(value, slope)| LinearRow {
                 value,
-                slopes: vec![(0, slope)],
+                slopes: [Some((0, slope)), None],
                 unit,
-            }));
-        }
-        rows
+            })
+        });
+        self.time_rows().chain(of_horizon)
     }
 
     /// The largest fraction of a step that halves neither the horizon nor the time between two waypoints.
@@ -101,7 +97,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             most = most.min(0.5 * x[own] / step[own].abs());
         }
         for row in self.time_rows() {
-            let changes = row.slopes.iter().map(|(k, slope)| slope * step[own + k]);
+            let slopes = row.slopes.iter().flatten();
+            let changes = slopes.map(|(k, slope)| slope * step[own + k]);
             let change: f64 = changes.sum();
             if change > 0.0 {
                 most = most.min(-0.5 * row.value / change);
@@ -112,17 +109,17 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 
     /// Adds the derivatives of the rows that are linear in the unknowns of the border, from row `first` on.
     pub(super) fn add_linear_rows(&self, iterate: &Iterate, first: usize, out: &mut Kkt) {
-        let (rows, horizon) = (self.linear_rows(), self.horizon);
-        let own = out.gradient.len() - self.border();
-        for state in iterate.working.iter().filter(|of| of.row.at >= first) {
-            let row = &rows[state.row.at - first];
+        let (horizon, own) = (self.horizon, out.gradient.len() - self.border());
+        // All of them are in the working set, at its end.
+        let begin = iterate.working.partition_point(|of| of.row.at < first);
+        for (state, row) in iterate.working[begin..].iter().zip(self.linear_rows()) {
             let term = self.term(iterate, state, row.value).times(state.row.weight);
             if self.free_horizon.is_some() {
                 out.gradient[own] += term.cost;
             }
-            for (i, slope) in &row.slopes {
+            for (i, slope) in row.slopes.iter().flatten() {
                 out.gradient[own + i] += horizon * term.slope * slope;
-                for (j, other) in &row.slopes {
+                for (j, other) in row.slopes.iter().flatten() {
                     out.hessian.corner[(*i, *j)] += horizon * term.curvature * slope * other;
                 }
             }
@@ -203,10 +200,10 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 
     /// Adds the derivatives of the rows of points to gradient and condensed matrix.
     pub(super) fn add_points(&mut self, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
-        let (grid, measure) = (self.grid, self.horizon);
+        let (grid, measure) = (self.grid.clone(), self.horizon);
         for (point, (place, of)) in self.of_points(iterate)?.into_iter().enumerate() {
-            place.add_hessian(grid, &of, measure, &mut out.hessian.matrix);
-            place.scatter(grid, &of.gradient, 0, measure, out.gradient.as_mut_slice());
+            place.add_hessian(&grid, &of, measure, &mut out.hessian.matrix);
+            place.scatter(&grid, &of.gradient, 0, measure, out.gradient.as_mut_slice());
             self.add_border_of(point, (&place, &of), out);
         }
         Ok(())
@@ -218,7 +215,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// second derivatives in a coefficient and the time are $\phi_m'$ and $\phi_m''$. The horizon moves the coefficients
     /// of the boundary velocities, and is the measure of the rows.
     fn add_border_of(&self, point: usize, (place, of): (&Place, &PointDerivatives), out: &mut Kkt) {
-        let (grid, measure) = (self.grid, self.horizon);
+        let (grid, measure) = (&self.grid, self.horizon);
         let own = out.gradient.len() - self.border();
         let horizon = self.free_horizon.map(|_| 0);
         let rates = self.place_of_point(point, &self.rates).q;

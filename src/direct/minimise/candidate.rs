@@ -145,17 +145,20 @@ impl Multipliers {
         &self.of_points
     }
 
-    /// The multipliers of rows, row by row for each point of a grid, and those of waypoints and a goal. The multiplier
-    /// of a row that is not enforced at a point is interpolated between the neighbouring points at which it is.
-    pub(crate) fn new<K: Constraint, P: CostWithControl>(
+    /// Takes over the multipliers of rows, row by row for each point of a grid, but not those of waypoints and a goal.
+    /// The multiplier of a row that is not enforced at a point is interpolated between the neighbouring points at which
+    /// it is.
+    pub(crate) fn put<K: Constraint, P: CostWithControl>(
+        &mut self,
         grid: &Grid<f64>,
         rows: &Rows<'_, K, P>,
-        values: &[f64],
-        of_points: Vec<f64>,
-    ) -> Self {
+        all: &[f64],
+    ) {
         let count = rows.count();
-        let times = grid.times.clone();
-        let mut values = values[..times.len() * count].to_vec();
+        let Self { times, values, .. } = self;
+        times.clone_from(&grid.times);
+        values.clear();
+        values.extend_from_slice(&all[..times.len() * count]);
         if grid.collocated.contains(&true) {
             for (row, equality) in rows.attributes().equalities.iter().enumerate() {
                 let idle = |g: &usize| grid.collocated[g % grid.points()] != *equality;
@@ -171,11 +174,6 @@ impl Multipliers {
                 }
             }
         }
-        Self {
-            times,
-            values,
-            of_points,
-        }
     }
 
     /// The multipliers for a multiple of the objective.
@@ -189,20 +187,32 @@ impl Multipliers {
         }
     }
 
-    /// The multipliers of the rest of a motion after this share of it, from 0 to less than 1.
-    pub(crate) fn after(&self, share: f64) -> Self {
-        let left = self.times.iter().map(|t| (t - share) / (1.0 - share));
-        Self {
-            times: left.collect(),
-            ..self.clone()
+    /// Takes over other multipliers in the memory of these.
+    pub(crate) fn set(&mut self, from: &Self) {
+        self.times.clone_from(&from.times);
+        self.values.clone_from(&from.values);
+        self.of_points.clone_from(&from.of_points);
+    }
+
+    /// Changes the times to those of the rest of a motion after this share of it, from 0 to less than 1.
+    pub(crate) fn begin_after(&mut self, share: f64) {
+        for time in &mut self.times {
+            *time = (*time - share) / (1.0 - share);
         }
     }
 
     /// The multipliers at other times, interpolated linearly, then those of waypoints and of a goal; `None` without
     /// multipliers.
     pub(crate) fn at(&self, times: &[f64], rows: usize) -> Option<Vec<f64>> {
+        let mut found = Vec::new();
+        self.at_in(times, rows, &mut found).map(|()| found)
+    }
+
+    /// Computes [`at`](Self::at) into `found`.
+    pub(crate) fn at_in(&self, times: &[f64], rows: usize, found: &mut Vec<f64>) -> Option<()> {
         let last = self.times.len().checked_sub(1)?;
-        let mut found = vec![0.0; times.len() * rows];
+        found.clear();
+        found.resize(times.len() * rows, 0.0);
         for (time, to) in times.iter().zip(found.chunks_exact_mut(rows.max(1))) {
             let after = self.times.partition_point(|t| t < time);
             let (a, b) = (after.saturating_sub(1), after.min(last));
@@ -218,6 +228,6 @@ impl Multipliers {
             }
         }
         found.extend(&self.of_points);
-        Some(found)
+        Some(())
     }
 }

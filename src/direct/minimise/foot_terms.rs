@@ -1,21 +1,16 @@
 //! The derivatives of the weighted rows of a standing foot along a motion, side by side.
 
-use crate::constraint::{FootDerivatives, FootWeights, Phase, StandingFoot};
+use crate::constraint::{FootDerivatives, FootWeights};
 use crate::cost::{Points, PointsDerivatives};
 use crate::dynamics::Data;
 use crate::error::Result;
-use crate::model::Model;
 use crate::nlp::Term;
 use crate::scalar::{LANES, Wide};
 use crate::transcription::Standing;
 
 /// A workspace that adds the derivatives of the rows of a foot with the weights of their terms.
 #[derive(Clone, Debug)]
-pub(super) struct FootTerms<'a> {
-    model: &'a Model,
-    foot: &'a StandingFoot,
-    /// The phase, whose joints have another order.
-    phase: Option<&'a Phase>,
+pub(super) struct FootTerms {
     /// The rows of the foot among all, and their factors.
     first: usize,
     scales: Vec<f64>,
@@ -28,14 +23,11 @@ pub(super) struct FootTerms<'a> {
     out: FootDerivatives<Wide>,
 }
 
-impl<'a> FootTerms<'a> {
+impl FootTerms {
     /// A workspace for a foot, with the factors of all rows.
-    pub fn new((first, model, foot, phase): Standing<'a>, scales: &[f64]) -> Self {
+    pub fn new((first, model, foot, _): Standing<'_>, scales: &[f64]) -> Self {
         let (n, zero) = (model.dof(), Wide::splat(0.0));
         Self {
-            model,
-            foot,
-            phase,
             first,
             scales: scales[first..first + foot.dim()].to_vec(),
             data: Data::new(model),
@@ -46,17 +38,18 @@ impl<'a> FootTerms<'a> {
         }
     }
 
-    /// Adds the derivatives at all points at which rows have terms.
+    /// Adds the derivatives at all points at which rows have terms. The joints of a phase have another order.
     pub fn add(
         &mut self,
+        (_, model, foot, phase): Standing<'_>,
         points: Points<'_, f64>,
         terms: &[Vec<(usize, Term)>],
         out: &mut PointsDerivatives<f64>,
     ) -> Result<()> {
-        let n = self.model.dof();
+        let n = model.dof();
         for start in (0..points.count()).step_by(LANES) {
             let count = points.gather(start, &mut self.state);
-            match self.phase {
+            match phase {
                 Some(phase) => phase.sort(&self.state, &mut self.z),
                 None => self.z.clone_from(&self.state),
             }
@@ -71,15 +64,14 @@ impl<'a> FootTerms<'a> {
                 curvatures,
             };
             let (data, found) = (&mut self.data, &mut self.out);
-            self.foot
-                .weighted_derivatives(self.model, data, z, weights, found)?;
-            let joint = |i: usize| self.phase.map_or(i, |phase| phase.order[i]);
+            foot.weighted_derivatives(model, data, z, weights, found)?;
+            let joint = |i: usize| phase.map_or(i, |phase| phase.order[i]);
             for (i, slope) in found.gradient.iter().enumerate() {
                 for lane in 0..count {
                     out.gradients[(joint(i % n), 3 * (start + lane) + i / n)] += slope.0[lane];
                 }
             }
-            match self.phase {
+            match phase {
                 Some(phase) => {
                     let hessian = phase.restored(&found.hessian);
                     out.hessians.add_wide(start, &hessian);

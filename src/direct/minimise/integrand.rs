@@ -2,7 +2,7 @@
 
 use super::foot_terms::FootTerms;
 use super::stage_terms::StageTerms;
-use crate::constraint::{Constraint, Constraints, Side, Weights};
+use crate::constraint::{Constraint, Side, Weights};
 use crate::cost::alone;
 use crate::cost::{
     ControlDerivatives, CostWithControl, Point, PointCost, PointDerivatives, Points,
@@ -12,7 +12,6 @@ use crate::error::Result;
 use crate::nlp::Term;
 use crate::scalar::{LANES, Wide};
 use crate::transcription::Rows;
-use nalgebra::DMatrix;
 
 /// The running cost $l$, and the weighted rows $h_j$ whose weights are those of the condensed equations of the
 /// interior-point method ([`Term`]): the gradient is $l_z + \sum_j \sigma_j \nabla h_j$ and the Hessian
@@ -35,7 +34,7 @@ pub(crate) struct Integrand<'a, K, P> {
     curvatures: Vec<Wide<f64>>,
     multipliers: Vec<Wide<f64>>,
     /// The derivatives of the rows of a standing foot, if there is one: of that of each phase.
-    feet: Vec<FootTerms<'a>>,
+    feet: Vec<FootTerms>,
     /// The derivatives of the rows in $(t, q, v, a, u)$, if there are any.
     stage: Option<StageTerms<'a>>,
 }
@@ -51,13 +50,14 @@ impl<'a, K: Constraint, P: CostWithControl> Integrand<'a, K, P> {
             Some(Side::Lower) => (joint, -scale),
             _ => (joint, *scale),
         });
-        let Constraints { stage, .. } = rows.constraints;
+        let stage = &rows.constraints.stage;
         let scales = &rows.attributes().scales;
         let feet = (0..rows.cost.phases()).filter_map(|phase| rows.standing(phase));
         let feet = feet.map(|foot| FootTerms::new(foot, scales)).collect();
+        let stage = (!stage.others.is_empty()).then(|| StageTerms::new(rows.model));
         Self {
             feet,
-            stage: (!stage.others.is_empty()).then(|| StageTerms::new(rows.model)),
+            stage,
             torques: torques.collect(),
             h: vec![0.0; points * rows.count()],
             terms: vec![Vec::new(); points],
@@ -131,7 +131,7 @@ impl<K: Constraint, P: CostWithControl> Integrand<'_, K, P> {
     fn add_rates(&self, points: Points<'_, f64>, out: &mut PointsDerivatives<f64>) {
         let first = self.rows.constraints.first_of_stage();
         if self.needs_jerk() && !self.rows.cost.needs_jerk() {
-            out.by_jerk = [(); 2].map(|()| DMatrix::zeros(points.states.nrows(), points.count()));
+            out.clear_jerk(points.states.nrows(), points.count());
         }
         for g in 0..points.count() {
             for (row, term) in &self.terms[points.first + g] {
@@ -164,7 +164,7 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
     fn time_rate(&mut self, point: Point<'_, f64>) -> Result<f64> {
         let of_rows = match &mut self.stage {
             Some(stage) => {
-                stage.time_rate(point, self.rows.constraints, &self.terms[point.index])?
+                stage.time_rate(point, &self.rows.constraints, &self.terms[point.index])?
             }
             None => 0.0,
         };
@@ -198,7 +198,7 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
         points: Points<'_, f64>,
         out: &mut PointsDerivatives<f64>,
     ) -> Result<()> {
-        let Constraints { torque, .. } = self.rows.constraints;
+        let torque = &self.rows.constraints.torque;
         let (states, torques, terms) = (self.rows.states(), &self.torques, &self.terms);
         let mut add = |index: usize, _: &[f64], out: &mut ControlDerivatives<f64>| {
             for (row, term) in &terms[index] {
@@ -220,11 +220,12 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
                 .sum::<f64>();
         }
         self.add_rates(points, out);
-        if let Some(foot) = self.feet.get_mut(points.phase) {
-            foot.add(points, &self.terms, out)?;
+        let standing = self.rows.standing(points.phase);
+        if let (Some(foot), Some(standing)) = (self.feet.get_mut(points.phase), standing) {
+            foot.add(standing, points, &self.terms, out)?;
         }
         if let Some(stage) = &mut self.stage {
-            stage.add(points, self.rows.constraints, &self.terms, out)?;
+            stage.add(points, &self.rows.constraints, &self.terms, out)?;
         }
         if states > 0 {
             for start in (0..points.count()).step_by(LANES) {

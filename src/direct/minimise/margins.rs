@@ -6,30 +6,26 @@ use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::cost::SMALLEST_COST;
 use crate::error::Result;
-use crate::transcription::Maximum;
 use nalgebra::DVector;
 
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
-    /// The local maxima of the rows between the points, and the largest violation, in its unit.
-    pub(super) fn maxima(&mut self, end: bool) -> Result<(Vec<Maximum>, f64)> {
+    /// Finds the local maxima of the rows between the points; returns the largest violation, in its unit.
+    pub(super) fn maxima(&mut self, end: bool) -> Result<f64> {
         let (scan, horizon) = (self.scans[usize::from(end)].clone(), self.horizon);
         self.evaluate_points()?;
-        let of_border = self.linear_rows().into_iter();
-        let of_border = of_border.map(|row| row.unit * row.value);
+        let of_border = self.linear_rows().map(|row| row.unit * row.value);
         let of_points = self.points.iter().map(PointRows::violation);
         let beside = of_border.chain(of_points).fold(0.0, f64::max);
-        let rows = &mut self.objective.cost_mut().rows;
-        let floor = -self.search.scan_depth;
-        let maxima = scan.maxima(rows, &self.coefficients, horizon, floor)?;
-        let units = &rows.attributes().units;
-        let highest = maxima
-            .iter()
-            .map(|maximum| maximum.height * units[maximum.row]);
-        let highest = highest.fold(0.0, f64::max);
-        let (units, equalities) = (units.clone(), rows.attributes().equalities.clone());
         let integrand = self.objective.cost_mut();
+        let floor = -self.search.scan_depth;
+        let (rows, look) = (&mut integrand.rows, &mut self.look);
+        scan.maxima(rows, &self.coefficients, horizon, floor, look)?;
+        let attributes = integrand.rows.attributes();
+        let (units, equalities) = (&attributes.units, &attributes.equalities);
+        let maxima = self.look.found.iter();
+        let highest = maxima.map(|maximum| maximum.height * units[maximum.row]);
+        let mut largest = beside.max(highest.fold(0.0, f64::max));
         let count = integrand.rows.count();
-        let mut largest = beside.max(highest);
         for (g, h) in integrand.h.chunks_exact(count.max(1)).enumerate() {
             if self.grid.collocated[g % self.grid.points()] {
                 for (row, h) in h.iter().enumerate().filter(|(row, _)| equalities[*row]) {
@@ -37,14 +33,17 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
                 }
             }
         }
-        Ok((maxima, largest))
+        Ok(largest)
     }
 
     /// Returns true if a finer quadrature gives a different cost; the tolerance is larger before the `end`.
     pub(super) fn is_coarse(&mut self, end: bool) -> Result<bool> {
         let cost = self.cost()?;
-        self.finer.set_horizon(self.horizon);
-        let exact = self.finer.value(&self.coefficients)?;
+        let Some(finer) = &mut self.finer else {
+            return Ok(false);
+        };
+        finer.set_horizon(self.horizon);
+        let exact = finer.value(&self.coefficients)?;
         let error = (exact - cost).abs() / exact.abs().max(SMALLEST_COST);
         self.finer_cost = [exact, error];
         let on_the_way = if end {
@@ -71,11 +70,11 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         [true, !free]
     }
 
-    /// The margin of each row against rounding: not more than the distance of a fixed start or end from its bound,
+    /// Sets the margin of each row against rounding: not more than the distance of a fixed start or end from its bound,
     /// which no motion can keep just beside it. A larger margin would be a violation that no penalty removes.
-    fn reserves(&self) -> Vec<f64> {
-        let integrand = self.objective.cost();
-        let (rows, fixed) = (&integrand.rows, self.fixed_ends());
+    fn set_reserves(&mut self) {
+        let (fixed, integrand) = (self.fixed_ends(), self.objective.cost());
+        let rows = &integrand.rows;
         let (states, attributes) = (rows.states(), rows.attributes());
         let with_ends = self.grid.times[0] == 0.0;
         let last = integrand.h.len() - rows.count();
@@ -92,13 +91,14 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             let distances = distances.filter(|distance| *distance >= least);
             distances.fold(self.search.reserve, f64::min)
         };
-        (0..rows.count()).map(reserve).collect()
+        self.reserves.clear();
+        self.reserves.extend((0..rows.count()).map(reserve));
     }
 
     /// Sets the margins against rounding.
     pub(super) fn reserve(&mut self) {
-        let margins = self.reserves();
-        let margins = margins.iter().copied();
+        self.set_reserves();
+        let margins = self.reserves.iter().copied();
         let reserve = self.search.reserve;
         let (of_grid, beside) = self.margins.split_at_mut(self.first_of_points);
         for (margin, of_row) in of_grid.iter_mut().zip(margins.cycle()) {
@@ -110,23 +110,24 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         }
     }
 
-    /// Sets margins from the local maxima of the rows between the points.
+    /// Sets margins from the [local maxima](Self::maxima) of the rows between the points.
     ///
     /// They raise the rows at the two points of the segment next to a maximum to its height, or only `grow`, by twice
     /// the excess of a maximum.
-    pub(super) fn set_margins(&mut self, maxima: &[Maximum], grow: bool) {
-        if !grow {
-            self.reserve();
+    pub(super) fn set_margins(&mut self, grow: bool) {
+        match grow {
+            true => self.set_reserves(),
+            false => self.reserve(),
         }
-        let (reserves, fixed) = (self.reserves(), self.fixed_ends());
-        let (grid, integrand) = (self.grid, self.objective.cost());
+        let fixed = self.fixed_ends();
+        let (grid, integrand) = (&self.grid, self.objective.cost());
         let (count, states) = (integrand.rows.count(), integrand.rows.states());
         // Times are sums of intervals.
         let is_at = |time: f64, end: f64| (time - end).abs() <= 8.0 * f64::EPSILON;
         let is_fixed = |time: f64| (fixed[0] && is_at(time, 0.0)) || (fixed[1] && is_at(time, 1.0));
         let phases = integrand.rows.cost.phases() as f64;
         let changes = |time: f64| is_at(phases * time, (phases * time).round());
-        for maximum in maxima {
+        for maximum in &self.look.found {
             // Margins do not change the state at a fixed end, nor the place of a foot that lands. Beside an end at its
             // bound they would ask for another derivative than the one that decides.
             let at_ends = is_fixed(maximum.time) || self.has_rows_of_ends(maximum);
@@ -134,7 +135,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             if maximum.row < states && (at_ends || (of_phase && changes(maximum.time))) {
                 continue;
             }
-            let reserve = reserves[maximum.row];
+            let reserve = self.reserves[maximum.row];
             let after = grid.times.partition_point(|t| *t < maximum.time);
             let own = maximum.segment * grid.points()..(maximum.segment + 1) * grid.points();
             let asked = |g: &usize| !grid.collocated[g % grid.points()];

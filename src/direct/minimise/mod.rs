@@ -18,12 +18,13 @@ mod program;
 mod rate_rows;
 mod real_time;
 mod stage_terms;
+mod unknowns;
 pub(crate) mod working_set;
 
 pub(super) use candidate::Candidate;
 pub use candidate::Multipliers;
 pub(crate) use integrand::Integrand;
-pub(super) use real_time::{Iterations, improve};
+pub(super) use real_time::{Iterations, RealTime};
 
 use super::{DirectSettings, FreeHorizon, GoalSet, Iteration};
 use crate::constraint::Constraint;
@@ -119,8 +120,12 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     // Not a multiple, so that it sees between the points.
     let finer = grids.get(&basis, points * 3 / 2 + 7);
     let refinable = points < settings.search.most_points * basis.degree();
-    let both = [&*grid, &*finer];
+    let both = (grid.clone(), Some(finer));
     let mut program = Program::new(context, candidate, both, stage, refinable);
+    let goal = context
+        .goal
+        .map(|goal| &goal.alternatives[candidate.alternative][..]);
+    program.add_goal_and_waypoints(&settings.waypoints, goal);
     let options = Options {
         tolerance: stage.tolerance,
         feasible: stage.feasible,
@@ -166,14 +171,15 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     program.equality_penalty = candidate.equality_penalty;
     let x = program.unknowns(candidate);
     program.set_first_margins(&x)?;
-    let known = program.known_multipliers(candidate);
+    let mut known = Vec::new();
+    let known = program.known_multipliers(candidate, &mut known);
     if stage.last {
         program.kept.push(x.clone());
     }
-    let end = solve(&mut program, x, known.as_deref(), kkt, &options, &mut log)?;
+    let end = solve(&mut program, x, known, kkt, &options, &mut log)?;
     let all = end.iterate.multipliers(program.margins.len());
-    let of_points = all[program.range_of_points()].to_vec();
-    candidate.multipliers = Multipliers::new(&grid, rows, &all, of_points);
+    candidate.multipliers.put(&grid, rows, &all);
+    candidate.multipliers.of_points = all[program.range_of_points()].to_vec();
     if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
         candidate.equality_penalty = penalty / first;
     }
@@ -192,11 +198,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     }
     candidate.violation = violation;
     candidate.kept = rows.count() > 0 && !candidate.converged && violation <= stage.feasible;
-    (
-        candidate.path.coefficients,
-        candidate.horizon,
-        candidate.times,
-    ) = program.curve(&x);
+    program.put(&x, candidate);
     [candidate.cost, candidate.quadrature_error] = program.finer_cost;
     let time = context
         .free_horizon

@@ -4,16 +4,15 @@ use super::integrand::Integrand;
 use super::point_rows::PointRows;
 use super::working_set::{WorkingSet, equalities};
 use super::{Candidate, Context, Stage};
-use crate::constraint::Constraint;
+use crate::constraint::{AnyConstraint, Constraint};
 use crate::cost::CostWithControl;
 use crate::curve::Basis;
-use crate::direct::{FreeHorizon, SearchOptions};
+use crate::direct::{FreeHorizon, SearchOptions, Waypoint};
 use crate::error::Result;
 use crate::model::Model;
-use crate::motion::Watch;
+use crate::motion::{Problem, Watch};
 use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, RowState, Term, Tightened};
-use crate::transcription::{Derivatives, Objective};
-use crate::transcription::{Grid, Scan};
+use crate::transcription::{Derivatives, Grid, Look, Objective, Scan};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
@@ -23,16 +22,18 @@ use std::sync::Arc;
 /// The rows are those of the constraints at the points of the quadrature, with margins $m_j \ge 0$ by which they are
 /// larger near a point than at it; then those of waypoints, of a goal that is a set, and of ends at a bound; then those
 /// that are linear in times and horizon.
-pub(super) struct Program<'g, 'a, K, P> {
-    pub(super) grid: &'g Grid<f64>,
+pub(in crate::direct) struct Program<'g, 'a, K, P> {
+    pub(super) grid: Arc<Grid<f64>>,
     pub(super) model: &'g Model,
     /// The times between the points at which rows are evaluated, during the search and at its end.
     pub(super) scans: [Arc<Scan>; 2],
     pub(super) objective: Objective<'g, f64, Integrand<'a, K, P>>,
-    /// The coefficients and the horizon at which the objective and the rows were evaluated last, with the cost.
-    evaluated: Option<(DMatrix<f64>, f64, f64)>,
-    /// The cost alone by a finer quadrature, with the cost of the last evaluation and its relative difference.
-    pub(super) finer: Objective<'g, f64, P>,
+    /// The coefficients at which the objective and the rows were evaluated last, with the horizon and the cost.
+    evaluated_at: DMatrix<f64>,
+    evaluated: Option<(f64, f64)>,
+    /// The cost alone by a finer quadrature if there is one, with the cost of the last evaluation and its relative
+    /// difference.
+    pub(super) finer: Option<Objective<'g, f64, P>>,
     pub finer_cost: [f64; 2],
     pub(super) derivatives: Derivatives<f64>,
     /// The coefficients, those of the boundary conditions included.
@@ -50,9 +51,15 @@ pub(super) struct Program<'g, 'a, K, P> {
     pub(super) times: Vec<f64>,
     pub(super) moving: Vec<usize>,
     pub(super) margins: Vec<f64>,
+    /// The margin of each row against rounding.
+    pub(super) reserves: Vec<f64>,
+    /// The last look between the points.
+    pub(super) look: Look,
+    /// The multipliers of all rows.
+    pub(super) multipliers: Vec<f64>,
     working: WorkingSet,
     pub(super) stage: Stage,
-    pub(super) search: &'g SearchOptions,
+    pub(super) search: SearchOptions,
     /// The penalties of equalities to begin with, relative to those without a search before.
     pub equality_penalty: f64,
     /// True if the number of points may increase.
@@ -61,33 +68,28 @@ pub(super) struct Program<'g, 'a, K, P> {
     lagrangian: bool,
     /// Unknowns that appeared to satisfy the constraints, the last one last.
     pub kept: Vec<DVector<f64>>,
-    watch: &'g Watch,
+    watch: Watch,
 }
 
 impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
+    /// The program of a candidate without rows of waypoints and of a goal.
     pub fn new(
-        context: Context<'g, 'a, K, P>,
-        Candidate {
-            path,
-            horizon,
-            alternative,
-            times,
-            ..
-        }: &Candidate,
-        [grid, finer]: [&'g Grid<f64>; 2],
+        context: Context<'_, 'a, K, P>,
+        candidate: &Candidate,
+        (grid, finer): (Arc<Grid<f64>>, Option<Arc<Grid<f64>>>),
         stage: Stage,
         refinable: bool,
-    ) -> Self {
+    ) -> Self
+    where
+        'a: 'g,
+    {
         let Context {
             problem,
-            grids,
             rows,
-            watch,
-            settings,
             free_horizon,
-            goal,
+            ..
         } = context;
-        let search = &settings.search;
+        let (search, path) = (context.settings.search.clone(), &candidate.path);
         let (n, basis) = (problem.model().dof(), &path.basis);
         let looks = search.scan * grid.points();
         let last = if stage.last {
@@ -96,116 +98,105 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             looks
         };
         let points = grid.points() * grid.segments;
-        let mut objective = Objective::new(grid, Integrand::new(rows.clone(), points), n);
-        let rates = path.rates(problem);
-        if free_horizon.is_some() {
-            objective.free_horizon(rates.clone());
-        }
-        let (model, first_of_points) = (problem.model(), points * rows.count());
-        let (mut points, mut first) = (Vec::new(), first_of_points);
-        let waypoints = &settings.waypoints;
-        for waypoint in waypoints {
-            points.push(PointRows::of_waypoint(model, waypoint, first));
-            first = points[points.len() - 1].range().end;
-        }
-        if let Some(goal) = goal {
-            let goal = &goal.alternatives[*alternative];
-            points.push(PointRows::of_goal(model, goal, first));
-        }
-        let unknown = waypoints.iter().map(|waypoint| waypoint.share.is_none());
-        let unknown = unknown.enumerate().filter(|(_, unknown)| *unknown);
         let mut program = Self {
-            scans: [looks, last].map(|times| grids.scan(basis, times)),
-            finer: Objective::new(finer, rows.cost.clone(), n),
+            scans: [looks, last].map(|times| context.grids.scan(basis, times)),
+            finer: finer.map(|finer| Objective::new(finer, rows.cost.clone(), n)),
             finer_cost: [f64::NAN; 2],
+            evaluated_at: path.coefficients.clone(),
             evaluated: None,
-            derivatives: Derivatives::new(grid, n),
+            derivatives: Derivatives::new(&grid, n),
             coefficients: path.coefficients.clone(),
-            rates,
+            rates: path.rates(problem),
             basis: basis.clone(),
-            horizon: *horizon,
+            horizon: candidate.horizon,
             free_horizon,
-            points,
-            first_of_points,
+            points: Vec::new(),
+            first_of_points: points * rows.count(),
             rows_of_ends: Default::default(),
-            times: times.clone(),
-            moving: unknown.map(|(k, _)| k).collect(),
+            times: candidate.times.clone(),
+            moving: Vec::new(),
             margins: Vec::new(),
-            working: WorkingSet::new(problem, rows, search),
+            reserves: Vec::new(),
+            look: Look::default(),
+            multipliers: Vec::new(),
+            working: WorkingSet::new(problem, rows, &search),
             refinable,
             lagrangian: false,
             kept: Vec::new(),
+            model: problem.model(),
+            objective: Objective::new(grid.clone(), Integrand::new(rows.clone(), points), n),
             grid,
-            model,
-            objective,
             stage,
             search,
             equality_penalty: 1.0,
-            watch,
+            watch: context.watch.clone(),
         };
+        if free_horizon.is_some() {
+            program.objective.free_horizon(program.rates.clone());
+        }
         program.count_margins();
         program
     }
 
+    /// Adds the rows of waypoints and of a goal.
+    pub fn add_goal_and_waypoints(
+        &mut self,
+        waypoints: &'g [Waypoint],
+        goal: Option<&'g [AnyConstraint]>,
+    ) {
+        let mut first = self.first_of_points;
+        for waypoint in waypoints {
+            let of_waypoint = PointRows::of_waypoint(self.model, waypoint, first);
+            first = of_waypoint.range().end;
+            self.points.push(of_waypoint);
+        }
+        let of_goal = goal.map(|goal| PointRows::of_goal(self.model, goal, first));
+        self.points.extend(of_goal);
+        let unknown = waypoints.iter().map(|waypoint| waypoint.share.is_none());
+        let unknown = unknown.enumerate().filter(|(_, unknown)| *unknown);
+        self.moving = unknown.map(|(k, _)| k).collect();
+        self.count_margins();
+    }
+
+    /// Begins anew at another candidate in the same basis, with the memory of this program.
+    pub fn restart(&mut self, problem: &Problem<'a>, candidate: &Candidate) {
+        let path = &candidate.path;
+        self.evaluated = None;
+        self.coefficients.copy_from(&path.coefficients);
+        path.rates_in(problem, &mut self.rates);
+        self.horizon = candidate.horizon;
+        self.objective.set_rates(&self.rates);
+        let rows = &self.objective.cost().rows;
+        self.working.restart(problem, rows, &self.search);
+        self.kept.clear();
+        self.margins.fill(0.0);
+    }
+
+    /// Allocates memory for a working set of all rows.
+    pub fn allocate(&mut self) {
+        let integrand = self.objective.cost_mut();
+        let count = integrand.rows.count();
+        for terms in &mut integrand.terms {
+            terms.reserve(count);
+        }
+    }
+
     /// One margin per row, all zero.
     pub(super) fn count_margins(&mut self) {
-        self.margins = vec![0.0; self.first_of_border() + self.linear_rows().len()];
-    }
-
-    /// The known multipliers at the points, without those of rows beside ends that another program had.
-    pub fn known_multipliers(&self, of: &Candidate) -> Option<Vec<f64>> {
-        let count = self.objective.cost().rows.count();
-        let mut known = of.multipliers.at(&self.grid.times, count)?;
-        known.truncate(self.range_of_points().end);
-        Some(known)
-    }
-
-    /// The unknowns of a curve in the basis.
-    pub fn unknowns(&self, of: &Candidate) -> DVector<f64> {
-        let own = self.derivatives.gradient.len();
-        let free = self.grid.free.iter();
-        let coefficients = &of.path.coefficients;
-        let all = free.flat_map(|function| coefficients.column(*function).into_iter().copied());
-        let horizon = self.free_horizon.map(|_| of.horizon);
-        let times = self.moving.iter().map(|k| of.times[*k]);
-        DVector::from_iterator(own + self.border(), all.chain(horizon).chain(times))
-    }
-
-    /// The coefficients, the horizon and the times of waypoints of unknowns.
-    pub fn curve(&mut self, x: &DVector<f64>) -> (DMatrix<f64>, f64, Vec<f64>) {
-        self.place(x);
-        (self.coefficients.clone(), self.horizon, self.times.clone())
-    }
-
-    /// Sets coefficients, horizon and times.
-    pub(super) fn place(&mut self, x: &DVector<f64>) {
-        let own = self.derivatives.gradient.len();
-        let columns = x.as_slice()[..own].chunks_exact(self.objective.dof());
-        for (function, column) in self.grid.free.iter().zip(columns) {
-            self.coefficients
-                .column_mut(*function)
-                .copy_from_slice(column);
-        }
-        if self.free_horizon.is_some() {
-            self.horizon = x[own];
-            for column in self.basis.fixed_slopes() {
-                let slope = self.rates.column(column) * self.horizon;
-                self.coefficients.set_column(column, &slope);
-            }
-        }
-        self.set_times(x);
-        self.objective.set_horizon(self.horizon);
+        let rows = self.first_of_border() + self.linear_rows().count();
+        self.margins = vec![0.0; rows];
     }
 
     /// Evaluates the cost and the rows at the coefficients, unless these were the last ones.
     pub(super) fn cost(&mut self) -> Result<f64> {
-        if let Some((coefficients, horizon, cost)) = &self.evaluated
-            && (coefficients, *horizon) == (&self.coefficients, self.horizon)
+        if let Some((horizon, cost)) = self.evaluated
+            && (&self.evaluated_at, horizon) == (&self.coefficients, self.horizon)
         {
-            return Ok(*cost);
+            return Ok(cost);
         }
         let cost = self.objective.value(&self.coefficients)?;
-        self.evaluated = Some((self.coefficients.clone(), self.horizon, cost));
+        self.evaluated_at.copy_from(&self.coefficients);
+        self.evaluated = Some((self.horizon, cost));
         Ok(cost)
     }
 
@@ -213,16 +204,28 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     /// the mean way of the curve in the change of the time of a waypoint.
     pub fn kkt(&self) -> Option<Kkt> {
         let matrix = self.objective.gram();
-        let way = self.mean_square_slope();
-        let mut corner = DMatrix::from_diagonal_element(self.border(), self.border(), way);
-        if self.free_horizon.is_some() {
-            corner[(0, 0)] = self.horizon.powi(-2);
-        }
+        let mut corner = DMatrix::zeros(self.border(), self.border());
+        self.norm_of_border(&mut corner);
         Kkt::new(Bordered {
             border: DMatrix::zeros(matrix.order(), self.border()),
             matrix,
             corner,
         })
+    }
+
+    /// Begins with the norm of the current horizon and times.
+    pub fn restart_kkt(&self, kkt: &mut Kkt) {
+        kkt.restart(|corner| self.norm_of_border(corner));
+    }
+
+    /// Sets the diagonal of the norm of steps of the border.
+    fn norm_of_border(&self, corner: &mut DMatrix<f64>) {
+        if !self.moving.is_empty() {
+            corner.fill_diagonal(self.mean_square_slope());
+        }
+        if self.free_horizon.is_some() {
+            corner[(0, 0)] = self.horizon.powi(-2);
+        }
     }
 
     /// The norm of the gradient of the Lagrangian relative to the cost, dual to the norm of steps: the residual of the
@@ -261,7 +264,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         self.objective
             .derivatives(&self.coefficients, &mut self.derivatives)?;
         for (place, of) in self.of_points(iterate)? {
-            place.add_hessian(self.grid, &of, self.horizon, &mut self.derivatives.hessian);
+            place.add_hessian(&self.grid, &of, self.horizon, &mut self.derivatives.hessian);
         }
         Ok(&self.derivatives)
     }
@@ -298,11 +301,14 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         self.place(x);
         let cost = self.cost()?;
         self.evaluate_points()?;
-        let rows = self.objective.cost().h.iter();
-        let rows = rows.chain(self.points.iter().flat_map(|point| &point.h));
+        // Two loops, so that those of the grid are added side by side.
+        let (of_grid, beside) = self.margins.split_at(self.first_of_points);
+        let rows = self.objective.cost().h.iter().zip(of_grid);
+        let of_points = self.points.iter().flat_map(|point| &point.h);
         h.clear();
-        h.extend(rows.zip(&self.margins).map(|(h, margin)| h + margin));
-        h.extend(self.linear_rows().iter().map(|row| row.value));
+        h.extend(rows.map(|(h, margin)| h + margin));
+        h.extend(of_points.zip(beside).map(|(h, margin)| h + margin));
+        h.extend(self.linear_rows().map(|row| row.value));
         let mut objective = cost;
         if let Some(free) = self.free_horizon {
             if self.horizon <= 0.0 {
@@ -350,7 +356,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
 
     fn equalities(&self, density: f64) -> Vec<Equality> {
         let (rows, factor) = (&self.objective.cost().rows, self.equality_penalty);
-        let mut all = equalities(self.grid, rows, self.search, [density, factor]);
+        let mut all = equalities(&self.grid, rows, &self.search, [density, factor]);
         all.extend(self.rows_of_points(true).map(|at| {
             let first = self.search.point_penalty * density;
             Equality::new(Row { at, weight: 1.0 }, first, factor)
@@ -358,14 +364,13 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         all
     }
 
-    fn working_set(&mut self, h: &[f64]) -> Vec<Row> {
+    fn working_set(&mut self, h: &[f64], all: &mut Vec<Row>) {
         let fixed = self.fixed_ends();
         let rows = &self.objective.cost().rows;
-        let mut rows = self.working.list(self.grid, rows, fixed, h);
+        self.working.list(&self.grid, rows, fixed, h, all);
         let of_points = self.rows_of_points(false);
         let of_border = self.first_of_border()..h.len();
-        rows.extend(of_points.chain(of_border).map(|at| Row { at, weight: 1.0 }));
-        rows
+        all.extend(of_points.chain(of_border).map(|at| Row { at, weight: 1.0 }));
     }
 
     fn tighten(&mut self, x: &DVector<f64>, round: usize) -> Result<Tightened> {
@@ -374,19 +379,19 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         if self.is_coarse(end)? {
             return Ok(Tightened::Coarse);
         }
-        let (maxima, violation) = self.maxima(end)?;
-        if violation <= self.stage.feasible {
+        let violation = self.maxima(end)?;
+        if self.stage.last && violation <= self.stage.feasible {
             self.kept.push(x.clone());
         }
         // Exact margins at first; then they only grow, so that the search ends.
-        self.set_margins(&maxima, round > self.search.exact_margins);
+        self.set_margins(round > self.search.exact_margins);
         Ok(Tightened::Violation(violation))
     }
 
     fn violation(&mut self, x: &DVector<f64>) -> Result<f64> {
         self.place(x);
         self.is_coarse(true)?;
-        Ok(self.maxima(true)?.1)
+        self.maxima(true)
     }
 
     fn is_stopped(&self) -> bool {

@@ -1,11 +1,12 @@
 //! A few iterations on a motion that is replanned while it is followed.
 
 use super::program::Program;
-use super::{Candidate, Context, Multipliers, Stage};
+use super::{Candidate, Context, Stage};
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::error::{Error, Result};
-use crate::nlp::{Iterate, Nlp, Options, State, iterate};
+use crate::motion::Problem;
+use crate::nlp::{Iterate, Nlp, Options, Row, State, iterate};
 use nalgebra::DVector;
 
 /// The result of a few iterations.
@@ -18,79 +19,141 @@ pub(in crate::direct) struct Iterations {
     pub gain: f64,
 }
 
-/// Takes iterations with a fixed barrier parameter, summed over all rows and relative to the objective, from a
-/// candidate in its basis and on its number of points, as long as `goes_on` returns true for their number so far
-/// (Wang and Boyd, *Fast model predictive control using online optimization*, 2010). The reference is a motion between
-/// the same ends.
-pub(in crate::direct) fn improve<K: Constraint, P: CostWithControl>(
-    context: Context<'_, '_, K, P>,
-    candidate: &mut Candidate,
-    reference: &Candidate,
-    barrier: f64,
-    goes_on: &mut dyn FnMut(usize) -> bool,
-) -> Result<Iterations> {
-    let Context { rows, settings, .. } = context;
-    let grid = super::grid(context, &candidate.path.basis, candidate.points);
-    let stage = Stage {
-        last: false,
-        ..settings.highest()
-    };
-    // The search before chose the points, so there is no finer quadrature.
-    let mut program = Program::new(context, candidate, [&*grid, &*grid], stage, false);
-    let kkt = program.kkt().ok_or_else(|| {
-        let condition = "the norm of velocities is not positive definite";
-        Error::input("basis", "norm", condition)
-    })?;
-    let x = program.unknowns(candidate);
-    program.tighten(&x, 0)?;
-    let known = program.known_multipliers(candidate);
-    let options = Options {
-        // The loop below ends the search.
-        tolerance: 0.0,
-        iterations: usize::MAX,
-        warm_barrier: barrier,
-        first_barrier: barrier,
-        last_barrier: barrier,
-        penalty: settings.search.planned_penalty,
-        ..settings.nlp.clone()
-    };
-    let mut state = State::new(&mut program, x, known.as_deref(), kkt, &options)?;
-    let other = program.unknowns(reference);
-    // A search often begins at the reference, where all is known.
-    let known = (other == state.x).then(|| (state.f, state.h.clone()));
-    let (mut count, mut converged) = (0, false);
-    while !converged && goes_on(count) {
-        let over = iterate(&mut program, &mut state, &options, &mut |_| {})?;
-        count += 1;
-        // The decrement after a Newton step is of the order of the square of that before.
-        converged = over.is_some() || state.progress.stationarity.powi(2) <= settings.tolerance;
-    }
-    let all = state.iterate.multipliers(program.margins.len());
-    candidate.multipliers = Multipliers::new(&grid, rows, &all, Vec::new());
-    let (f, h) = match known {
-        Some(known) => known,
-        None => {
-            let mut h = Vec::new();
-            (program.value(&other, &mut h)?, h)
-        }
-    };
-    let before = barrier_function(&mut program, (&other, f, &h), &state);
-    let after = barrier_function(&mut program, (&state.x, state.f, &state.h), &state);
-    (candidate.path.coefficients, candidate.horizon, _) = program.curve(&state.x);
-    Ok(Iterations {
-        count,
-        converged,
-        gain: (before - after) / state.scale(),
-    })
+/// A few iterations at a time with a fixed barrier parameter, summed over all rows and relative to the objective (Wang
+/// and Boyd, *Fast model predictive control using online optimization*, 2010), on candidates in one basis and on one
+/// number of points. Its memory is kept.
+pub(in crate::direct) struct RealTime<'a, K, P> {
+    program: Program<'a, 'a, K, P>,
+    state: State,
+    options: Options,
+    /// The decrease of the objective that is accepted as none.
+    tolerance: f64,
+    known: Vec<f64>,
+    other: Other,
 }
 
-/// The barrier function of a state at unknowns with an objective and rows, with the best slacks.
-fn barrier_function<P: Nlp>(
-    program: &mut P,
-    (x, f, h): (&DVector<f64>, f64, &[f64]),
-    state: &State,
-) -> f64 {
-    let mut iterate = Iterate::new(state.iterate.barrier, Vec::new());
-    iterate.set_working(&program.working_set(h), h);
-    f + program.measure(x) * iterate.barrier_terms(h)
+/// A motion with which others are compared.
+struct Other {
+    x: DVector<f64>,
+    f: f64,
+    h: Vec<f64>,
+    rows: Vec<Row>,
+    iterate: Iterate,
+}
+
+impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
+    /// The iterations for candidates with the basis and the points of this one.
+    pub fn new(
+        context: Context<'_, 'a, K, P>,
+        candidate: &Candidate,
+        barrier: f64,
+    ) -> Result<Self> {
+        let settings = context.settings;
+        let grid = super::grid(context, &candidate.path.basis, candidate.points);
+        let stage = Stage {
+            last: false,
+            ..settings.highest()
+        };
+        // The search before chose the points, so there is no finer quadrature.
+        let mut program = Program::new(context, candidate, (grid, None), stage, false);
+        let kkt = program.kkt().ok_or_else(|| {
+            let condition = "the norm of velocities is not positive definite";
+            Error::input("basis", "norm", condition)
+        })?;
+        let options = Options {
+            // The caller ends the search.
+            tolerance: 0.0,
+            iterations: usize::MAX,
+            warm_barrier: barrier,
+            first_barrier: barrier,
+            last_barrier: barrier,
+            penalty: settings.search.planned_penalty,
+            ..settings.nlp.clone()
+        };
+        let x = program.unknowns(candidate);
+        let mut state = State::idle(x.clone(), kkt);
+        let rows = program.margins.len();
+        program.allocate();
+        state.allocate(rows);
+        let mut other = Other {
+            x,
+            f: f64::NAN,
+            h: Vec::with_capacity(rows),
+            rows: Vec::with_capacity(rows),
+            iterate: Iterate::default(),
+        };
+        other.iterate.allocate(rows);
+        Ok(Self {
+            program,
+            state,
+            options,
+            tolerance: settings.tolerance,
+            known: Vec::with_capacity(rows),
+            other,
+        })
+    }
+
+    /// Takes iterations from a candidate as long as `goes_on` returns true for their number so far. The reference is a
+    /// motion between the same ends.
+    pub fn improve(
+        &mut self,
+        problem: &Problem<'a>,
+        candidate: &mut Candidate,
+        reference: &Candidate,
+        goes_on: &mut dyn FnMut(usize) -> bool,
+    ) -> Result<Iterations> {
+        let Self {
+            program,
+            state,
+            options,
+            known,
+            other,
+            ..
+        } = self;
+        program.restart(problem, candidate);
+        program.restart_kkt(&mut state.kkt);
+        program.unknowns_in(candidate, &mut state.x);
+        program.tighten(&state.x, 0)?;
+        let known = program.known_multipliers(candidate, known);
+        state.begin(program, known, options)?;
+        program.unknowns_in(reference, &mut other.x);
+        // A search often begins at the reference, where all is known.
+        let is_known = other.x == state.x;
+        if is_known {
+            other.f = state.f;
+            other.h.clone_from(&state.h);
+        }
+        let (mut count, mut converged) = (0, false);
+        while !converged && goes_on(count) {
+            let over = iterate(program, state, options, &mut |_| {})?;
+            count += 1;
+            // The decrement after a Newton step is of the order of the square of that before.
+            converged = over.is_some() || state.progress.stationarity.powi(2) <= self.tolerance;
+        }
+        program.put_multipliers(&state.iterate, candidate);
+        if !is_known {
+            other.f = program.value(&other.x, &mut other.h)?;
+        }
+        let before = other.barrier_function(program, state);
+        other.x.copy_from(&state.x);
+        other.f = state.f;
+        other.h.clone_from(&state.h);
+        let after = other.barrier_function(program, state);
+        program.put(&state.x, candidate);
+        Ok(Iterations {
+            count,
+            converged,
+            gain: (before - after) / state.scale(),
+        })
+    }
+}
+
+impl Other {
+    /// The barrier function with the barrier of a search and the best slacks.
+    fn barrier_function<P: Nlp>(&mut self, program: &mut P, state: &State) -> f64 {
+        program.working_set(&self.h, &mut self.rows);
+        self.iterate.restart(state.iterate.barrier, Vec::new());
+        self.iterate.set_working(&self.rows, &self.h);
+        self.f + program.measure(&self.x) * self.iterate.barrier_terms(&self.h)
+    }
 }

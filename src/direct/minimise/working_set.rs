@@ -12,8 +12,8 @@ use crate::transcription::{Grid, Rows};
 pub(crate) struct WorkingSet {
     /// The value of each row of a point below which it is not in the working set.
     nearest: Vec<f64>,
-    /// True for rows that are in the working set, or need not be: row by row for each point.
-    listed: Vec<bool>,
+    /// True for clearances that are not in the working set although they may be: row by row for each point.
+    outside: Vec<bool>,
     clearances: Vec<bool>,
 }
 
@@ -23,6 +23,22 @@ impl WorkingSet {
         rows: &Rows<'_, K, P>,
         search: &SearchOptions,
     ) -> Self {
+        let mut working = Self {
+            nearest: Vec::new(),
+            outside: Vec::new(),
+            clearances: rows.attributes().clearances.clone(),
+        };
+        working.restart(problem, rows, search);
+        working
+    }
+
+    /// Begins without any rows, for another problem.
+    pub fn restart<K: Constraint, P: CostWithControl>(
+        &mut self,
+        problem: &Problem<'_>,
+        rows: &Rows<'_, K, P>,
+        search: &SearchOptions,
+    ) {
         let near = match problem.reach() {
             // Without a scale all rows are in the working set.
             0.0 => f64::INFINITY,
@@ -34,29 +50,29 @@ impl WorkingSet {
             true => -near.min(search.share_of_cutoff * cutoff),
             false => f64::NEG_INFINITY,
         });
-        Self {
-            nearest: nearest.collect(),
-            listed: Vec::new(),
-            clearances: attributes.clearances.clone(),
-        }
+        self.nearest.clear();
+        self.nearest.extend(nearest);
+        self.outside.clear();
     }
 
-    /// The inequalities of the working set in ascending order, for the values `h` of the rows at all points. The state
-    /// at a fixed start or end does not change, so its rows are neither listed nor refused.
+    /// Lists the inequalities of the working set in ascending order in `all`, for the values `h` of the rows at all
+    /// points. The state at a fixed start or end does not change, so its rows are neither listed nor refused.
     pub fn list<K: Constraint, P: CostWithControl>(
         &mut self,
         grid: &Grid<f64>,
         rows: &Rows<'_, K, P>,
         fixed: [bool; 2],
         h: &[f64],
-    ) -> Vec<Row> {
-        let (count, points, mut all) = (rows.count(), grid.times.len(), Vec::new());
+        all: &mut Vec<Row>,
+    ) {
+        let (count, points) = (rows.count(), grid.times.len());
+        all.clear();
         let equalities = &rows.attributes().equalities;
         let with_ends = grid.times[0] == 0.0;
         let is_fixed = |g| with_ends && ((g == 0 && fixed[0]) || (g + 1 == points && fixed[1]));
-        self.listed.clear();
-        self.listed.resize(points * count, false);
+        self.outside.clear();
         for g in (0..points).filter(|_| count > 0) {
+            self.outside.extend_from_slice(&self.clearances);
             let weight = grid.weights[g % grid.points()];
             let own = g * count..(g + 1) * count;
             // At collocated points there are equalities alone.
@@ -65,32 +81,31 @@ impl WorkingSet {
                 (false, true) => rows.states(),
                 (false, false) => 0,
             };
-            let (h, listed) = (&h[own.clone()], &mut self.listed[own.clone()]);
-            listed[..first].fill(true);
-            for row in first..count {
+            let outside = &mut self.outside[own.clone()];
+            outside[..first].fill(false);
+            let of_rows = h[own.clone()][first..].iter().zip(&self.nearest[first..]);
+            for (row, (h, nearest)) in (first..).zip(of_rows) {
                 // NaN counts as near.
-                let is_far = h[row] < self.nearest[row];
+                let is_far = h < nearest;
                 if !is_far && !equalities[row] {
-                    listed[row] = true;
+                    outside[row] = false;
                     let at = own.start + row;
                     all.push(Row { at, weight });
                 }
             }
         }
-        all
     }
 
     /// Returns true if a clearance outside the working set is violated: a step into something that was far away.
     pub fn is_left(&self, h: &[f64]) -> bool {
+        // Without a branch, so that rows are compared side by side.
+        let violated = |h: &[f64], outside: &[bool]| {
+            let rows = h.iter().zip(outside);
+            rows.fold(false, |any, (h, outside)| any | (*outside & (*h > 0.0)))
+        };
         let count = self.clearances.len().max(1);
-        let points = h.chunks_exact(count).zip(self.listed.chunks_exact(count));
-        points.into_iter().any(|(h, listed)| {
-            let rows = h.iter().zip(listed).zip(&self.clearances);
-            // Without a branch, so that rows are compared side by side.
-            rows.fold(false, |any, ((h, listed), clearance)| {
-                any | (!listed & *clearance & (*h > 0.0))
-            })
-        })
+        let points = h.chunks_exact(count).zip(self.outside.chunks_exact(count));
+        points.into_iter().any(|(h, outside)| violated(h, outside))
     }
 }
 

@@ -54,7 +54,7 @@ struct Run {
 /// starts do not change the results of the others, on any number of cores, and more starts never give a worse result if
 /// one of fewer ends within the constraints. Of the starts beyond the requested ones, the first of which is tried by
 /// itself, every other one is planned if there are obstacles, or the first one if requested.
-pub(crate) fn multistart<K: Constraint + Sync, P: CostWithControl>(
+pub(crate) fn multistart<K: Constraint + Send + Sync, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     settings: &DirectSettings,
     levels: &[Level],

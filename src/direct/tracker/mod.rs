@@ -5,6 +5,7 @@ mod pace;
 mod plan;
 mod search;
 mod step;
+mod workspace;
 
 pub use options::TrackerOptions;
 pub use plan::Command;
@@ -17,12 +18,14 @@ use crate::cost::CostWithControl;
 use crate::curve::{Basis, Continuity, Curve};
 use crate::error::{Error, Result, check_length};
 use crate::model::Model;
-use crate::motion::{Interrupt, Problem, Violation, path_of};
+use crate::motion::{Interrupt, PathMemory, Problem, Violation, path_of};
 use crate::transcription::Grids;
 use pace::Pace;
 use plan::{Commander, Plan};
-use search::Searched;
+use search::{Searched, Which};
+use std::sync::Arc;
 use std::time::Duration;
+use workspace::Workspace;
 
 /// The number of intervals per quadrature point at which rows are scanned after the first search: the look is finer.
 const SCAN: usize = 3;
@@ -51,8 +54,11 @@ const SCAN: usize = 3;
 /// model: a robot beside its plan, delays and torques of the feedback are beyond them.
 ///
 /// Accelerations and torques may jump from one plan to the next. The time of running costs and rows that depend on it
-/// begins anew with each plan. Memory is bounded, but a step allocates: about 15 small vectors for the command, and
-/// about 1500 with an iteration for an arm of seven joints, all of which it frees.
+/// begins anew with each plan.
+///
+/// **Memory.** It is allocated by [`new`](Self::new), [`set_constraints`](Self::set_constraints) and the first steps.
+/// A later step allocates a vector per factorisation, by `faer`, and otherwise nothing, unless a function of the user
+/// does, there are equalities, or more maxima of rows come near than in all steps before.
 ///
 /// ```
 /// use aghf::constraint::{Bounds, Constraints, TorqueLimits};
@@ -74,13 +80,17 @@ pub struct Tracker<'a, K, P> {
     model: &'a Model,
     /// The goal, $[q; v]$ at rest.
     goal: Vec<f64>,
-    constraints: Constraints<K>,
+    constraints: Arc<Constraints<K>>,
     cost: P,
     options: TrackerOptions,
     grids: Grids,
+    /// The problem of the last search.
+    problem: Problem<'a>,
     plan: Plan,
-    /// The plan that is not safe yet, or not better, and whether the other one was for the same goal and constraints.
-    attempt: Option<(Plan, bool)>,
+    /// The rest of that, the plan that is tried, and one that is not safe yet, or not better.
+    others: [Plan; 3],
+    /// Whether the plan was for the same goal and constraints as the last one, if there is one.
+    attempted: Option<bool>,
     /// The horizon that was asked for with a goal.
     asked: Option<f64>,
     /// True if the plan ends at the goal.
@@ -91,9 +101,13 @@ pub struct Tracker<'a, K, P> {
     now: Option<f64>,
     pace: Pace,
     commander: Commander,
+    workspace: Workspace<'a, K, P>,
+    memory: PathMemory,
+    /// The state at which a plan begins.
+    begin: Vec<f64>,
 }
 
-impl<'a, K: Constraint + Sync, P: CostWithControl> Tracker<'a, K, P> {
+impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
     /// Searches the first plan, with the settings of `options`: that of `problem`, whose start may move, and whose goal
     /// is at rest. A known motion comes in as
     /// [`DirectSettings::start`](super::DirectSettings::start).
@@ -132,15 +146,20 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Tracker<'a, K, P> {
             ..Candidate::new(path_of(&found.curve, basis), found.curve.horizon())
         };
         let plan = Plan { motion, began: 0.0 };
+        let (constraints, grids) = (Arc::new(constraints), Grids::default());
+        let of = (&constraints, cost.clone());
+        let workspace = Workspace::new((problem, &grids), of, &plan.motion, &options)?;
         let mut tracker = Self {
             model,
             goal: problem.goal().to_vec(),
             constraints,
             cost,
             options,
-            grids: Grids::default(),
+            grids,
+            problem: problem.clone(),
+            others: [(); 3].map(|()| plan.clone()),
             plan,
-            attempt: None,
+            attempted: None,
             asked: None,
             aims: true,
             violated: None,
@@ -148,9 +167,12 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Tracker<'a, K, P> {
             now: None,
             pace: Pace::unknown(),
             commander: Commander::new(model),
+            workspace,
+            memory: PathMemory::default(),
+            begin: Vec::new(),
         };
         tracker.centre()?;
-        if let Some(Violation { row, by, at_s }) = tracker.look(&tracker.plan)? {
+        if let Some(Violation { row, by, at_s }) = tracker.look_at_rest(0.0)? {
             let label = tracker.constraints.label(row, model);
             let condition = format!(
                 "no safe plan was found: the best one violates {} by {by:e} {} at {at_s} s",
@@ -171,20 +193,23 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Tracker<'a, K, P> {
     /// one](TrackerOptions::shortest_horizon) or out of range.
     pub fn set_goal(&mut self, q: &[f64], horizon: f64) -> Result<()> {
         check_length("q", self.model.dof(), q.len())?;
-        let goal = [q, &vec![0.0; self.model.dof()]].concat();
-        Problem::new(self.model, goal.clone(), goal.clone(), horizon)?;
+        if let Some(i) = q.iter().position(|x| !x.is_finite()) {
+            let condition = format!("entry {i} is not a finite number");
+            return Err(Error::input(self.model.name(), "start", condition));
+        }
+        Problem::check_horizon(horizon)
+            .map_err(|condition| Error::input(self.model.name(), "horizon", condition))?;
         if horizon < self.options.shortest_horizon {
             let condition = format!("it is {horizon} s, less than the shortest");
             return Err(Error::input("tracker", "horizon", condition));
         }
-        let horizon = match self.free_horizon() {
+        let horizon = match self.options.settings.free_horizon {
             Some(free) => horizon.min(free.longest),
             None => horizon,
         };
-        (self.goal, self.asked, self.aims) = (goal, Some(horizon), false);
-        if let Some((attempt, _)) = &mut self.attempt {
-            attempt.motion.horizon = horizon;
-        }
+        self.goal[..q.len()].copy_from_slice(q);
+        (self.asked, self.aims) = (Some(horizon), false);
+        self.others[2].motion.horizon = horizon;
         Ok(())
     }
 
@@ -198,10 +223,15 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Tracker<'a, K, P> {
             let condition = "a joint is passive, and the feedback needs all motors";
             return Err(Error::input("tracker", "torque", condition));
         }
+        let constraints = Arc::new(constraints);
+        let of = (&constraints, self.cost.clone());
+        let (problem, grids) = (&self.problem, &self.grids);
+        let motion = &self.plan.motion;
+        self.workspace = Workspace::new((problem, grids), of, motion, &self.options)?;
         if constraints.dim() != self.constraints.dim() {
             // The multipliers are those of other rows.
             self.plan.motion.multipliers = Default::default();
-            self.attempt = None;
+            self.attempted = None;
         }
         (self.constraints, self.unseen) = (constraints, true);
         Ok(())
@@ -255,18 +285,23 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Tracker<'a, K, P> {
         let mut deviation = self.commander.deviation(state);
         let mut left = deviation > self.options.largest_deviation;
         if self.unseen || self.violated.is_some() {
-            let rest = self.plan.rest(now, self.options.shortest_horizon);
-            (self.violated, self.unseen) = (self.look(&rest)?, false);
+            (self.violated, self.unseen) = (self.look_at_rest(now)?, false);
         }
         let is_current = self.aims && self.violated.is_none() && !left;
         let mut searched = Searched::default();
         let short = self.plan.left(now) < self.options.shortest_horizon;
         if !(is_current && short) {
-            let begin = match left {
-                true => state.to_vec(),
-                false => [&self.commander.command.q[..], &self.commander.command.v].concat(),
-            };
-            searched = self.search(begin, now, is_current)?;
+            let mut begin = std::mem::take(&mut self.begin);
+            begin.clear();
+            match left {
+                true => begin.extend(state),
+                false => {
+                    begin.extend(&self.commander.command.q);
+                    begin.extend(&self.commander.command.v);
+                }
+            }
+            searched = self.search(&begin, now, is_current)?;
+            self.begin = begin;
         }
         if searched.replaced {
             self.commander.place(&self.plan, now);
@@ -295,6 +330,14 @@ impl<'a, K: Constraint + Sync, P: CostWithControl> Tracker<'a, K, P> {
             cut_off: searched.cut_off,
             converged: searched.converged,
         })
+    }
+
+    /// The row that the rest of the plan violates most; `None` if it is safe.
+    fn look_at_rest(&mut self, now: f64) -> Result<Option<Violation>> {
+        let (shortest, memory) = (self.options.shortest_horizon, &mut self.memory);
+        self.plan
+            .rest_in(now, shortest, memory, &mut self.others[0]);
+        self.look(Which::Reference)
     }
 
     /// Checks the arguments of a step.

@@ -5,6 +5,7 @@ use crate::direct::minimise::Candidate;
 use crate::dynamics::{Data, InverseDynamicsDerivatives, rnea_derivatives};
 use crate::error::Result;
 use crate::model::Model;
+use crate::motion::PathMemory as Memory;
 use nalgebra::DMatrix;
 
 /// A motion that begins at a time and ends at rest.
@@ -21,35 +22,58 @@ impl Plan {
         (self.began + self.motion.horizon - now).max(0.0)
     }
 
-    /// The rest of the motion with its multipliers, the same polynomial; of the last `shortest` seconds all of them.
-    pub fn rest(&self, now: f64, shortest: f64) -> Self {
-        let horizon = self.motion.horizon;
-        let left = self.left(now).max(shortest).min(horizon);
-        let mut rest = self.clone();
-        if left < horizon {
-            let share = 1.0 - left / horizon;
-            rest.motion.path = self.motion.path.after(share);
-            rest.motion.multipliers = self.motion.multipliers.after(share);
-            rest.motion.horizon = left;
+    /// Sets `rest` to the rest of the motion with its multipliers, the same polynomial; of the last `shortest` seconds
+    /// all of them.
+    pub fn rest_in(&self, now: f64, shortest: f64, memory: &mut Memory, rest: &mut Self) {
+        let (from, to) = (&self.motion, &mut rest.motion);
+        let left = self.left(now).max(shortest).min(from.horizon);
+        to.multipliers.set(&from.multipliers);
+        if left < from.horizon {
+            let share = 1.0 - left / from.horizon;
+            from.path.after_in(share, memory, &mut to.path.coefficients);
+            to.multipliers.begin_after(share);
+        } else {
+            to.path.coefficients.copy_from(&from.path.coefficients);
         }
-        rest.began = now;
+        (to.horizon, rest.began) = (left, now);
+    }
+
+    /// The rest of the motion; see [`rest_in`](Self::rest_in).
+    pub fn rest(&self, now: f64, shortest: f64) -> Self {
+        let mut rest = self.clone();
+        self.rest_in(now, shortest, &mut Memory::default(), &mut rest);
         rest
+    }
+
+    /// Becomes another plan in the same basis.
+    pub fn set(&mut self, other: &Self) {
+        let (from, to) = (&other.motion, &mut self.motion);
+        to.multipliers.set(&from.multipliers);
+        to.path.coefficients.copy_from(&from.path.coefficients);
+        (to.horizon, self.began) = (from.horizon, other.began);
     }
 
     /// The configuration, velocity and acceleration at a time; after the end those of rest there.
     pub fn at(&self, now: f64) -> [Vec<f64>; 3] {
+        let zeros = || vec![0.0; self.motion.path.coefficients.nrows()];
+        let mut all = [zeros(), zeros(), zeros()];
+        let [q, v, a] = &mut all;
+        self.at_in(now, &mut Memory::default(), [q, v, a]);
+        all
+    }
+
+    /// Computes configuration, velocity and acceleration at a time; see [`at`](Self::at).
+    fn at_in(&self, now: f64, memory: &mut Memory, out: [&mut [f64]; 3]) {
         let (path, horizon) = (&self.motion.path, self.motion.horizon);
         let left = self.left(now);
-        let [q, slope, second] = path
-            .basis
-            .evaluate(&path.coefficients, 1.0 - left / horizon);
+        let local = memory.evaluate(path, 1.0 - left / horizon);
         let moving = f64::from(u8::from(left > 0.0));
-        let of_time = [
-            (q, 1.0),
-            (slope, moving / horizon),
-            (second, moving / horizon.powi(2)),
-        ];
-        of_time.map(|(x, factor)| (x * factor).as_slice().to_vec())
+        let factors = [1.0, moving / horizon, moving / horizon.powi(2)];
+        for ((out, x), factor) in out.into_iter().zip(local).zip(factors) {
+            for (out, x) in out.iter_mut().zip(x) {
+                *out = x * factor;
+            }
+        }
     }
 }
 
@@ -80,6 +104,7 @@ pub(super) struct Commander {
     pub command: Command,
     data: Data<f64>,
     derivatives: InverseDynamicsDerivatives,
+    memory: Memory,
 }
 
 impl Commander {
@@ -97,13 +122,14 @@ impl Commander {
             },
             data: Data::new(model),
             derivatives: InverseDynamicsDerivatives::new(n),
+            memory: Memory::default(),
         }
     }
 
     /// Sets the configuration, velocity and acceleration of the command.
     pub fn place(&mut self, plan: &Plan, now: f64) {
         let own = &mut self.command;
-        [own.q, own.v, own.a] = plan.at(now);
+        plan.at_in(now, &mut self.memory, [&mut own.q, &mut own.v, &mut own.a]);
     }
 
     /// The largest distance of a joint from the command, rad or m.
@@ -124,6 +150,7 @@ impl Commander {
             command: own,
             data,
             derivatives: of,
+            ..
         } = self;
         rnea_derivatives(model, data, &own.q, &own.v, &own.a, of)?;
         own.tau.copy_from_slice(of.tau.as_slice());

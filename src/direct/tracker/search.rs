@@ -3,15 +3,21 @@
 use super::Tracker;
 use super::pace::{Pace, learn};
 use super::plan::Plan;
+use super::workspace::Workspace;
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::curve::Curve;
-use crate::direct::minimise::{Context, Iterations, improve};
-use crate::direct::{DirectSettings, FreeHorizon};
+use crate::direct::DirectSettings;
+use crate::direct::minimise::Iterations;
 use crate::error::Result;
-use crate::motion::{Interrupt, Problem, Violation, Watch, curve_of, violations_near_ends};
-use crate::transcription::Rows;
+use crate::motion::{Problem, Violation, curve_of};
 use std::time::Instant;
+
+/// A plan beside the one that is followed: the one that is tried, or the rest of that which is followed.
+pub(super) enum Which {
+    Tried,
+    Reference,
+}
 
 /// The work of the search of a step.
 #[derive(Clone, Copy, Default)]
@@ -22,14 +28,9 @@ pub(super) struct Searched {
     pub cut_off: bool,
 }
 
-impl<K: Constraint + Sync, P: CostWithControl> Tracker<'_, K, P> {
+impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
     /// Improves a plan that begins at a state now, if there is time, and follows it if it is safe and better.
-    pub(super) fn search(
-        &mut self,
-        begin: Vec<f64>,
-        now: f64,
-        is_current: bool,
-    ) -> Result<Searched> {
+    pub(super) fn search(&mut self, begin: &[f64], now: f64, is_current: bool) -> Result<Searched> {
         if !self
             .pace
             .fits(self.pace.preparation + self.pace.iteration + self.pace.look)
@@ -41,34 +42,34 @@ impl<K: Constraint + Sync, P: CostWithControl> Tracker<'_, K, P> {
             });
         }
         let shortest = self.options.shortest_horizon;
-        let reference = self.plan.rest(now, shortest);
-        let mut plan = match self.attempt.take() {
-            Some((attempt, of_current)) if of_current == is_current => {
-                let mut rest = attempt.rest(now, shortest);
-                if !is_current {
-                    // The horizon begins when the plan does.
-                    rest.motion.horizon = attempt.motion.horizon;
-                }
-                rest
+        let [reference, tried, attempt] = &mut self.others;
+        self.plan
+            .rest_in(now, shortest, &mut self.memory, reference);
+        if self.attempted.take() == Some(is_current) {
+            attempt.rest_in(now, shortest, &mut self.memory, tried);
+            if !is_current {
+                // The horizon begins when the plan does.
+                tried.motion.horizon = attempt.motion.horizon;
             }
-            _ => {
-                let mut rest = reference.clone();
-                rest.motion.horizon = self.asked.unwrap_or(rest.motion.horizon);
-                rest
-            }
-        };
+        } else {
+            tried.set(reference);
+            tried.motion.horizon = self.asked.unwrap_or(tried.motion.horizon);
+        }
         let most = self.options.iterations_per_step;
-        let found = self.improve(begin, &mut plan, &reference, most)?;
+        let found = self.improve(begin, most)?;
         let mut replaced = !is_current || found.gain >= self.options.least_gain;
         if replaced {
             let began = Instant::now();
-            replaced = self.look(&plan)?.is_none();
+            replaced = self.look(Which::Tried)?.is_none();
             learn(&mut self.pace.look, began.elapsed().as_secs_f64());
         }
+        let [_, tried, attempt] = &mut self.others;
         if replaced {
-            (self.plan, self.asked, self.aims, self.violated) = (plan, None, true, None);
+            std::mem::swap(&mut self.plan, tried);
+            (self.asked, self.aims, self.violated) = (None, true, None);
         } else if !found.converged {
-            self.attempt = Some((plan, is_current));
+            std::mem::swap(attempt, tried);
+            self.attempted = Some(is_current);
         }
         Ok(Searched {
             iterations: found.count,
@@ -78,29 +79,13 @@ impl<K: Constraint + Sync, P: CostWithControl> Tracker<'_, K, P> {
         })
     }
 
-    /// Takes iterations on a plan that begins at a state, up to `most` and as many as there is time for.
-    fn improve(
-        &mut self,
-        begin: Vec<f64>,
-        plan: &mut Plan,
-        reference: &Plan,
-        most: usize,
-    ) -> Result<Iterations> {
+    /// Takes iterations on the plan that is tried, from a state, up to `most` and as many as there is time for.
+    fn improve(&mut self, begin: &[f64], most: usize) -> Result<Iterations> {
         let mut since = Instant::now();
-        let motion = &mut plan.motion;
-        let problem = Problem::new(self.model, begin, self.goal.clone(), motion.horizon)?;
-        motion.path = motion.path.clone().between_ends_of(&problem);
-        let rows = Rows::new(self.model, &self.constraints, self.cost.clone())?;
-        let watch = Watch::start(None, &Interrupt::default());
-        let context = Context {
-            problem: &problem,
-            grids: &self.grids,
-            rows: &rows,
-            watch: &watch,
-            settings: &self.options.settings,
-            free_horizon: self.free_horizon(),
-            goal: None,
-        };
+        let [reference, tried, _] = &mut self.others;
+        let motion = &mut tried.motion;
+        self.problem.set(begin, &self.goal, motion.horizon)?;
+        motion.path.set_ends(&self.problem);
         let pace = &mut self.pace;
         let mut goes_on = |count: usize| {
             let estimate = match count {
@@ -111,22 +96,8 @@ impl<K: Constraint + Sync, P: CostWithControl> Tracker<'_, K, P> {
             since = Instant::now();
             count < most && (count == 0 || pace.fits(pace.iteration + pace.look))
         };
-        improve(
-            context,
-            motion,
-            &reference.motion,
-            self.options.barrier,
-            &mut goes_on,
-        )
-    }
-
-    /// The bounds and the weight of a free horizon, which gets shorter on the way.
-    pub(super) fn free_horizon(&self) -> Option<FreeHorizon> {
-        let free = self.options.settings.free_horizon?;
-        Some(FreeHorizon {
-            shortest: self.options.shortest_horizon.min(free.shortest),
-            ..free
-        })
+        let workspace = &mut self.workspace.search;
+        workspace.improve(&self.problem, motion, &reference.motion, &mut goes_on)
     }
 
     /// The motion of a plan.
@@ -142,29 +113,31 @@ impl<K: Constraint + Sync, P: CostWithControl> Tracker<'_, K, P> {
     }
 
     /// The row that a plan violates most; `None` if it is safe.
-    pub(super) fn look(&self, plan: &Plan) -> Result<Option<Violation>> {
-        let rows = violations_near_ends(
-            self.model,
-            &self.curve(plan)?,
-            &self.constraints,
-            self.options.look,
-        )?;
-        let most = rows.into_iter().max_by(|a, b| a.by.total_cmp(&b.by));
+    pub(super) fn look(&mut self, which: Which) -> Result<Option<Violation>> {
+        let [reference, tried, _] = &self.others;
+        let plan = match which {
+            Which::Tried => tried,
+            Which::Reference => reference,
+        };
+        let Workspace { rows, on_plan, .. } = &mut self.workspace;
+        let rows = rows.along(&mut on_plan.of(plan))?;
+        let most = rows.iter().copied().max_by(|a, b| a.by.total_cmp(&b.by));
         Ok(most.filter(|row| row.by > DirectSettings::FEASIBLE))
     }
 
     /// Improves the first plan to the barrier parameter of the later ones, and measures the parts of a step.
     pub(super) fn centre(&mut self) -> Result<()> {
-        let mut plan = self.plan.clone();
         for most in [self.options.settings.iterations, 1] {
             // The first time makes the tables.
             self.pace = Pace::unknown();
-            let reference = plan.clone();
-            let [q, v, _] = plan.at(plan.began);
-            self.improve([q, v].concat(), &mut plan, &reference, most)?;
+            let [reference, tried, _] = &mut self.others;
+            reference.set(tried);
+            let [q, v, _] = tried.at(tried.began);
+            self.improve(&[q, v].concat(), most)?;
             let began = Instant::now();
-            if self.look(&plan)?.is_none() {
-                self.plan = plan.clone();
+            if self.look(Which::Tried)?.is_none() {
+                let [_, tried, _] = &self.others;
+                self.plan.set(tried);
             }
             learn(&mut self.pace.look, began.elapsed().as_secs_f64());
         }

@@ -90,8 +90,8 @@ impl<L: PointCost<f64>> Nlp for Free<'_, L> {
         Vec::new()
     }
 
-    fn working_set(&mut self, _: &[f64]) -> Vec<Row> {
-        Vec::new()
+    fn working_set(&mut self, _: &[f64], rows: &mut Vec<Row>) {
+        rows.clear();
     }
 
     fn longest(&self, _: &DVector<f64>, _: &DVector<f64>) -> f64 {

@@ -190,7 +190,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             return Ok(0.0);
         }
         let times = self.search.last_scan.div_ceil(curve.segments());
-        let (constraints, attributes) = (rows.constraints, rows.attributes());
+        let (constraints, attributes) = (&*rows.constraints, rows.attributes());
         let mut largest = 0.0_f64;
         for found in violations(self.problem.model(), &curve, constraints, times)? {
             let row = found.row;
@@ -253,9 +253,9 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         equalities(self.free.grid, rows, self.search, factors)
     }
 
-    fn working_set(&mut self, h: &[f64]) -> Vec<Row> {
+    fn working_set(&mut self, h: &[f64], all: &mut Vec<Row>) {
         let rows = &self.free.objective.cost().cost.rows;
-        self.working.list(self.free.grid, rows, [true; 2], h)
+        self.working.list(self.free.grid, rows, [true; 2], h, all);
     }
 
     fn longest(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64 {

@@ -59,7 +59,7 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
         observe: &mut dyn FnMut(&RestRecord),
     ) -> Result<RestSolution> {
         let (problem, settings) = (self.problem, self.settings);
-        let constraints = self.rows.constraints;
+        let constraints = &*self.rows.constraints;
         let mut levels: VecDeque<Level> = settings.levels(constraints).into();
         let mut walk = Walk {
             path: Path::of_states(&curve, levels[0].basis.clone()),
@@ -233,8 +233,10 @@ impl Walk {
         };
         let rows = &program.free.objective.cost().cost.rows;
         let of_rows = end.iterate.multipliers(grid.times.len() * rows.count());
+        let mut multipliers = Multipliers::default();
+        multipliers.put(grid, rows, &of_rows);
         self.multipliers = [
-            Multipliers::new(grid, rows, &of_rows, Vec::new()),
+            multipliers,
             Multipliers {
                 times,
                 values: of_slips,
