@@ -49,20 +49,20 @@ impl Scan {
     }
 
     /// Finds the local maxima in time of all rows above `floor`, ends of the segments included, refined by a parabola;
-    /// one that may be above zero by further values of its row. Equalities have none. The times of the maxima are
-    /// normalised.
+    /// one that may be above zero by further values of its row. The times of the maxima are normalised. Equalities have
+    /// none; the second result is the largest deviation of those of the state, in their units.
     pub fn maxima<K: Constraint, P: CostWithControl>(
         &self,
         rows: &mut Rows<'_, K, P>,
         coefficients: &DMatrix<f64>,
         horizon: f64,
         floor: f64,
-    ) -> Result<Vec<Maximum>> {
+    ) -> Result<(Vec<Maximum>, f64)> {
         let (n, count) = (coefficients.nrows(), rows.count());
         let segments = self.basis.segments();
         let interval = 1.0 / (segments * self.intervals) as f64;
         let (mut found, mut states) = (Vec::new(), DMatrix::zeros(n, self.table.ncols()));
-        let mut uncertain = Vec::new();
+        let (mut uncertain, mut deviation) = (Vec::new(), 0.0_f64);
         let with_jerk = rows.constraints.stage.has_jerk();
         let mut jerks = with_jerk.then(|| DMatrix::zeros(n, self.intervals + 1));
         let mut h = vec![0.0; count * (self.intervals + 1)];
@@ -90,6 +90,10 @@ impl Scan {
                 jerks: jerks.as_ref(),
             };
             rows.of_all(points, &mut h)?;
+            for (row, of_row) in rows.equalities_of_state() {
+                let values = h.iter().skip(row).step_by(count);
+                deviation = values.fold(deviation, |most, h| most.max(h.abs() * of_row));
+            }
             // The control may jump where two segments meet, so each has ends of its own.
             for k in 1..self.intervals {
                 let time = (first + k) as f64 * interval;
@@ -133,7 +137,7 @@ impl Scan {
                 }
             }
         }
-        Ok(found)
+        Ok((found, deviation))
     }
 
     /// Evaluates the rows at the estimated times of maxima in one phase, and estimates them again.

@@ -20,7 +20,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let beside = of_border.chain(of_points).fold(0.0, f64::max);
         let rows = &mut self.objective.cost_mut().rows;
         let floor = -self.search.scan_depth;
-        let maxima = scan.maxima(rows, &self.coefficients, horizon, floor)?;
+        let (maxima, deviation) = scan.maxima(rows, &self.coefficients, horizon, floor)?;
+        self.deviation = deviation;
         let units = &rows.attributes().units;
         let highest = maxima
             .iter()

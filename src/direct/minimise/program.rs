@@ -34,6 +34,8 @@ pub(super) struct Program<'g, 'a, K, P> {
     /// The cost alone by a finer quadrature, with the cost of the last evaluation and its relative difference.
     pub(super) finer: Objective<'g, f64, P>,
     pub finer_cost: [f64; 2],
+    /// The largest deviation of an equality of the state at the last scan, in its unit.
+    pub deviation: f64,
     pub(super) derivatives: Derivatives<f64>,
     /// The coefficients, those of the boundary conditions included.
     pub(super) coefficients: DMatrix<f64>,
@@ -118,6 +120,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             scans: [looks, last].map(|times| grids.scan(basis, times)),
             finer: Objective::new(finer, rows.cost.clone(), n),
             finer_cost: [f64::NAN; 2],
+            deviation: 0.0,
             evaluated: None,
             derivatives: Derivatives::new(grid, n),
             coefficients: path.coefficients.clone(),
