@@ -115,7 +115,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         ..
     } = context;
     let (basis, points) = (candidate.path.basis.clone(), candidate.points);
-    let grid = grid(context, &basis, points, stage.last);
+    let grid = grid(context, &basis, points);
     // Not a multiple, so that it sees between the points.
     let finer = grids.get(&basis, points * 3 / 2 + 7);
     let refinable = points < settings.search.most_points * basis.degree();
@@ -215,27 +215,19 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     Ok(end.status)
 }
 
-/// The number of points per segment at which equalities are collocated.
-///
-/// A second-order equation, the torque of a passive joint, has `degree - 1`. As many are enough for equalities of the
-/// state before the last basis. There they are half as many again, because a curve of this degree with limits that hold
-/// for a while deviates by up to 1e-3 between fewer. They leave a quarter of the unknowns free.
+/// The number of points per segment at which equalities are collocated: `degree - 1`, as of a second-order equation, the
+/// torque of a passive joint, and fewer where equalities of the state would leave less than a quarter of the unknowns
+/// free. With half as many again searches take twice the iterations, more than those in more segments.
 fn collocated_points<K: Constraint, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     basis: &Basis,
-    last: bool,
 ) -> usize {
-    let (second_order, rows) = (basis.degree() - 1, context.rows);
-    match rows.equalities_of_state().count() {
+    let second_order = basis.degree() - 1;
+    match context.rows.equalities_of_state().count() {
         0 => second_order,
         held => {
             let unknowns = context.problem.model().dof() * basis.free().len() / basis.segments();
-            let wanted = if last {
-                3 * second_order / 2
-            } else {
-                second_order
-            };
-            wanted.min(3 * unknowns / (4 * held)).max(1)
+            second_order.min(3 * unknowns / (4 * held)).max(1)
         }
     }
 }
@@ -245,11 +237,10 @@ fn grid<K: Constraint, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     basis: &Basis,
     points: usize,
-    last: bool,
 ) -> Arc<Grid<f64>> {
     match context.rows.attributes().equalities.contains(&true) {
         true => {
-            let held = collocated_points(context, basis, last);
+            let held = collocated_points(context, basis);
             context.grids.collocated(basis, [points, held])
         }
         false => context.grids.with_ends(basis, points),

@@ -30,7 +30,7 @@ pub(in crate::direct) fn improve<K: Constraint, P: CostWithControl>(
     goes_on: &mut dyn FnMut(usize) -> bool,
 ) -> Result<Iterations> {
     let Context { rows, settings, .. } = context;
-    let grid = super::grid(context, &candidate.path.basis, candidate.points, true);
+    let grid = super::grid(context, &candidate.path.basis, candidate.points);
     let stage = Stage {
         last: false,
         ..settings.highest()
