@@ -215,9 +215,9 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     Ok(end.status)
 }
 
-/// The number of points per segment at which equalities are collocated: `degree - 1`, as of a second-order equation, the
-/// torque of a passive joint, and fewer where equalities of the state would leave less than a quarter of the unknowns
-/// free. With half as many again searches take twice the iterations, more than those in more segments.
+/// The number of points per segment at which equalities are collocated: `degree - 1`, as of a second-order equation,
+/// the torque of a passive joint, and fewer where equalities of the state would leave less than a quarter of the
+/// unknowns free. With half as many again searches take twice the iterations, more than those in more segments.
 fn collocated_points<K: Constraint, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     basis: &Basis,
