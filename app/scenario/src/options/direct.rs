@@ -46,7 +46,8 @@ pub struct DirectOptions {
     pub starts: Option<usize>,
     /// Seed of the starts; by default 0.
     pub seed: Option<u64>,
-    /// Starts that follow planned paths around obstacles; by default `later`, and `first` among obstacles if poses are kept exactly.
+    /// Starts that follow planned paths around obstacles; by default `later`, and `first` among obstacles if poses are
+    /// kept exactly.
     #[schemars(schema_with = "one_of::<PlannedStarts>")]
     pub planned_starts: Option<PlannedStarts>,
     /// Number of threads for the starts, with the same result; by default all cores.
