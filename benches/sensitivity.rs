@@ -61,10 +61,6 @@ fn factor(x: &mut f64, by: f64) {
     *x = 1.0 + (*x - 1.0) * by;
 }
 
-fn both(x: &mut [f64; 2], by: f64) {
-    x.iter_mut().for_each(|x| scaled(x, by));
-}
-
 fn regularisation(x: &mut [f64; 3], by: f64) {
     let [first, later, after] = x;
     factor(first, by);
@@ -112,7 +108,7 @@ fn options() -> Vec<(&'static str, Change)> {
             monotone(settings, |rule| factor(&mut rule.power, by))
         }),
         ("barrier.done", |settings, by| {
-            monotone(settings, |rule| both(&mut rule.done, by))
+            monotone(settings, |rule| scaled(&mut rule.done, by))
         }),
     ];
     all.extend(rules);

@@ -49,7 +49,9 @@ pub struct SearchOptions {
     pub point_penalty: f64,
     /// The accepted torque of a passive joint between the collocated points, relative to the largest torque.
     pub passive_share: f64,
-    /// The largest product of degree and number of segments when these are increased for passive joints.
+    /// The accepted deviation of an equality of the state between its collocated points, in its unit.
+    pub deviation: f64,
+    /// The largest product of degree and number of segments when these are increased for passive joints or equalities.
     pub largest_passive_size: usize,
     /// The number of starts that are processed in parallel.
     pub wave: usize,
@@ -112,6 +114,7 @@ impl Default for SearchOptions {
             equality_penalty: 1e3,
             point_penalty: 100.0,
             passive_share: 5e-4,
+            deviation: 1e-6,
             largest_passive_size: 512,
             wave: 8,
             share_of_starts: 0.5,
@@ -166,6 +169,7 @@ impl SearchOptions {
             ("equality_penalty", self.equality_penalty),
             ("point_penalty", self.point_penalty),
             ("passive_share", self.passive_share),
+            ("deviation", self.deviation),
             ("share_of_starts", self.share_of_starts),
             ("hopeless", self.hopeless[0]),
             ("hopeless", self.hopeless[1]),

@@ -1,7 +1,8 @@
 //! The test of configurations for collisions and limits.
 
+use super::InverseKinematics;
 use super::distances::Distances;
-use crate::constraint::{Constraint, Evaluator};
+use crate::constraint::{AnyConstraint, Constraint, Evaluator};
 use crate::error::{Result, check_length};
 use crate::model::Model;
 use crate::scalar::{LANES, Wide};
@@ -14,9 +15,11 @@ const PARTS: usize = 8;
 /// The share of a line below which intervals count as empty, as rounding makes them.
 const EMPTY: f64 = 1e-9;
 
-/// The test whether configurations are free: every row of a constraint is within its bound at `(q, v = 0)`.
+/// The test whether configurations are free: every row of a constraint is within its bound at `(q, v = 0)`, except for
+/// those of sets of poses with equalities, which a [plan](super::plan) keeps by projection.
 #[derive(Debug)]
 pub struct Checker<'a, K: ?Sized> {
+    model: &'a Model,
     constraint: &'a K,
     evaluator: Evaluator<'a, f64, Wide>,
     /// The motion of a joint below which a line is not divided further.
@@ -30,6 +33,8 @@ pub struct Checker<'a, K: ?Sized> {
     /// The largest value of each row that counts as free.
     bounds: Vec<f64>,
     scales: Vec<f64>,
+    /// The search for configurations that keep the sets with equalities, if there are any.
+    projection: Option<InverseKinematics<'a, [AnyConstraint]>>,
     /// $[q; 0]$ of several configurations, and the rows there.
     x: Vec<Wide>,
     g: Vec<Wide>,
@@ -56,17 +61,23 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
     /// The constraint fails at the configuration zero, such as one with another number of joints.
     pub fn new(model: &'a Model, constraint: &'a K, resolution: f64) -> Result<Self> {
         let (rows, zero) = (constraint.dim(), Wide::splat(0.0));
+        let bound = |row| match constraint.is_equality(row) {
+            true => f64::INFINITY,
+            false => 0.0,
+        };
         let mut scales = vec![1.0; rows];
         constraint.row_scales(&mut scales);
         let mut checker = Self {
+            model,
             constraint,
             evaluator: Evaluator::new(model),
             resolution,
             distances: Distances::default(),
             has_others: true,
             order: Vec::new(),
-            bounds: vec![0.0; rows],
+            bounds: (0..rows).map(bound).collect(),
             scales,
+            projection: None,
             x: vec![zero; 2 * model.dof()],
             g: vec![zero; rows],
             checks: 0,
@@ -83,6 +94,35 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
         checker.order = (0..distances.pairs()).collect();
         checker.distances = distances;
         Ok(checker)
+    }
+
+    /// Takes configurations to these sets, which they keep then, within bounds of the joints.
+    pub(super) fn project_onto(
+        &mut self,
+        sets: &'a [AnyConstraint],
+        bounds: Vec<[f64; 2]>,
+    ) -> Result<()> {
+        if !sets.is_empty() {
+            self.projection = Some(InverseKinematics::new(self.model, sets, bounds)?);
+        }
+        Ok(())
+    }
+
+    /// True if there are sets with equalities.
+    pub(super) fn is_projected(&self) -> bool {
+        self.projection.is_some()
+    }
+
+    /// A configuration near to this one that keeps the sets with equalities; `None` if none is found.
+    pub(super) fn projected(&mut self, q: Vec<f64>) -> Result<Option<Vec<f64>>> {
+        let Some(search) = &mut self.projection else {
+            return Ok(Some(q));
+        };
+        // So that a search for configurations that do not exist ends.
+        self.checks += 1;
+        let end = search.solve(&q)?;
+        let kept = end.violation <= InverseKinematics::<[AnyConstraint]>::TOLERANCE;
+        Ok(kept.then_some(end.q))
     }
 
     /// Requires every distance and row to be `margin` inside its bound, in its unit, or as far inside as at both `ends`
@@ -112,7 +152,10 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
         self.evaluate()?;
         let mut worst = (0, f64::NEG_INFINITY);
         for (row, (g, scale)) in self.g.iter().zip(&self.scales).enumerate() {
-            let by = g.0[0] / scale;
+            let by = match self.constraint.is_equality(row) {
+                true => g.0[0].abs() / scale,
+                false => g.0[0] / scale,
+            };
             let by = if by.is_nan() { f64::INFINITY } else { by };
             if by > worst.1 {
                 worst = (row, by);

@@ -107,7 +107,11 @@ impl Distances {
                 }
                 // At rest there is no speed.
                 AnyConstraint::Speed(_) => {}
-                AnyConstraint::Frame(_) | AnyConstraint::Other(_) => others = true,
+                // Projections keep sets with equalities.
+                AnyConstraint::Frame(rows) => {
+                    others |= !rows.rows.iter().any(|row| row.is_equality);
+                }
+                AnyConstraint::Other(_) => others = true,
             }
         }
         let reaches: Vec<_> = own.links.iter().map(|link| reaches(model, link)).collect();

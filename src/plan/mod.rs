@@ -2,7 +2,10 @@
 //!
 //! The result is a path, not a motion: configurations that are joined by straight lines, each free at rest. A
 //! configuration is free if every row of the constraints on the state is within its bound at `(q, v = 0)`, which covers
-//! joint limits, obstacles, self-collision and user-defined constraints.
+//! joint limits, obstacles, self-collision and user-defined constraints. Sets of poses with equalities, such as a
+//! relative pose of two hands, are kept by projection: every configuration of the path is in them, and the lines
+//! between two of them, which are not, are short (Berenson, Srinivasa, Ferguson and Kuffner, *Manipulation planning on
+//! constraint manifolds*, ICRA 2009).
 //!
 //! 1. `tree.rs`: RRT-Connect (Kuffner and LaValle, ICRA 2000): a tree from the start and one from the goal, each grown
 //!    towards random configurations and then towards the other.
@@ -28,7 +31,7 @@ pub(crate) use fit::along;
 pub use fit::curve_along;
 pub use inverse_kinematics::{InverseKinematics, Posture};
 
-use crate::constraint::Constraint;
+use crate::constraint::{AnyConstraint, Constraint};
 use crate::error::{Error, Result, check_count, check_positive};
 use crate::model::{JointKind, Model};
 use crate::motion::Problem;
@@ -142,8 +145,8 @@ pub enum Plan {
 /// bounds; per sample O(N) per node of a tree.
 ///
 /// # Errors
-/// A setting is out of range, a row is an equality, which samples cannot satisfy, or the constraint refers to a joint
-/// or body that the robot does not have.
+/// A setting is out of range, a row is an equality but none of a set of poses, or the constraint refers to a joint or
+/// body that the robot does not have.
 pub fn plan<K: Constraint + ?Sized>(
     problem: &Problem<'_>,
     constraint: &K,
@@ -151,10 +154,7 @@ pub fn plan<K: Constraint + ?Sized>(
     stopped: &dyn Fn() -> bool,
 ) -> Result<Plan> {
     settings.check()?;
-    if let Some(row) = (0..constraint.dim()).find(|row| constraint.is_equality(*row)) {
-        let condition = "it is an equality, which no sampled configuration meets";
-        return Err(Error::input("planner", format!("row {row}"), condition));
-    }
+    let sets = sets_with_equalities(constraint)?;
     let n = problem.model().dof();
     let ends = [problem.start(), problem.goal()].map(|state| &state[..n]);
     let mut checker = Checker::new(problem.model(), constraint, settings.resolution)?;
@@ -166,6 +166,7 @@ pub fn plan<K: Constraint + ?Sized>(
     }
     checker.keep(settings.margin, ends)?;
     let ranges = ranges(problem.model(), ends);
+    checker.project_onto(&sets, ranges.clone())?;
     let mut one = |path| -> Result<Plan> {
         let mut rng = settings.generator(path);
         let found = tree::connect(&mut checker, ends, &ranges, settings, &mut rng, stopped)?;
@@ -196,6 +197,31 @@ pub fn plan<K: Constraint + ?Sized>(
     Ok(shortest)
 }
 
+/// The sets of poses with equalities, onto which configurations can be projected.
+///
+/// # Errors
+/// Another row is an equality, which no sampled configuration meets.
+pub(crate) fn sets_with_equalities<K: Constraint + ?Sized>(
+    constraint: &K,
+) -> Result<Vec<AnyConstraint>> {
+    let equalities = |of: &AnyConstraint| (0..of.dim()).filter(|row| of.is_equality(*row)).count();
+    let mut parts = Vec::new();
+    constraint.parts(&mut parts);
+    let parts = parts.into_iter();
+    let sets = parts.filter(|part| matches!(part, AnyConstraint::Frame(_)) && equalities(part) > 0);
+    let sets: Vec<_> = sets.cloned().collect();
+    let known: usize = sets.iter().map(equalities).sum();
+    let mut all = (0..constraint.dim()).filter(|row| constraint.is_equality(*row));
+    match all.clone().count() > known {
+        true => {
+            let row = all.next().unwrap_or_default();
+            let condition = "it is an equality, which no sampled configuration meets";
+            Err(Error::input("planner", format!("row {row}"), condition))
+        }
+        false => Ok(sets),
+    }
+}
+
 /// The ranges in which joints are sampled.
 fn ranges(model: &Model, ends: [&[f64]; 2]) -> Vec<[f64; 2]> {
     let joints = model.joints().iter().zip(ends[0].iter().zip(ends[1]));
@@ -215,6 +241,19 @@ fn ranges(model: &Model, ends: [&[f64]; 2]) -> Vec<[f64; 2]> {
             [lower.min(least), upper.max(most)]
         })
         .collect()
+}
+
+/// The configurations at equal lengths along a path, so many that there are `lines` lines between them; the path itself
+/// if it has no more.
+pub(crate) fn thinned(path: Vec<Vec<f64>>, lines: usize) -> Vec<Vec<f64>> {
+    if path.len() <= lines + 1 {
+        return path;
+    }
+    let along = Along::new(&path);
+    let at = |k: usize| along.at(&path, along.length() * k as f64 / lines as f64).1;
+    let mut thin: Vec<_> = (0..lines).map(at).collect();
+    thin.extend(path.last().cloned());
+    thin
 }
 
 /// The Euclidean distance of two configurations.

@@ -1,5 +1,6 @@
 //! Shorter paths with rounder corners.
 
+use super::tree::step;
 use super::{Checker, PlanSettings, between, distance};
 use crate::constraint::Constraint;
 use crate::error::Result;
@@ -17,7 +18,10 @@ pub(super) fn shorten<K: Constraint + ?Sized>(
     rng: &mut ChaCha8Rng,
     stopped: &dyn Fn() -> bool,
 ) -> Result<bool> {
-    leave_out(checker, path)?;
+    let projected = checker.is_projected();
+    if !projected {
+        leave_out(checker, path)?;
+    }
     for _ in 0..settings.shortcuts {
         if path.len() == 2 {
             return Ok(true);
@@ -25,7 +29,11 @@ pub(super) fn shorten<K: Constraint + ?Sized>(
         if stopped() {
             return Ok(false);
         }
-        shortcut(checker, path, rng)?;
+        shortcut(checker, path, settings.range, rng)?;
+    }
+    // Lines between distant configurations leave the sets with equalities, and so do rounded corners.
+    if projected {
+        return Ok(true);
     }
     leave_out(checker, path)?;
     if path.len() > 2 && settings.roundings > 0 {
@@ -58,18 +66,51 @@ fn leave_out<K: Constraint + ?Sized>(
     Ok(())
 }
 
-/// Joins two random points of the path by a line if the line is free.
+/// Joins two random points of the path by a line if the line is free; with sets with equalities by steps within them,
+/// if they are shorter.
 fn shortcut<K: Constraint + ?Sized>(
     checker: &mut Checker<'_, K>,
     path: &mut Vec<Vec<f64>>,
+    range: f64,
     rng: &mut ChaCha8Rng,
 ) -> Result<()> {
     let along = Along::new(path);
     let [a, b] = [(); 2].map(|()| along.length() * rng.random::<f64>());
     let (first, from) = along.at(path, a.min(b));
     let (last, to) = along.at(path, a.max(b));
-    if first < last && checker.is_line_free(&from, &to)? {
-        path.splice(first + 1..=last, [from, to]);
+    if first >= last {
+        return Ok(());
+    }
+    if !checker.is_projected() {
+        if checker.is_line_free(&from, &to)? {
+            path.splice(first + 1..=last, [from, to]);
+        }
+        return Ok(());
+    }
+    let mut way = Vec::new();
+    for end in [&from, &to] {
+        let Some(end) = checker.projected(end.clone())? else {
+            return Ok(());
+        };
+        way.push(end);
+    }
+    let Some(end) = way.pop() else {
+        return Ok(());
+    };
+    while way[way.len() - 1] != end {
+        let Some(next) = step(checker, &way[way.len() - 1], &end, range)? else {
+            return Ok(());
+        };
+        way.push(next);
+    }
+    let ends = [path[first].clone(), path[last + 1].clone()];
+    let beside = distance(&ends[0], &way[0]) + distance(&end, &ends[1]);
+    let old = along.between(first, last + 1);
+    if beside + Along::new(&way).length() < old
+        && checker.is_line_free(&ends[0], &way[0])?
+        && checker.is_line_free(&end, &ends[1])?
+    {
+        path.splice(first + 1..=last, way);
     }
     Ok(())
 }
@@ -114,6 +155,11 @@ impl Along {
             lengths.push(lengths[lengths.len() - 1] + distance(&edge[0], &edge[1]));
         }
         Self(lengths)
+    }
+
+    /// The length between two waypoints.
+    fn between(&self, from: usize, to: usize) -> f64 {
+        self.0[to] - self.0[from]
     }
 
     pub fn length(&self) -> f64 {

@@ -6,6 +6,10 @@ use crate::error::Result;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
+/// The share of a step by which it comes nearer after its projection, and by how much longer it may then be.
+const NEARER: f64 = 0.2;
+const FARTHEST: f64 = 2.0;
+
 /// A tree of configurations, each joined to its parent by a free line.
 struct Tree {
     dof: usize,
@@ -70,10 +74,17 @@ pub(super) fn connect<K: Constraint + ?Sized>(
     rng: &mut ChaCha8Rng,
     stopped: &dyn Fn() -> bool,
 ) -> Result<Plan> {
-    if checker.is_line_free(ends[0], ends[1])? {
+    if !checker.is_projected() && checker.is_line_free(ends[0], ends[1])? {
         return Ok(Plan::Found(ends.map(<[f64]>::to_vec).to_vec()));
     }
     let (mut trees, range) = (ends.map(Tree::new), settings.range);
+    if checker.is_projected()
+        && let Some(met) = reach(checker, &mut trees[0], ends[1], range)?
+    {
+        let mut path = trees[0].to_root(met);
+        path.reverse();
+        return Ok(Plan::Found(path));
+    }
     let mut sample = vec![0.0; ranges.len()];
     while checker.checks() < settings.most_checks {
         if stopped() {
@@ -87,7 +98,10 @@ pub(super) fn connect<K: Constraint + ?Sized>(
         let (near, square) = trees[own].nearest(&sample);
         let from = trees[own].node(near);
         let to = between(from, &sample, (range / square.sqrt()).min(1.0));
-        if !checker.is_line_free(from, &to)? {
+        let Some(to) = checker.projected(to)? else {
+            continue;
+        };
+        if distance(from, &to) > FARTHEST * range || !checker.is_line_free(from, &to)? {
             continue;
         }
         let new = trees[own].add(&to, near);
@@ -106,6 +120,32 @@ pub(super) fn connect<K: Constraint + ?Sized>(
     Ok(Plan::OutOfBudget { checks })
 }
 
+/// The end of a free step towards a configuration, of the length `range` before it is projected, or that configuration
+/// if it is as near; `None` if it is not free, or a projection leads aside.
+pub(super) fn step<K: Constraint + ?Sized>(
+    checker: &mut Checker<'_, K>,
+    from: &[f64],
+    to: &[f64],
+    range: f64,
+) -> Result<Option<Vec<f64>>> {
+    let far = distance(from, to);
+    let next = match far <= range {
+        true => to.to_vec(),
+        false => {
+            let Some(next) = checker.projected(between(from, to, range / far))? else {
+                return Ok(None);
+            };
+            if distance(&next, to) > far - NEARER * range
+                || distance(from, &next) > FARTHEST * range
+            {
+                return Ok(None);
+            }
+            next
+        }
+    };
+    Ok(checker.is_line_free(from, &next)?.then_some(next))
+}
+
 /// Grows a tree straight towards a configuration as far as the line is free; returns the last node.
 fn reach<K: Constraint + ?Sized>(
     checker: &mut Checker<'_, K>,
@@ -118,14 +158,9 @@ fn reach<K: Constraint + ?Sized>(
         let from = tree.node(at);
         let far = distance(from, to);
         let last = far <= range;
-        let next = if last {
-            to.to_vec()
-        } else {
-            between(from, to, range / far)
-        };
-        if !checker.is_line_free(from, &next)? {
+        let Some(next) = step(checker, from, to, range)? else {
             return Ok(None);
-        }
+        };
         at = tree.add(&next, at);
         if last {
             return Ok(Some(at));

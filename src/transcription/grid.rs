@@ -49,12 +49,12 @@ pub struct Grid<S: Scalar> {
 pub(crate) struct Grids {
     grids: Mutex<Vec<Made<Grid<f64>>>>,
     with_ends: Mutex<Vec<Made<Grid<f64>>>>,
-    collocated: Mutex<Vec<Made<Grid<f64>>>>,
+    collocated: Mutex<Vec<Made<Grid<f64>, [usize; 2]>>>,
     scans: Mutex<Vec<Made<Scan>>>,
 }
 
 /// A table and its arguments.
-type Made<T> = (Basis, usize, Arc<T>);
+type Made<T, C = usize> = (Basis, C, Arc<T>);
 
 /// A point of one segment in `[-1, 1]`.
 struct Node {
@@ -79,7 +79,7 @@ impl Grids {
     }
 
     /// The shared [`Grid::collocated`] in normalised time.
-    pub fn collocated(&self, basis: &Basis, points: usize) -> Arc<Grid<f64>> {
+    pub fn collocated(&self, basis: &Basis, points: [usize; 2]) -> Arc<Grid<f64>> {
         get(&self.collocated, basis, points, |basis, points| {
             Grid::collocated(basis, points, 1.0)
         })
@@ -92,11 +92,11 @@ impl Grids {
 }
 
 /// The stored table, or otherwise a `new` one.
-fn get<T>(
-    made: &Mutex<Vec<Made<T>>>,
+fn get<T, C: Copy + PartialEq>(
+    made: &Mutex<Vec<Made<T, C>>>,
     basis: &Basis,
-    count: usize,
-    new: impl Fn(&Basis, usize) -> T,
+    count: C,
+    new: impl Fn(&Basis, C) -> T,
 ) -> Arc<T> {
     let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
     let known = made.iter().find(|(b, c, _)| (b, *c) == (basis, count));
@@ -139,7 +139,7 @@ impl Grid<f64> {
     /// second-order equation, whose residual between the points is orthogonal to all polynomials of lower degree
     /// (`proofs/weak_form.md`). They have the share `COLLOCATED` in the quadrature.
     #[must_use]
-    pub fn collocated(basis: &Basis, points: usize, horizon: f64) -> Self {
+    pub fn collocated(basis: &Basis, [points, held]: [usize; 2], horizon: f64) -> Self {
         let rule = |count, part, collocated| {
             let (nodes, weights) = gauss_legendre(count);
             let nodes = nodes.into_iter().zip(weights);
@@ -150,7 +150,7 @@ impl Grid<f64> {
             })
         };
         let part = Self::COLLOCATED;
-        let all = rule(points, 1.0 - part, false).chain(rule(basis.degree() - 1, part, true));
+        let all = rule(points, 1.0 - part, false).chain(rule(held, part, true));
         let mut nodes: Vec<Node> = all.collect();
         nodes.sort_by(|a, b| a.at.total_cmp(&b.at));
         Self::at(basis, nodes, horizon)

@@ -147,6 +147,15 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         self.attributes.scales.len()
     }
 
+    /// The rows of the state that are equalities, with their units.
+    pub fn equalities_of_state(&self) -> impl Iterator<Item = (usize, f64)> + use<'_, 'a, K, P> {
+        let Attributes {
+            equalities, units, ..
+        } = &self.attributes;
+        let rows = (0..self.states()).filter(|row| equalities[*row]);
+        rows.map(|row| (row, units[row]))
+    }
+
     /// The number of rows of the state; those of the torque follow.
     pub fn states(&self) -> usize {
         self.wide.len()

@@ -81,8 +81,8 @@ impl Scan {
     }
 
     /// Finds the local maxima in time of all rows above `floor`, ends of the segments included, refined by a parabola;
-    /// one that may be above zero by further values of its row. Equalities have none. The times of the maxima are
-    /// normalised.
+    /// one that may be above zero by further values of its row. The times of the maxima are normalised. Equalities have
+    /// none. Returns the largest deviation of those of the state, in their units.
     pub fn maxima<K: Constraint, P: CostWithControl>(
         &self,
         rows: &mut Rows<'_, K, P>,
@@ -90,10 +90,11 @@ impl Scan {
         horizon: f64,
         floor: f64,
         look: &mut Look,
-    ) -> Result<()> {
+    ) -> Result<f64> {
         let (n, count) = (coefficients.nrows(), rows.count());
         let segments = self.basis.segments();
         let interval = 1.0 / (segments * self.intervals) as f64;
+        let mut deviation = 0.0_f64;
         let with_jerk = rows.constraints.stage.has_jerk();
         look.resize(n, self.intervals + 1, count, with_jerk);
         let Look {
@@ -125,8 +126,13 @@ impl Scan {
                 states,
                 jerks: jerks.as_ref(),
             };
-            rows.of_all(points, &mut h[..count * points.count()])?;
+            let h = &mut h[..count * points.count()];
+            rows.of_all(points, h)?;
             let equalities = &rows.attributes().equalities;
+            for (row, unit) in rows.equalities_of_state() {
+                let values = h.iter().skip(row).step_by(count);
+                deviation = values.fold(deviation, |most, h| most.max(h.abs() * unit));
+            }
             // The control may jump where two segments meet, so each has ends of its own.
             for k in 1..self.intervals {
                 let time = (first + k) as f64 * interval;
@@ -166,7 +172,7 @@ impl Scan {
         for _ in 0..Bracket::REFINEMENTS {
             self.refine(rows, coefficients, horizon, look)?;
         }
-        Ok(())
+        Ok(deviation)
     }
 
     /// Evaluates the rows at the estimated times of maxima, side by side in one phase, and estimates them again.

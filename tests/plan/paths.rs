@@ -4,10 +4,13 @@ use crate::common::constraint::Held;
 use crate::common::scenario::Scenario;
 use crate::common::{assert_refused, robot};
 use crate::{across, outside, point, ring, wall, wall_with_a_gap};
-use aghf::constraint::{AnyConstraint, Constraint, Evaluator};
+use aghf::constraint::{AnyConstraint, Constraint, Evaluator, FrameRows};
+use aghf::model::Frame;
 use aghf::motion::Problem;
-use aghf::plan::{Checker, Plan, PlanSettings, plan};
+use aghf::plan::{Checker, InverseKinematics, Plan, PlanSettings, plan};
 use aghf::scalar::Scalar;
+use aghf::spatial::Placement;
+use nalgebra::{Matrix3, Vector3};
 use std::cell::Cell;
 
 fn planned(problem: &Problem<'_>, state: &[AnyConstraint], settings: &PlanSettings) -> Plan {
@@ -297,4 +300,38 @@ fn what_it_cannot_do_is_refused() {
     let zero = f64::from_f64(0.0);
     let mut checker = Checker::new(&model, &Held(0.0), 0.1).expect("same robot");
     assert!(checker.is_free(&[zero]).is_err());
+}
+
+/// With a set of poses with equalities every configuration of a path is in it, and neighbours are near each other.
+#[test]
+fn paths_stay_in_a_plane() {
+    let model = robot("kinova_gen3");
+    let mut frames = model.frames().iter();
+    let tool = frames.find(|frame| frame.name == "end_effector_link");
+    let at = Placement::new(Matrix3::identity(), Vector3::new(0.0, 0.0, 0.4));
+    let plane = FrameRows::new(tool.expect("a link"), Frame::new("plane", None, at));
+    let [low, high] = [-1.0, 1.0].map(|sign| {
+        let all = sign * f64::INFINITY;
+        Vector3::new(all, all, 0.0)
+    });
+    let plane = plane.in_box(&low, &high).expect("bounds");
+    let bounds = vec![[-2.2, 2.2]; 7];
+    let mut search = InverseKinematics::new(&model, &plane, bounds).expect("seven joints");
+    let ends = [
+        [0.0, 0.5, 0.0, 1.6, 0.0, 1.0, 0.0],
+        [1.4, 0.9, 0.0, 1.9, 0.0, 0.9, 0.0],
+    ];
+    let ends = ends.map(|q| search.solve(&q).expect("seven joints").q);
+    let [start, goal] = ends.clone().map(|q| [q, vec![0.0; 7]].concat());
+    let problem = Problem::new(&model, start, goal, 1.0).expect("valid");
+    let state = [AnyConstraint::Frame(plane)];
+    let settings = PlanSettings::default();
+    let found = path(&problem, &state, &settings);
+    assert_eq!([&found[0], &found[found.len() - 1]], [&ends[0], &ends[1]]);
+    assert!(found.len() > 2);
+    for edge in found.windows(2) {
+        let off = worst(&problem, &state, &[edge[1].clone(), edge[1].clone()]);
+        assert!(off.abs() < 1e-8, "{off}");
+        assert!(length(edge) <= 2.0 * settings.range);
+    }
 }

@@ -8,7 +8,7 @@ macro_rules! scenarios {
 }
 
 /// The scenarios, in the order in which they are listed.
-const SCENARIOS: [(&str, &str); 30] = scenarios!(
+const SCENARIOS: [(&str, &str); 31] = scenarios!(
     "pendulum_1" / "pendulum_1_swingup",
     "pendulum_2" / "pendulum_2_swingup",
     "pendulum_3" / "pendulum_3_swingup",
@@ -31,6 +31,7 @@ const SCENARIOS: [(&str, &str); 30] = scenarios!(
     "digit_v3_pinned" / "digit_obstacles_4",
     "kinova_gen3_2arms" / "two_arms_01",
     "kinova_gen3_2arms" / "two_arms_02",
+    "kinova_gen3_2arms" / "two_arms_bar_01",
     "kinova_gen3_3arms" / "three_arms_01",
     "kinova_gen3_3arms" / "three_arms_02",
     "acrobot" / "acrobot_swingup",

@@ -1,7 +1,7 @@
 //! Conditions that are kept along the way.
 
-use super::{Goal, ScenarioFile};
-use aghf::constraint::{AnyConstraint, Between, PointSpeedLimit, StageConstraint};
+use super::{Goal, Scenario, ScenarioFile};
+use aghf::constraint::{AnyConstraint, Between, Constraint, PointSpeedLimit, StageConstraint};
 use aghf::error::{Error, Result, plain};
 use aghf::model::Model;
 use nalgebra::Vector3;
@@ -42,6 +42,14 @@ pub struct PointSpeed {
 
 /// The rows of what is kept: those that hold throughout, and those between given times.
 pub(super) type KeptRows = (Vec<AnyConstraint>, Vec<Arc<dyn StageConstraint>>);
+
+impl Scenario {
+    /// True if something without tolerance is kept throughout, such as a plane or a pose.
+    pub(super) fn keeps_poses_exactly(&self) -> bool {
+        let rows = &self.own.constraints;
+        (0..rows.dim()).any(|row| rows.is_equality(row))
+    }
+}
 
 /// The rows of all that is kept; `path` names the scenario in errors.
 pub(super) fn kept_rows(file: &ScenarioFile, model: &Model, path: &str) -> Result<KeptRows> {

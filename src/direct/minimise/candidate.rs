@@ -30,6 +30,8 @@ pub(crate) struct Candidate {
     pub violation: f64,
     /// The largest torque of a passive joint between its collocated points, relative to the largest torque.
     pub passive_share: f64,
+    /// The largest deviation of an equality of the state between its collocated points, in its unit.
+    pub deviation: f64,
     pub gradient_norm: f64,
     /// The gradient of the Lagrangian, relative to the cost.
     pub stationarity: f64,
@@ -75,6 +77,7 @@ impl Candidate {
             objective: f64::NAN,
             violation: f64::NAN,
             passive_share: 0.0,
+            deviation: 0.0,
             gradient_norm: f64::NAN,
             stationarity: f64::NAN,
             complementarity: 0.0,

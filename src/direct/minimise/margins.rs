@@ -19,7 +19,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let integrand = self.objective.cost_mut();
         let floor = -self.search.scan_depth;
         let (rows, look) = (&mut integrand.rows, &mut self.look);
-        scan.maxima(rows, &self.coefficients, horizon, floor, look)?;
+        self.deviation = scan.maxima(rows, &self.coefficients, horizon, floor, look)?;
         let attributes = integrand.rows.attributes();
         let (units, equalities) = (&attributes.units, &attributes.equalities);
         let maxima = self.look.found.iter();

@@ -196,8 +196,11 @@ fn on_grid<K: Constraint, P: CostWithControl>(
             }
         }
     }
-    candidate.violation = violation;
-    candidate.kept = rows.count() > 0 && !candidate.converged && violation <= stage.feasible;
+    (candidate.violation, candidate.deviation) = (violation, program.deviation);
+    let rough = stage.last && candidate.deviation > settings.search.deviation;
+    candidate.converged &= !rough;
+    candidate.kept =
+        rows.count() > 0 && !candidate.converged && violation <= stage.feasible && !rough;
     program.put(&x, candidate);
     [candidate.cost, candidate.quadrature_error] = program.finer_cost;
     let time = context
@@ -214,6 +217,23 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     Ok(end.status)
 }
 
+/// The number of points per segment at which equalities are collocated: `degree - 1`, as of a second-order equation,
+/// the torque of a passive joint, and fewer where equalities of the state would leave less than a quarter of the
+/// unknowns free. With half as many again searches take twice the iterations, more than those in more segments.
+fn collocated_points<K: Constraint, P: CostWithControl>(
+    context: Context<'_, '_, K, P>,
+    basis: &Basis,
+) -> usize {
+    let second_order = basis.degree() - 1;
+    match context.rows.equalities_of_state().count() {
+        0 => second_order,
+        held => {
+            let unknowns = context.problem.model().dof() * basis.free().len() / basis.segments();
+            second_order.min(3 * unknowns / (4 * held)).max(1)
+        }
+    }
+}
+
 /// The quadrature points: with those at which equalities are collocated if there are any.
 fn grid<K: Constraint, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
@@ -221,7 +241,10 @@ fn grid<K: Constraint, P: CostWithControl>(
     points: usize,
 ) -> Arc<Grid<f64>> {
     match context.rows.attributes().equalities.contains(&true) {
-        true => context.grids.collocated(basis, points),
+        true => {
+            let held = collocated_points(context, basis);
+            context.grids.collocated(basis, [points, held])
+        }
         false => context.grids.with_ends(basis, points),
     }
 }

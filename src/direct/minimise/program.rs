@@ -35,6 +35,8 @@ pub(in crate::direct) struct Program<'g, 'a, K, P> {
     /// difference.
     pub(super) finer: Option<Objective<'g, f64, P>>,
     pub finer_cost: [f64; 2],
+    /// The largest deviation of an equality of the state at the last scan, in its unit.
+    pub deviation: f64,
     pub(super) derivatives: Derivatives<f64>,
     /// The coefficients, those of the boundary conditions included.
     pub(super) coefficients: DMatrix<f64>,
@@ -103,6 +105,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             finer: finer.map(|finer| Objective::new(finer, rows.cost.clone(), n)),
             finer_cost: [f64::NAN; 2],
             evaluated_at: path.coefficients.clone(),
+            deviation: 0.0,
             evaluated: None,
             derivatives: Derivatives::new(&grid, n),
             coefficients: path.coefficients.clone(),

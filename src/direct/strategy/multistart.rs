@@ -164,7 +164,8 @@ pub(crate) fn multistart<K: Constraint + Send + Sync, P: CostWithControl>(
                     _ => true,
                 };
                 let inside = candidate.violation <= level.stage.feasible
-                    && candidate.passive_share <= search.passive_share;
+                    && candidate.passive_share <= search.passive_share
+                    && (!level.stage.last || candidate.deviation <= search.deviation);
                 if inside {
                     least[index] = least[index].min(candidate.objective);
                 }
@@ -226,7 +227,10 @@ fn rank(a: &Candidate, b: &Candidate) -> Ordering {
     match (a.converged, b.converged) {
         (true, true) => by_cost,
         (false, false) => {
-            let excess = |end: &Candidate| end.violation.max(end.passive_share);
+            let excess = |end: &Candidate| {
+                let beside = end.passive_share.max(end.deviation);
+                end.violation.max(beside)
+            };
             let [a, b] = [a, b].map(|end| excess(end).max(DirectSettings::FEASIBLE));
             a.total_cmp(&b).then(by_cost)
         }

@@ -1,4 +1,4 @@
-//! The residual torque of passive joints between the collocated points.
+//! Residuals between the collocated points: the torque of passive joints, and equalities of the state.
 
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
@@ -7,7 +7,8 @@ use crate::direct::minimise::{Candidate, Context, Stage, minimise};
 use crate::error::Result;
 
 /// Minimises in the last basis, then with more segments and then higher degrees while a passive joint has more residual
-/// torque than is accepted and the motion costs less than `least` by more than the tolerance for equal minima.
+/// torque, or an equality a larger deviation, than is accepted and the motion costs less than `least` by more than the
+/// tolerance for equal minima.
 pub(crate) fn minimise_to_the_end<K: Constraint, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     candidate: Candidate,
@@ -17,7 +18,7 @@ pub(crate) fn minimise_to_the_end<K: Constraint, P: CostWithControl>(
 ) -> Result<Candidate> {
     let search = &context.settings.search;
     let mut found = minimise(context, candidate, stage, observe)?;
-    while found.passive_share > search.passive_share
+    while (found.passive_share > search.passive_share || found.deviation > search.deviation)
         && found.violation <= stage.feasible
         && (1.0 + search.same_minimum) * found.objective < least
         && context.watch.stopped().is_none()

@@ -9,7 +9,7 @@ use crate::direct::settings::PlannedStarts;
 use crate::direct::strategy::through::nearest_times;
 use crate::error::Result;
 use crate::motion::{Path, Problem};
-use crate::plan::{Plan, PlanSettings, along, plan};
+use crate::plan::{Plan, PlanSettings, along, plan, sets_with_equalities, thinned};
 use crate::transcription::{Grid, place, points};
 use nalgebra::DMatrix;
 
@@ -34,7 +34,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             )
         };
         let wanted = settings.planned_starts != PlannedStarts::Never
-            && !rows.clone().any(|row| state.is_equality(row))
+            && sets_with_equalities(state).is_ok()
             && !rows.clone().all(bounds);
         let mut planned = Self {
             context,
@@ -153,7 +153,13 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             (plans.margin, plans.most_checks) = (0.0, budget);
             found = plan(problem, constraint, &plans, &stopped)?;
         }
+        // The configurations of a path within equalities are close together.
+        let legs = self.settings.waypoints.len() + 1;
+        let lines = self.settings.search.planned_segments.div_ceil(legs);
         match found {
+            Plan::Found(path) if rows.attributes().equalities.contains(&true) => {
+                Ok(Some(thinned(path, lines)))
+            }
             Plan::Found(path) => Ok(Some(path)),
             _ => Ok(None),
         }
@@ -192,7 +198,9 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
                 let mut here = points(&grid, &grid.times, (&states, &jerks), e, 0);
                 here.first = 0;
                 rows.of_all(here, &mut h)?;
-                kept &= h.iter().all(|h| *h <= 0.0);
+                // No horizon makes a start keep equalities.
+                let held = rows.attributes().equalities.iter().cycle();
+                kept &= h.iter().zip(held).all(|(h, held)| *held || *h <= 0.0);
             }
             if kept {
                 break;

@@ -151,7 +151,7 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
         } = *self;
         let basis = walk.path.basis.clone();
         let grid = if rows.attributes().equalities.contains(&true) {
-            grids.collocated(&basis, points)
+            grids.collocated(&basis, [points, basis.degree() - 1])
         } else {
             grids.with_ends(&basis, points)
         };

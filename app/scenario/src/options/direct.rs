@@ -46,7 +46,8 @@ pub struct DirectOptions {
     pub starts: Option<usize>,
     /// Seed of the starts; by default 0.
     pub seed: Option<u64>,
-    /// Starts that follow planned paths around obstacles; by default `later`.
+    /// Starts that follow planned paths around obstacles; by default `later`, and `first` among obstacles if poses are
+    /// kept exactly.
     #[schemars(schema_with = "one_of::<PlannedStarts>")]
     pub planned_starts: Option<PlannedStarts>,
     /// Number of threads for the starts, with the same result; by default all cores.
@@ -87,6 +88,10 @@ impl DirectOptions {
             default.search.last_scan *= phases;
             // There is nothing to plan around.
             default.planned_starts = PlannedStarts::Never;
+        }
+        if scenario.keeps_poses_exactly() && !scenario.file.obstacles.is_empty() {
+            // A straight line through an obstacle rarely leads around it within equalities.
+            default.planned_starts = PlannedStarts::First;
         }
         if scenario.goal.is_some() {
             default.starts = default.starts.max(GOAL_STARTS);

@@ -21,10 +21,14 @@ fn kinova(keep: Value) -> Value {
 }
 
 fn pose(model: &Model, q: &[f64]) -> Placement<f64> {
+    pose_of(model, TOOL, q)
+}
+
+fn pose_of(model: &Model, link: &str, q: &[f64]) -> Placement<f64> {
     let mut placements = vec![Placement::identity(); model.dof()];
     forward_kinematics(model, q, &mut placements).expect("its joints");
     let mut frames = model.frames().iter();
-    let frame = frames.find(|frame| frame.name == TOOL).expect("a link");
+    let frame = frames.find(|frame| frame.name == link).expect("a link");
     frame_placement(frame, &placements).expect("its frame")
 }
 
@@ -61,6 +65,40 @@ fn a_tool_stays_upright() {
         failed.map(|row| row.check).collect::<Vec<_>>(),
         [Check::Kept]
     );
+}
+
+/// Two arms carry a bar over a post: the relative pose is that of the start at all times, by the judge and by the poses
+/// of the hands.
+#[test]
+fn two_arms_carry_a_bar() {
+    let bar = Scenario::load("two_arms_bar_01").expect("built in");
+    let report = solved_once(&bar);
+    assert!(report.summary.success, "{:?}", report.summary.failure);
+    let motion = samples(&bar);
+    let judged = judge(&bar, &motion, Tolerances::default()).expect("its joints");
+    assert!(judged.valid, "{:?}", judged.worst());
+    let kept = judged.checks.iter().find(|row| row.check == Check::Kept);
+    let worst = kept.and_then(|row| row.worst.clone()).expect("it is kept");
+    assert!(worst.value < 1e-5, "{worst:?}");
+    for q in &motion.q {
+        let [one, other] = ["arm_1", "arm_2"].map(|arm| {
+            let hand = format!("{arm}_end_effector_link");
+            pose_of(&bar.model, &hand, q)
+        });
+        let off = other.translation - one.translation - one.rotation * Vector3::new(0.0, -0.5, 0.0);
+        let turned = other.rotation - one.rotation;
+        assert!(off.norm() < 1e-5 && turned.norm() < 1e-5, "{off} {turned}");
+    }
+}
+
+/// A goal with fewer digits than the condition needs is refused with its row.
+#[test]
+fn rounded_configurations_of_two_hands_are_refused() {
+    let mut bar = Scenario::load("two_arms_bar_01").expect("built in");
+    bar.file.q_goal[3] += 1e-5;
+    let error = bar.check_feasible().expect_err("it is refused").to_string();
+    assert!(error.contains("q_goal: it violates"), "{error}");
+    assert!(error.contains("arm_2_end_effector_link"), "{error}");
 }
 
 /// A bound on the speed holds after its time and not before.

@@ -12,7 +12,7 @@ use std::path::Path;
 
 #[test]
 fn all_that_are_built_in_load_and_fit_their_robots() {
-    assert_eq!(builtin_scenarios().count(), 30);
+    assert_eq!(builtin_scenarios().count(), 31);
     for name in builtin_scenarios() {
         let scenario = Scenario::load(name).unwrap_or_else(|e| panic!("{e}"));
         let (file, n) = (&scenario.file, scenario.model.dof());
