@@ -26,6 +26,8 @@ pub struct BarrierState {
     pub decrease: f64,
     /// The fraction of that step that was taken: more than 1 along negative curvature.
     pub alpha: f64,
+    /// True if there are equalities, whose multipliers are updated with the barrier parameter.
+    pub has_equalities: bool,
 }
 
 impl BarrierState {
@@ -49,6 +51,7 @@ impl BarrierState {
             complementarity: state.measure * state.iterate.gap() / scale,
             decrease: decrease / scale,
             alpha: state.progress.alpha,
+            has_equalities: !state.iterate.equalities.is_empty(),
         }
     }
 }
@@ -72,11 +75,9 @@ pub struct Monotone {
     pub factor: f64,
     /// The exponent $\theta$ of a superlinear reduction: 1.5 as in WB.
     pub power: f64,
-    /// The predicted decrease, relative to the barrier parameter summed over all rows, below which that is reduced, and
-    /// the multipliers of equalities are updated (tuned: with a tenth of that, two arms that carry a bar into a post
-    /// take 500 iterations where 75 show that the start is a bad one, and six motions of a Panda to poses 1684, not
-    /// 1487).
-    pub done: f64,
+    /// The predicted decrease, relative to the barrier parameter summed over all rows, below which that is reduced,
+    /// without and with equalities: updates of their multipliers need a more accurate minimum (NW, framework 17.3).
+    pub done: [f64; 2],
 }
 
 impl Default for Monotone {
@@ -84,14 +85,14 @@ impl Default for Monotone {
         Self {
             factor: 0.2,
             power: 1.5,
-            done: 1.0,
+            done: [1.0, 0.1],
         }
     }
 }
 
 impl BarrierUpdate for Monotone {
     fn is_solved(&self, state: &BarrierState) -> bool {
-        state.decrease <= self.done * state.mu
+        state.decrease <= self.done[usize::from(state.has_equalities)] * state.mu
     }
 
     fn next(&self, state: &BarrierState) -> f64 {
