@@ -86,15 +86,16 @@ fn options() -> Vec<(&'static str, Change)> {
     let mut all = options! {
         scaled: search.points, search.points_of_segments, search.quadrature_on_the_way, search.scan_depth,
             search.reserve, search.near, search.share_of_cutoff, search.last_barrier_of_bounds, search.motor_penalty,
-            search.equality_penalty, search.passive_share, search.deviation, search.lower_tolerance, search.lower_quadrature_tolerance,
-            search.lower_last_barrier, search.lower_feasible, search.planned_penalty, search.same_minimum;
+            search.equality_penalty, search.passive_share, search.deviation, search.lower_tolerance,
+            search.lower_quadrature_tolerance, search.lower_last_barrier, search.lower_feasible,
+            search.planned_penalty, search.same_minimum;
         count: search.most_points, search.scan, search.last_scan, search.exact_margins, search.largest_passive_size,
             search.wave, search.lower_iterations, search.segment_iterations, search.more_starts, search.most_starts,
             search.planned_segments, search.planned_degree, search.margin_checks, search.kept_ends;
         both: search.hopeless;
         factor: search.horizon_growth;
-        scaled: nlp.feasible, nlp.first_barrier, nlp.warm_barrier, nlp.last_barrier, nlp.longest_step, nlp.tangent, nlp.penalty,
-            nlp.largest_penalty, nlp.infeasible_cost, nlp.sufficient_decrease, nlp.largest_warm_slack,
+        scaled: nlp.feasible, nlp.first_barrier, nlp.warm_barrier, nlp.last_barrier, nlp.longest_step, nlp.tangent,
+            nlp.penalty, nlp.largest_penalty, nlp.infeasible_cost, nlp.sufficient_decrease, nlp.largest_warm_slack,
             nlp.multiplier_range, nlp.first_regularisation, nlp.smallest_regularisation, nlp.largest_regularisation,
             nlp.saddle_step;
         count: nlp.memory, nlp.cuts, nlp.rounds;

@@ -17,9 +17,9 @@
 //! 1. `kkt`: the Newton step of the primal-dual equations, condensed to `x`; multiples of a norm are added to the
 //!    Hessian until the condensed matrix is positive definite (WB 3.1).
 //! 2. `line_search`: backtracking until the barrier function is sufficiently below the largest of its last values; each
-//!    slack and each multiplier keeps a part of its distance from its bounds, row by row (WB 2.2). Slacks follow the rows
-//!    themselves, multipliers the linearised ones (NW 19.12). Along negative curvature a step is doubled while that
-//!    decreases the barrier function further.
+//!    slack and each multiplier keeps a part of its distance from its bounds, row by row (WB 2.2). Slacks follow the
+//!    rows themselves, multipliers the linearised ones (NW 19.12). Along negative curvature a step is doubled while
+//!    that decreases the barrier function further.
 //! 3. `barrier`: the barrier parameter is reduced when the predicted decrease of its problem is small
 //!    ([`BarrierUpdate`]).
 //! 4. [`Nlp::tighten`]: after each reduction the rows are evaluated between the points of the quadrature, and violated
