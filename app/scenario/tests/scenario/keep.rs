@@ -5,7 +5,7 @@ use aghf::dynamics::{forward_kinematics, frame_placement};
 use aghf::model::Model;
 use aghf::spatial::Placement;
 use aghf_scenario::Scenario;
-use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge};
+use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge, sufficient_samples};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
@@ -74,7 +74,9 @@ fn two_arms_carry_a_bar() {
     let bar = Scenario::load("two_arms_bar_01").expect("built in");
     let report = solved_once(&bar);
     assert!(report.summary.success, "{:?}", report.summary.failure);
-    let motion = samples(&bar);
+    let intervals = sufficient_samples(&bar, &report.curve).expect("its joints") - 1;
+    let samples = aghf::motion::sample(&bar.model, &report.curve, intervals);
+    let motion = Trajectory::of_samples(samples.expect("its joints"));
     let judged = judge(&bar, &motion, Tolerances::default()).expect("its joints");
     assert!(judged.valid, "{:?}", judged.worst());
     let kept = judged.checks.iter().find(|row| row.check == Check::Kept);
