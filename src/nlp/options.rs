@@ -24,8 +24,8 @@ pub struct Options {
     /// The longest step, in the norm of steps: a radian in the mean, beyond which a robot has other minima. It may be
     /// infinite.
     pub longest_step: f64,
-    /// The length, in the norm of steps, over which the change of a row counts as linear: bends and rounding change it
-    /// by about 1e-7 of the step each, less than slacks at the last barrier parameters.
+    /// The length, in the norm of steps, over which the change of a row counts as linear: bends change it by about 1e-6
+    /// of the step, rounding by less, and both are below slacks at small barrier parameters.
     pub tangent: f64,
     /// The fraction of its distance from zero by which a slack or multiplier shrinks at most in a step. WB take 0.99 or
     /// more for the smallest of all; here each row is cut by itself, and 0.9 keeps the rows central (tuned on seven
@@ -101,7 +101,7 @@ impl Default for Options {
             last_barrier: 1e-7,
             barrier: Arc::new(Monotone::default()),
             longest_step: 1.0,
-            tangent: 1e-7,
+            tangent: 1e-6,
             fraction_to_boundary: 0.9,
             penalty: 1.0,
             penalty_of_multipliers: 2.0,

@@ -265,7 +265,8 @@ fn a_sphere_is_kept_out_of() {
             .expect("sizes agree");
         placements[1].rotation * tip + placements[1].translation
     };
-    let (t, radius) = (0.5 * problem.horizon(), 0.1);
+    // Larger than the distance at which another motion of least effort passes it.
+    let (t, radius) = (0.5 * problem.horizon(), 0.12);
     let (middle, near) = (place(&free.curve, t), place(&free.curve, t + 0.01));
     // Off the path, so that only one way round is short.
     let along = (near - middle).normalize();

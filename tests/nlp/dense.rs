@@ -40,6 +40,8 @@ pub fn accurate() -> Options {
         tolerance: 1e-8,
         feasible: 1e-9,
         last_barrier: 1e-10,
+        // Slacks are as small as that.
+        tangent: 1e-7,
         ..Options::default()
     }
 }

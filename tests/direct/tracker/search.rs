@@ -115,8 +115,8 @@ fn crowded(model: &Model) -> Kept {
     kept
 }
 
-/// After the first steps only factorisations allocate, one or two vectors of `faer` per iteration: with looks and a goal
-/// that moves, among near obstacles, and where plans take the place of others. Nothing is kept.
+/// After the first steps only factorisations allocate, one or two vectors of `faer` per iteration: with looks and a
+/// goal that moves, among near obstacles, and where plans take the place of others. Nothing is kept.
 #[test]
 fn steps_allocate_for_factorisations_alone() {
     let model = robot("kinova_gen3");
