@@ -221,16 +221,6 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         kkt.restart(|corner| self.norm_of_border(corner));
     }
 
-    /// Sets the diagonal of the norm of steps of the border.
-    fn norm_of_border(&self, corner: &mut DMatrix<f64>) {
-        if !self.moving.is_empty() {
-            corner.fill_diagonal(self.mean_square_slope());
-        }
-        if self.free_horizon.is_some() {
-            corner[(0, 0)] = self.horizon.powi(-2);
-        }
-    }
-
     /// The norm of the gradient of the Lagrangian relative to the cost, dual to the norm of steps: the residual of the
     /// first of the optimality conditions (NW 19.2a).
     pub fn stationarity(&mut self, x: &DVector<f64>, iterate: &Iterate) -> Result<f64> {

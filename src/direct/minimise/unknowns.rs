@@ -5,7 +5,7 @@ use super::program::Program;
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::nlp::Iterate;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// The known multipliers at the points, without those of rows beside ends that another program had.
@@ -25,6 +25,16 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         iterate.multipliers_in(self.margins.len(), &mut self.multipliers);
         let (all, rows) = (&self.multipliers, &self.objective.cost().rows);
         candidate.multipliers.put(&self.grid, rows, all);
+    }
+
+    /// Sets the diagonal of the norm of steps of the border.
+    pub(super) fn norm_of_border(&self, corner: &mut DMatrix<f64>) {
+        if !self.moving.is_empty() {
+            corner.fill_diagonal(self.mean_square_slope());
+        }
+        if self.free_horizon.is_some() {
+            corner[(0, 0)] = self.horizon.powi(-2);
+        }
     }
 
     /// The unknowns of a curve in the basis.
