@@ -43,6 +43,8 @@ pub struct Continuity {
     pub free_final_position: bool,
     /// True if the slope may jump, as that of a state does; it is then unknown at both ends.
     pub corners: bool,
+    /// True if value and slope are unknown at both ends, as those of a periodic motion are.
+    pub free_ends: bool,
 }
 
 impl Continuity {
@@ -53,6 +55,7 @@ impl Continuity {
         free_final_velocity: false,
         free_final_position: false,
         corners: true,
+        free_ends: false,
     };
 
     /// The number of functions per breakpoint.
@@ -167,7 +170,7 @@ impl Basis {
 
     /// The functions whose coefficients are given velocities at the ends.
     pub(crate) fn fixed_slopes(&self) -> impl Iterator<Item = usize> + use<> {
-        let (ends, fixed) = match self.continuity.corners {
+        let (ends, fixed) = match self.continuity.corners || self.continuity.free_ends {
             true => ([0; 2], 0),
             false => {
                 let free = self.continuity.free_final_velocity;
@@ -180,16 +183,19 @@ impl Basis {
         ends.into_iter().take(fixed)
     }
 
-    /// The functions with unknown coefficients, ascending: all but slope and value at the start, those at the end
-    /// unless they are free, and second derivatives at rest.
+    /// The functions with unknown coefficients, ascending: all but slope and value at the start and at the end, unless
+    /// they are free, and second derivatives at rest.
     #[must_use]
     pub fn free(&self) -> Vec<usize> {
         let (last, ends) = (self.segments, self.continuity);
         let slopes: Vec<_> = self.fixed_slopes().collect();
         let fixed = [
-            (self.value(0), true),
+            (self.value(0), !ends.free_ends),
             (self.first(0), ends.acceleration && ends.rest[0]),
-            (self.value(last), !ends.free_final_position),
+            (
+                self.value(last),
+                !ends.free_final_position && !ends.free_ends,
+            ),
             (self.first(last), ends.acceleration && ends.rest[1]),
         ];
         let is_free = |f: &usize| !fixed.contains(&(*f, true)) && !slopes.contains(f);

@@ -26,6 +26,7 @@
 mod goal;
 mod minimise;
 mod options;
+mod period;
 mod settings;
 mod strategy;
 mod tracker;
@@ -33,6 +34,7 @@ mod waypoint;
 
 pub use goal::{GoalEnd, GoalSet};
 pub use options::SearchOptions;
+pub use period::Period;
 pub use settings::{DirectSettings, DirectSolution, Iteration, PlannedStarts};
 pub use strategy::{DegreeRefinement, FreeHorizon, LocalMinimum};
 pub use tracker::{Command, Outcome, Safety, Step, Tracker, TrackerOptions};

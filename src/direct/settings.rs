@@ -3,7 +3,8 @@
 use super::minimise::Stage;
 use super::waypoint;
 use super::{
-    DegreeRefinement, FreeHorizon, GoalSet, LocalMinimum, Multipliers, SearchOptions, Waypoint,
+    DegreeRefinement, FreeHorizon, GoalSet, LocalMinimum, Multipliers, Period, SearchOptions,
+    Waypoint,
 };
 use crate::curve::{Basis, Continuity, Curve};
 use crate::error::{Error, Result, check_count, check_positive};
@@ -68,6 +69,9 @@ pub struct DirectSettings {
     pub goal: Option<GoalSet>,
     /// The points on the way, in their order.
     pub waypoints: Vec<Waypoint>,
+    /// The relation between the ends of a periodic motion, whose states are then unknown; those of the problem serve
+    /// only as the first guess.
+    pub period: Option<Period>,
     /// The constants of the search.
     pub search: SearchOptions,
     /// Those of the interior-point method, with the rule of its barrier parameter. [`tolerance`](Self::tolerance) and
@@ -112,6 +116,7 @@ impl Default for DirectSettings {
             free_horizon: None,
             goal: None,
             waypoints: Vec::new(),
+            period: None,
             search: SearchOptions::default(),
             nlp: nlp::Options::default(),
         }
@@ -211,6 +216,7 @@ impl DirectSettings {
             free_final_velocity: self.free_final_velocity,
             free_final_position: self.goal.is_some(),
             corners: false,
+            free_ends: self.period.is_some(),
         }
     }
 
@@ -275,6 +281,9 @@ impl DirectSettings {
         }
         if let Some(goal) = &self.goal {
             goal.check(problem)?;
+        }
+        if let Some(period) = &self.period {
+            period.check(self, problem)?;
         }
         waypoint::check(self, problem)?;
         if let Some(longest) = self.longest_horizon {

@@ -21,7 +21,8 @@ pub struct Waypoint {
     pub stop: bool,
     /// True if a foot lands there: the rates of all equalities of the constraints are zero.
     pub lands: bool,
-    /// The time as a share of the horizon, between those of its neighbours; an unknown by default.
+    /// The time as a share of the horizon, between those of its neighbours; an unknown by default. One, the end, where
+    /// a periodic motion has such a point.
     pub share: Option<f64>,
 }
 
@@ -80,7 +81,8 @@ pub(super) fn check(settings: &DirectSettings, problem: &Problem<'_>) -> Result<
         let Some(share) = waypoint.share else {
             continue;
         };
-        if !(share > before && share < 1.0) {
+        let is_end = share == 1.0 && settings.period.is_some();
+        if !(share > before && (share < 1.0 || is_end)) {
             let range = format!("more than {before} and less than 1");
             return refuse(format!(
                 "it has the share {share} of the horizon, {range} is needed"

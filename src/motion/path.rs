@@ -49,6 +49,7 @@ impl Path {
         let ends = Continuity {
             free_final_velocity: false,
             free_final_position: false,
+            free_ends: false,
             ..basis.continuity()
         };
         let least = Basis::new(1, ends.smallest_degree() - 1, ends);
@@ -177,7 +178,7 @@ impl Path {
         self
     }
 
-    /// Moves the ends to the boundary states of a problem, on its horizon, but for a free final position.
+    /// Moves the ends to the boundary states of a problem, on its horizon, but for those that are free.
     pub fn set_ends(&mut self, problem: &Problem<'_>) {
         let n = self.coefficients.nrows();
         let ends = [problem.start(), problem.goal()];
@@ -191,10 +192,14 @@ impl Path {
             acceleration,
             rest,
             free_final_position,
+            free_ends,
             ..
         } = self.basis.continuity();
-        let ends = [(0, problem.start()), (last, problem.goal())];
-        for (end, state) in ends.into_iter().take(2 - usize::from(free_final_position)) {
+        let ends = [
+            (0, problem.start(), free_ends),
+            (last, problem.goal(), free_final_position || free_ends),
+        ];
+        for (end, state, _) in ends.into_iter().filter(|(.., free)| !free) {
             let mut q = self.coefficients.column_mut(self.basis.value(end));
             q.copy_from_slice(&state[..n]);
         }
@@ -226,12 +231,16 @@ pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
         }
     }
     let last = x.ncols() - 1;
-    x.column_mut(0).copy_from_slice(problem.start());
     let Continuity {
         free_final_position,
         free_final_velocity,
+        free_ends,
         ..
     } = path.basis.continuity();
+    if free_ends {
+        return Curve::piecewise(horizon, segments, x);
+    }
+    x.column_mut(0).copy_from_slice(problem.start());
     for (free, own) in [(free_final_position, 0..n), (free_final_velocity, n..2 * n)] {
         if !free {
             let mut given = x.view_mut((own.start, last), (n, 1));

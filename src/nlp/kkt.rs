@@ -32,7 +32,7 @@ pub struct Kkt {
 
 /// Memory of factorisations and products.
 #[derive(Default)]
-struct Memory {
+pub(crate) struct Memory {
     scratch: Scratch,
     /// The border before a factorisation, and one of its columns.
     border: DMatrix<f64>,
@@ -40,6 +40,17 @@ struct Memory {
     /// A product, and the last step.
     product: DVector<f64>,
     step: DVector<f64>,
+}
+
+impl Memory {
+    /// Memory for a matrix.
+    pub fn new(matrix: &Bordered) -> Self {
+        Self {
+            column: DVector::zeros(matrix.border.nrows()),
+            product: DVector::zeros(matrix.order()),
+            ..Self::default()
+        }
+    }
 }
 
 /// A Newton step.
@@ -50,13 +61,12 @@ pub struct Step {
 }
 
 impl Bordered {
-    /// A matrix without a border.
-    pub fn without_border(matrix: BlockTridiagonal<f64>) -> Self {
-        let (border, corner) = (DMatrix::zeros(matrix.order(), 0), DMatrix::zeros(0, 0));
+    /// A matrix with this number of rows and columns of zeros in its border.
+    pub fn with_border(matrix: BlockTridiagonal<f64>, columns: usize) -> Self {
         Self {
+            border: DMatrix::zeros(matrix.order(), columns),
             matrix,
-            border,
-            corner,
+            corner: DMatrix::zeros(columns, columns),
         }
     }
 
@@ -66,7 +76,7 @@ impl Bordered {
     }
 
     /// Sets the matrix to `a + factor b`.
-    fn set_sum(&mut self, a: &Self, factor: f64, b: &Self) {
+    pub(crate) fn set_sum(&mut self, a: &Self, factor: f64, b: &Self) {
         self.matrix.set_sum(&a.matrix, factor, &b.matrix);
         let sum = |to: &mut f64, a: f64, b: f64| *to = a + b * factor;
         self.border.zip_zip_apply(&a.border, &b.border, sum);
@@ -75,7 +85,7 @@ impl Bordered {
 
     /// Replaces the matrix by its factor; the border becomes the solution for it, and the corner the Cholesky factor of
     /// the Schur complement. Returns false if the matrix is not positive definite.
-    fn factorise(&mut self, memory: &mut Memory) -> bool {
+    pub(crate) fn factorise(&mut self, memory: &mut Memory) -> bool {
         if !self.matrix.factorise_in(&mut memory.scratch) {
             return false;
         }
@@ -97,7 +107,7 @@ impl Bordered {
     }
 
     /// Replaces `b` by the solution; requires [`factorise`](Self::factorise).
-    fn solve(&self, b: &mut DVector<f64>) {
+    pub(crate) fn solve(&self, b: &mut DVector<f64>) {
         let n = self.border.nrows();
         if self.border.ncols() == 0 {
             self.matrix.solve(b);
@@ -139,11 +149,7 @@ impl Kkt {
     /// Zeros, with the norm of steps. `None` if the norm is not positive definite.
     pub fn new(norm: Bordered) -> Option<Self> {
         let (mut factor, order) = (norm.clone(), norm.order());
-        let mut memory = Memory {
-            column: DVector::zeros(norm.border.nrows()),
-            product: DVector::zeros(order),
-            ..Memory::default()
-        };
+        let mut memory = Memory::new(&norm);
         if !factor.factorise(&mut memory) {
             return None;
         }

@@ -35,6 +35,7 @@ mod state;
 
 pub use barrier::{Barrier, BarrierState, BarrierUpdate, Monotone};
 pub use iterate::{Equality, Iterate};
+pub(crate) use kkt::Memory;
 pub use kkt::{Bordered, Kkt};
 pub use options::Options;
 pub use row::{Row, RowState, RowStep, Term};

@@ -12,6 +12,8 @@ mod interrupt;
 mod minima;
 mod multistart;
 mod options;
+mod period;
+
 mod running_cost;
 mod segments;
 mod stage;

@@ -107,7 +107,7 @@ impl Dense {
         let n = self.start.len();
         let mut matrix = BlockTridiagonal::new(&[n], 0);
         matrix.diagonal[0].fill_with_identity();
-        Kkt::new(Bordered::without_border(matrix)).expect("the unit matrix is positive definite")
+        Kkt::new(Bordered::with_border(matrix, 0)).expect("the unit matrix is positive definite")
     }
 
     /// The equalities or the inequalities.

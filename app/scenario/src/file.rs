@@ -3,7 +3,7 @@
 use super::clearance::Clearance;
 use super::flow_parameters::FlowParameters;
 use super::goal::{Goal, goal_set};
-use super::group::hold_others;
+use super::group::{hold_others, lock};
 use super::json::{by_name, one_or_more, read_json};
 use super::keep::{Kept, kept_rows};
 use super::losses::{Losses, substitute_rotors};
@@ -12,6 +12,7 @@ use super::obstacles::{Obstacle, RobotShape, SelfCollision};
 use super::own_terms::OwnTerms;
 use super::passive::check_passive;
 use super::payload::Payload;
+use super::period::period_of;
 use super::phases::{PhaseTerms, WalkPhase, complete, phase_terms, points_of_walk};
 use super::scene::scene;
 use super::schema::{self, FeedbackKeys, one_of};
@@ -20,11 +21,11 @@ use super::stand::{Stand, standing_foot};
 use super::waypoints::{PointOnTheWay, waypoints};
 use super::{EnforcedLimits, IgnoredPair};
 use aghf::curve::Chebyshev;
-use aghf::direct::{GoalSet, Waypoint};
+use aghf::direct::{GoalSet, Period, Waypoint};
 use aghf::error::{Error, Result, plain};
 use aghf::geometry::Scene;
 use aghf::input::name_of;
-use aghf::model::{Model, Reduced};
+use aghf::model::Model;
 use aghf::motion::{Feedback, Problem};
 use aghf::urdf::{LoadReport, Mimic, RobotSource, UrdfOptions};
 use schemars::JsonSchema;
@@ -118,6 +119,10 @@ pub struct ScenarioFile {
     /// which gives the order of the joints.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub phases: Vec<WalkPhase>,
+    /// True for a walk that ends as it starts, or in the mirror image of that if it ends on the other foot: positions
+    /// and velocities at the start are unknowns, and `q_start` and `v_start` first guesses.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub periodic: bool,
     /// For the direct method: true if the final velocity is free; `v_goal` then serves only as the first guess.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub free_final_velocity: bool,
@@ -203,6 +208,8 @@ pub struct Scenario {
     pub waypoints: Vec<Waypoint>,
     /// The phases of a walk.
     pub(super) phases: Vec<PhaseTerms>,
+    /// The relation between the ends of a periodic walk.
+    pub(super) period: Option<Period>,
     /// The constraints and the cost that no key can name.
     pub(super) own: OwnTerms,
 }
@@ -274,6 +281,7 @@ impl Scenario {
             .check_regular(&source.name())
             .map_err(|e| Error::input(path, of_key, e.to_string()))?;
         let phases = phase_terms(&file, &model, (path, folder))?;
+        let period = period_of(&mut file, &model, &phases, (path, folder))?;
         let goal = goal_set(&mut file, &model, path)?;
         let mut waypoints = waypoints(&file, &model, path)?;
         waypoints.extend(points_of_walk(&file, &model, path)?);
@@ -349,6 +357,7 @@ impl Scenario {
             goal,
             waypoints,
             phases,
+            period,
             own: OwnTerms {
                 constraints: kept,
                 stage: kept_between,
@@ -371,26 +380,4 @@ impl Scenario {
             self.file.horizon_s,
         )
     }
-}
-
-/// The robot with these joints locked; `None` without any. `path` names the scenario in errors.
-fn lock(robot: &Model, joints: &BTreeMap<String, f64>, path: &str) -> Result<Option<Reduced>> {
-    if joints.is_empty() {
-        return Ok(None);
-    }
-    let mut locked = Vec::with_capacity(joints.len());
-    for (name, position) in joints {
-        let Some(i) = robot.joints().iter().position(|j| j.name() == name) else {
-            let key = format!("locked_joints.{name}");
-            return Err(Error::input(path, key, robot.no_moving_joint(name)));
-        };
-        locked.push((i, *position));
-    }
-    let named = |error: Error| match error {
-        Error::Input {
-            element, condition, ..
-        } => Error::input(path, "locked_joints", format!("{element}: {condition}")),
-        other => other,
-    };
-    robot.reduced(&locked).map(Some).map_err(named)
 }

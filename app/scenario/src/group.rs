@@ -2,7 +2,7 @@
 
 use super::{RobotShape, ScenarioFile, SelfCollision};
 use aghf::error::{Error, Result};
-use aghf::model::Model;
+use aghf::model::{Model, Reduced};
 use aghf::names::instead;
 use aghf::urdf::{Follower, Mimic, RobotSource, Srdf, followers};
 use std::collections::BTreeMap;
@@ -125,4 +125,30 @@ fn state_positions(
         positions.extend(srdf.positions(state, robot, srdf_name)?);
     }
     Ok(positions)
+}
+
+/// The robot with these joints locked; `None` without any. `path` names the scenario in errors.
+pub(super) fn lock(
+    robot: &Model,
+    joints: &BTreeMap<String, f64>,
+    path: &str,
+) -> Result<Option<Reduced>> {
+    if joints.is_empty() {
+        return Ok(None);
+    }
+    let mut locked = Vec::with_capacity(joints.len());
+    for (name, position) in joints {
+        let Some(i) = robot.joints().iter().position(|j| j.name() == name) else {
+            let key = format!("locked_joints.{name}");
+            return Err(Error::input(path, key, robot.no_moving_joint(name)));
+        };
+        locked.push((i, *position));
+    }
+    let named = |error: Error| match error {
+        Error::Input {
+            element, condition, ..
+        } => Error::input(path, "locked_joints", format!("{element}: {condition}")),
+        other => other,
+    };
+    robot.reduced(&locked).map(Some).map_err(named)
 }

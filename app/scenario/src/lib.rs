@@ -36,6 +36,7 @@ mod own_terms;
 mod passive;
 mod patch;
 mod payload;
+mod period;
 mod phases;
 mod preflight;
 mod provenance;

@@ -4,11 +4,9 @@ use super::{
     Continuous, Goal, Kept, PointOnTheWay, Pose, PositionBox, Scenario, ScenarioFile, Stand,
 };
 use aghf::constraint::{AnyConstraint, Constraint, Phase, StandingFoot};
-use aghf::curve::Curve;
 use aghf::direct::Waypoint;
-use aghf::error::{Error, Result, check_length};
+use aghf::error::{Error, Result};
 use aghf::model::{Joint, Model};
-use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -64,12 +62,12 @@ impl WalkPhase {
     }
 
     /// The sets of poses on the way, each with its key and its share of phase `k`: that of a foot halfway, and where it
-    /// lands unless the walk ends there.
-    fn sets(&self, k: usize, is_last: bool) -> impl Iterator<Item = (String, Goal, f64)> {
+    /// lands unless a goal has that.
+    fn sets(&self, k: usize, has_goal: bool) -> impl Iterator<Item = (String, Goal, f64)> {
         let lifted = self
             .lifted()
             .map(|set| (format!("phases[{k}].lift_m"), set, 0.5));
-        let land = self.land.as_ref().filter(|_| !is_last);
+        let land = self.land.as_ref().filter(|_| !has_goal);
         let land = land.map(|land| self.relative(land));
         let land = land.map(|land| (format!("phases[{k}].land"), land, 1.0));
         lifted.into_iter().chain(land)
@@ -97,11 +95,14 @@ pub(super) struct PhaseTerms {
 /// Completes the keys of a walk by those of its first phase and the landing of its last one; `path` names the scenario
 /// in errors.
 pub(super) fn complete(file: &mut ScenarioFile, path: &str) -> Result<()> {
-    let Some((first, last)) = file.phases.first().zip(file.phases.last()) else {
-        return Ok(());
-    };
     let refuse =
         |key: &str, condition: &str| Err(Error::input(path, key, format!("phases: {condition}")));
+    let Some((first, last)) = file.phases.first().zip(file.phases.last()) else {
+        return match file.periodic {
+            true => refuse("periodic", "there are none"),
+            false => Ok(()),
+        };
+    };
     for (key, given) in [
         ("waypoints", !file.waypoints.is_empty()),
         ("keep", !file.keep.is_empty()),
@@ -122,7 +123,7 @@ pub(super) fn complete(file: &mut ScenarioFile, path: &str) -> Result<()> {
             "a walk knows the objectives by their names alone",
         );
     }
-    if last.land.is_some() && file.v_goal.iter().any(|v| *v != 0.0) {
+    if last.land.is_some() && !file.periodic && file.v_goal.iter().any(|v| *v != 0.0) {
         return refuse("v_goal", "where the last foot lands it ends at rest");
     }
     if file
@@ -139,7 +140,8 @@ pub(super) fn complete(file: &mut ScenarioFile, path: &str) -> Result<()> {
     {
         return refuse("root", "it is not the foot of the first phase");
     }
-    let goal: Vec<_> = last.land.iter().map(|land| last.relative(land)).collect();
+    let land = last.land.iter().filter(|_| !file.periodic);
+    let goal: Vec<_> = land.map(|land| last.relative(land)).collect();
     match (
         goal.is_empty(),
         file.goal.is_empty(),
@@ -163,7 +165,7 @@ pub(super) fn complete(file: &mut ScenarioFile, path: &str) -> Result<()> {
 
 /// The scenario of one phase of this duration: the robot on its foot, with the states of the walk by the joints of the
 /// walk.
-fn of_phase(file: &ScenarioFile, phase: &WalkPhase, horizon_s: f64) -> ScenarioFile {
+pub(super) fn of_phase(file: &ScenarioFile, phase: &WalkPhase, horizon_s: f64) -> ScenarioFile {
     let kept = phase.keep.iter().map(|poses| Kept {
         poses: Some(phase.relative(poses)),
         speed: None,
@@ -185,11 +187,47 @@ fn of_phase(file: &ScenarioFile, phase: &WalkPhase, horizon_s: f64) -> ScenarioF
         continuity: Some(Continuous::Velocity),
         objective: Default::default(),
         phases: Vec::new(),
+        periodic: false,
         goal: Vec::new(),
         q_goal: file.q_start.clone(),
         v_goal: vec![0.0; file.q_start.len()],
         ..file.clone()
     }
+}
+
+/// The robot with this foot as its root, and the joint of the walk for each of its joints.
+pub(super) fn robot_of_phase(
+    file: &ScenarioFile,
+    model: &Model,
+    stand: &Stand,
+    place: (&str, &Path),
+) -> Result<(Model, Vec<usize>)> {
+    let phase = WalkPhase {
+        stand: stand.clone(),
+        land: None,
+        lift_m: None,
+        keep: Vec::new(),
+    };
+    let (of, order) = scenario_of_phase(file, model, &phase, place)?;
+    Ok((of.model, order))
+}
+
+/// The scenario of a phase, and the joint of the walk for each joint of its robot.
+fn scenario_of_phase(
+    file: &ScenarioFile,
+    model: &Model,
+    phase: &WalkPhase,
+    (path, folder): (&str, &Path),
+) -> Result<(Scenario, Vec<usize>)> {
+    let horizon = file.horizon_s / file.phases.len() as f64;
+    let of = Scenario::new(of_phase(file, phase, horizon), path, folder)?;
+    let names = of.model.joints().iter().map(Joint::name);
+    let order = names.map(|name| model.joints().iter().position(|of| of.name() == name));
+    let order = order.collect::<Option<_>>().ok_or_else(|| {
+        let condition = "its robot has other joints than that of the first phase";
+        Error::input(path, "stand", condition)
+    })?;
+    Ok((of, order))
 }
 
 /// The phases of a walk on its robot; `path` names the scenario in errors, and the robot is looked for in `folder`.
@@ -201,15 +239,8 @@ pub(super) fn phase_terms(
     let mut all = Vec::new();
     for (k, phase) in file.phases.iter().enumerate() {
         let key = format!("phases[{k}]");
-        let of_key = |e: Error| Error::input(path, &key, e.to_string());
-        let horizon = file.horizon_s / file.phases.len() as f64;
-        let of = Scenario::new(of_phase(file, phase, horizon), path, folder).map_err(of_key)?;
-        let names = of.model.joints().iter().map(Joint::name);
-        let order = names.map(|name| model.joints().iter().position(|of| of.name() == name));
-        let order = order.collect::<Option<_>>().ok_or_else(|| {
-            let condition = "its robot has other joints than that of the first one";
-            Error::input(path, &key, condition)
-        })?;
+        let (of, order) = scenario_of_phase(file, model, phase, (path, folder))
+            .map_err(|e| Error::input(path, &key, e.to_string()))?;
         let Some(foot) = of.own.foot.clone() else {
             return Err(Error::input(path, key, "no foot stands"));
         };
@@ -241,6 +272,7 @@ pub(super) fn points_of_walk(
             Err(Error::input(path, format!("phases[{k}].{key}"), condition))
         };
         let is_last = k + 1 == count;
+        let has_goal = is_last && !file.periodic;
         match (&phase.land, phase.lift_m) {
             (None, _) if !is_last => return refuse("land", "it is missing"),
             (None, Some(_)) => return refuse("lift_m", "it needs land, which names the foot"),
@@ -249,7 +281,7 @@ pub(super) fn points_of_walk(
             }
             _ => (),
         }
-        for (key, set, share) in phase.sets(k, is_last) {
+        for (key, set, share) in phase.sets(k, has_goal) {
             let lands = share == 1.0;
             let next = file.phases.get(k + 1).map(|next| &next.stand.frame);
             if lands && next.is_some_and(|next| *next != set.frame) {
@@ -309,7 +341,7 @@ impl Scenario {
         }
         let last = file.phases.len() - 1;
         let phases = file.phases.iter().enumerate();
-        let sets = phases.flat_map(|(k, phase)| phase.sets(k, k == last));
+        let sets = phases.flat_map(|(k, phase)| phase.sets(k, k == last && !file.periodic));
         sets.map(|(key, set, _)| (key, Some(set))).collect()
     }
 
@@ -327,46 +359,5 @@ impl Scenario {
             }
         });
         phases.collect()
-    }
-
-    /// The phases of a walk along a motion: ordinary scenarios, each with its robot, its ends and its part of the
-    /// motion.
-    ///
-    /// # Errors
-    /// The motion has other joints than the scenario, or no segments that belong to one phase each.
-    pub fn split(&self, curve: &Curve) -> Result<Vec<(Self, Curve)>> {
-        let (n, count) = (self.model.dof(), self.phases.len());
-        check_length("motion", n, curve.dof())?;
-        if count == 0 || !curve.segments().is_multiple_of(count) {
-            let condition = format!(
-                "{} segments are not those of {count} phases",
-                curve.segments()
-            );
-            return Err(Error::input(&self.name, "phases", condition));
-        }
-        let (segments, horizon) = (curve.segments() / count, curve.horizon() / count as f64);
-        let columns = segments * (curve.chebyshev().degree() + 1);
-        let mut all = Vec::new();
-        for (k, (phase, terms)) in self.file.phases.iter().zip(&self.phases).enumerate() {
-            let at = |i: usize| i - i % n + terms.order[i % n];
-            let own = |i: usize, j: usize| curve.x()[(at(i), k * columns + j)];
-            let x = DMatrix::from_fn(2 * n, columns, own);
-            let part = |j: usize, first: usize| x.column(j).as_slice()[first..first + n].to_vec();
-            let [[q_start, v_start], [q_goal, v_goal]] =
-                [0, columns - 1].map(|j| [part(j, 0), part(j, n)]);
-            let file = ScenarioFile {
-                robot: self.robot_place.clone(),
-                q_start,
-                v_start,
-                q_goal,
-                v_goal,
-                enforced_limits: self.file.enforced_limits.in_order(&terms.order),
-                ..of_phase(&self.file, phase, horizon)
-            };
-            let mut of = Self::new(file, &self.name, Path::new(""))?;
-            of.name = format!("{}_phase_{}", self.name, k + 1);
-            all.push((of, Curve::piecewise(horizon, segments, x)?));
-        }
-        Ok(all)
     }
 }

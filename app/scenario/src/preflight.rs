@@ -109,7 +109,11 @@ impl Scenario {
             v: Some(&file.v_start),
         };
         let ends = [start, self.end_at(&file.q_goal)];
-        let ends = &ends[..if self.goal.is_some() { 1 } else { 2 }];
+        let ends = match (&self.period, &self.goal) {
+            (Some(_), _) => &[],
+            (None, Some(_)) => &ends[..1],
+            (None, None) => &ends[..],
+        };
         for end in ends {
             self.check_state(end)?;
         }

@@ -2,14 +2,17 @@
 
 use super::by_direct::{search_directly, solution_of};
 use super::own_terms::worst_row;
+use super::phases::of_phase;
 use super::report::{Solution, Solve, SolveReport, report_of};
 use super::search::Search;
-use super::{DirectOptions, Scenario, SolveOptions};
+use super::{DirectOptions, Scenario, ScenarioFile, SolveOptions};
 use aghf::constraint::{Constraint, Evaluator, Weights};
 use aghf::curve::Curve;
 use aghf::direct::{DirectSettings, DirectSolution};
-use aghf::error::{Error, Result};
+use aghf::error::{Error, Result, check_length};
+use nalgebra::DMatrix;
 use serde::Serialize;
+use std::path::Path;
 
 /// The solve of a walk.
 #[derive(Debug)]
@@ -117,6 +120,47 @@ fn part(
 }
 
 impl Scenario {
+    /// The phases of a walk along a motion: ordinary scenarios, each with its robot, its ends and its part of the
+    /// motion.
+    ///
+    /// # Errors
+    /// The motion has other joints than the scenario, or no segments that belong to one phase each.
+    pub fn split(&self, curve: &Curve) -> Result<Vec<(Self, Curve)>> {
+        let (n, count) = (self.model.dof(), self.phases.len());
+        check_length("motion", n, curve.dof())?;
+        if count == 0 || !curve.segments().is_multiple_of(count) {
+            let condition = format!(
+                "{} segments are not those of {count} phases",
+                curve.segments()
+            );
+            return Err(Error::input(&self.name, "phases", condition));
+        }
+        let (segments, horizon) = (curve.segments() / count, curve.horizon() / count as f64);
+        let columns = segments * (curve.chebyshev().degree() + 1);
+        let mut all = Vec::new();
+        for (k, (phase, terms)) in self.file.phases.iter().zip(&self.phases).enumerate() {
+            let at = |i: usize| i - i % n + terms.order[i % n];
+            let own = |i: usize, j: usize| curve.x()[(at(i), k * columns + j)];
+            let x = DMatrix::from_fn(2 * n, columns, own);
+            let part = |j: usize, first: usize| x.column(j).as_slice()[first..first + n].to_vec();
+            let [[q_start, v_start], [q_goal, v_goal]] =
+                [0, columns - 1].map(|j| [part(j, 0), part(j, n)]);
+            let file = ScenarioFile {
+                robot: self.robot_place.clone(),
+                q_start,
+                v_start,
+                q_goal,
+                v_goal,
+                enforced_limits: self.file.enforced_limits.in_order(&terms.order),
+                ..of_phase(&self.file, phase, horizon)
+            };
+            let mut of = Self::new(file, &self.name, Path::new(""))?;
+            of.name = format!("{}_phase_{}", self.name, k + 1);
+            all.push((of, Curve::piecewise(horizon, segments, x)?));
+        }
+        Ok(all)
+    }
+
     /// The landings between the phases along a motion.
     fn landings_of(&self, curve: &Curve) -> Result<Vec<Landing>> {
         let (n, mut all) = (self.model.dof(), Vec::new());

@@ -117,7 +117,8 @@ impl Scenario {
     pub(super) fn way_of(&self, joint: usize) -> f64 {
         let file = &self.file;
         let points = file.waypoints.iter().filter_map(|point| point.q.as_ref());
-        let goal = self.goal.is_none().then_some(&file.q_goal);
+        let known = self.goal.is_none() && self.period.is_none();
+        let goal = known.then_some(&file.q_goal);
         let (mut before, mut way) = (file.q_start[joint], 0.0);
         for q in points.chain(goal) {
             way += (q[joint] - before).abs();

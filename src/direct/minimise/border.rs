@@ -41,7 +41,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 
     /// Sets the times of waypoints from unknowns.
     pub(super) fn set_times(&mut self, x: &DVector<f64>) {
-        let first = x.len() - self.moving.len();
+        let first = self.own() + self.border() - self.moving.len();
         for (i, k) in self.moving.iter().enumerate() {
             self.times[*k] = x[first + i];
         }
@@ -91,7 +91,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 
     /// The largest fraction of a step that halves neither the horizon nor the time between two waypoints.
     pub(super) fn longest_on_border(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64 {
-        let own = x.len() - self.border();
+        let own = self.own();
         let mut most: f64 = 1.0;
         if self.free_horizon.is_some() {
             most = most.min(0.5 * x[own] / step[own].abs());

@@ -1,19 +1,15 @@
 //! The smallest curvature of a minimum.
 
-use crate::transcription::Derivatives;
+use crate::nlp::{Bordered, Memory};
 use nalgebra::DVector;
 
-/// The smallest eigenvalue of the Hessian relative to the Gauss-Newton metric, and its eigenvector, by inverse
-/// iteration.
-pub(super) fn smallest(derivatives: &Derivatives<f64>) -> (f64, DVector<f64>) {
-    let Derivatives {
-        hessian, metric, ..
-    } = derivatives;
-    let mut factor = hessian.clone();
+/// The smallest eigenvalue of the Hessian relative to the Gauss-Newton metric, by inverse iteration.
+pub(super) fn smallest(hessian: &Bordered, metric: &Bordered) -> f64 {
+    let (mut factor, mut memory) = (hessian.clone(), Memory::new(hessian));
     let mut shift: f64 = 0.0;
     loop {
         factor.set_sum(hessian, shift, metric);
-        if factor.factorise() || shift > 1e12 {
+        if factor.factorise(&mut memory) || shift > 1e12 {
             break;
         }
         shift = (4.0 * shift).max(0.1);
@@ -32,5 +28,5 @@ pub(super) fn smallest(derivatives: &Derivatives<f64>) -> (f64, DVector<f64>) {
             break;
         }
     }
-    (curvature, x)
+    curvature
 }

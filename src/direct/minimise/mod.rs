@@ -3,13 +3,15 @@
 //! `program` is the nonlinear program: coefficients and horizon are the unknowns, and the rows of the constraints at
 //! the points of the quadrature its rows. `integrand` adds the weighted rows to the running cost, and `margins`
 //! evaluates the rows between the points, `end_rows` those beside an end that is at a bound; `point_rows` has those of
-//! waypoints and of a goal that is a set, and `border` the unknowns beside the coefficients. `working_set` lists rows:
+//! waypoints and of a goal that is a set, `border` the unknowns beside the coefficients, and `ends` those of a periodic
+//! motion. `working_set` lists rows:
 //! clearances while they are near their bound, all others always.
 
 mod border;
 mod candidate;
 mod curvature;
 mod end_rows;
+mod ends;
 mod foot_terms;
 mod integrand;
 mod margins;
@@ -126,6 +128,9 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         .goal
         .map(|goal| &goal.alternatives[candidate.alternative][..]);
     program.add_goal_and_waypoints(&settings.waypoints, goal);
+    if let Some(period) = &settings.period {
+        program.set_period(period);
+    }
     let options = Options {
         tolerance: stage.tolerance,
         feasible: stage.feasible,
@@ -211,8 +216,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     candidate.complementarity = end.progress.complementarity;
     if stage.last {
         candidate.stationarity = program.stationarity(&x, &end.iterate)?;
-        let derivatives = program.with_metric(&end.x, &end.iterate)?;
-        candidate.smallest_curvature = curvature::smallest(derivatives).0;
+        candidate.smallest_curvature = program.smallest_curvature(&end.x, &end.iterate)?;
     }
     Ok(end.status)
 }

@@ -1,5 +1,7 @@
 //! The nonlinear program of a curve in a basis.
 
+use super::curvature::smallest;
+use super::ends::PeriodicEnds;
 use super::integrand::Integrand;
 use super::point_rows::PointRows;
 use super::working_set::{WorkingSet, equalities};
@@ -7,8 +9,9 @@ use super::{Candidate, Context, Stage};
 use crate::constraint::{AnyConstraint, Constraint};
 use crate::cost::CostWithControl;
 use crate::curve::Basis;
-use crate::direct::{FreeHorizon, SearchOptions, Waypoint};
+use crate::direct::{FreeHorizon, Period, SearchOptions, Waypoint};
 use crate::error::Result;
+use crate::linalg::BlockTridiagonal;
 use crate::model::Model;
 use crate::motion::{Problem, Watch};
 use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, RowState, Term, Tightened};
@@ -17,7 +20,7 @@ use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
 /// The nonlinear program of a curve in a basis: the unknowns are its free coefficients, then the horizon if it is free,
-/// then the times of waypoints that have none.
+/// then the times of waypoints that have none, then the ends of a periodic motion.
 ///
 /// The rows are those of the constraints at the points of the quadrature, with margins $m_j \ge 0$ by which they are
 /// larger near a point than at it; then those of waypoints, of a goal that is a set, and of ends at a bound; then those
@@ -52,6 +55,8 @@ pub(in crate::direct) struct Program<'g, 'a, K, P> {
     /// The normalised times of the waypoints, and the indices of those whose times are unknown.
     pub(super) times: Vec<f64>,
     pub(super) moving: Vec<usize>,
+    /// The ends of a periodic motion.
+    pub(super) period: Option<PeriodicEnds>,
     pub(super) margins: Vec<f64>,
     /// The margin of each row against rounding.
     pub(super) reserves: Vec<f64>,
@@ -118,6 +123,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             rows_of_ends: Default::default(),
             times: candidate.times.clone(),
             moving: Vec::new(),
+            period: None,
             margins: Vec::new(),
             reserves: Vec::new(),
             look: Look::default(),
@@ -159,6 +165,13 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         let unknown = unknown.enumerate().filter(|(_, unknown)| *unknown);
         self.moving = unknown.map(|(k, _)| k).collect();
         self.count_margins();
+    }
+
+    /// Makes the ends unknowns of a periodic motion; after [`add_goal_and_waypoints`](Self::add_goal_and_waypoints).
+    pub fn set_period(&mut self, period: &Period) {
+        let matrix = self.derivatives.hessian.clone();
+        let full = Bordered::with_border(matrix, self.border());
+        self.period = Some(PeriodicEnds::new(period.clone(), full));
     }
 
     /// Begins anew at another candidate in the same basis, with the memory of this program.
@@ -203,17 +216,20 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         Ok(cost)
     }
 
-    /// The norm of steps: the mean square of the velocities in normalised time, the relative change of the horizon, and
-    /// the mean way of the curve in the change of the time of a waypoint.
+    /// The norm of steps: the mean square of the velocities in normalised time, the relative change of the horizon,
+    /// the mean way of the curve in the change of the time of a waypoint, and the square of the change of the
+    /// configuration at the ends of a periodic motion.
     pub fn kkt(&self) -> Option<Kkt> {
-        let matrix = self.objective.gram();
-        let mut corner = DMatrix::zeros(self.border(), self.border());
-        self.norm_of_border(&mut corner);
-        Kkt::new(Bordered {
-            border: DMatrix::zeros(matrix.order(), self.border()),
-            matrix,
-            corner,
-        })
+        let mut norm = Bordered::with_border(self.objective.gram(), self.border());
+        self.norm_of_border(&mut norm.corner);
+        if let Some(period) = &self.period {
+            norm = period.reduced(&norm);
+            let (n, order) = (self.objective.dof(), norm.corner.nrows());
+            for value in order - n..order {
+                norm.corner[(value, value)] += 1.0;
+            }
+        }
+        Kkt::new(norm)
     }
 
     /// Begins with the norm of the current horizon and times.
@@ -246,12 +262,8 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         }
     }
 
-    /// The derivatives with the metric, at the unknowns of an iterate.
-    pub fn with_metric(
-        &mut self,
-        x: &DVector<f64>,
-        iterate: &Iterate,
-    ) -> Result<&Derivatives<f64>> {
+    /// The smallest curvature at the unknowns of an iterate.
+    pub fn smallest_curvature(&mut self, x: &DVector<f64>, iterate: &Iterate) -> Result<f64> {
         self.place(x);
         self.set_terms(iterate);
         self.objective
@@ -259,7 +271,17 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         for (place, of) in self.of_points(iterate)? {
             place.add_hessian(&self.grid, &of, self.horizon, &mut self.derivatives.hessian);
         }
-        Ok(&self.derivatives)
+        let of_unknowns = |matrix: &BlockTridiagonal<f64>| {
+            let full = Bordered::with_border(matrix.clone(), 0);
+            match &self.period {
+                None => full,
+                Some(period) => period.reduced(&full),
+            }
+        };
+        let Derivatives {
+            hessian, metric, ..
+        } = &self.derivatives;
+        Ok(smallest(&of_unknowns(hessian), &of_unknowns(metric)))
     }
 
     /// Passes the terms of the rows to the integrand.
@@ -286,6 +308,27 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             let term = term.times(1.0 / Grid::COLLOCATED);
             integrand.terms[at / count].push((at % count, term));
         }
+    }
+
+    /// Computes the derivatives in all free coefficients and the border, at the coefficients.
+    fn derivatives_here(&mut self, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
+        self.set_terms(iterate);
+        self.objective
+            .gradient_and_hessian(&self.coefficients, &mut self.derivatives)?;
+        let (own, of) = (self.derivatives.gradient.len(), &self.derivatives);
+        out.gradient.rows_mut(0, own).copy_from(&of.gradient);
+        std::mem::swap(&mut out.hessian.matrix, &mut self.derivatives.hessian);
+        out.hessian.border.fill(0.0);
+        out.hessian.corner.fill(0.0);
+        out.gradient.rows_mut(own, self.border()).fill(0.0);
+        if let Some(free) = self.free_horizon {
+            let of = &self.derivatives.horizon;
+            out.hessian.border.set_column(0, &of.mixed);
+            out.gradient[own] = of.first + free.weight;
+            out.hessian.corner[(0, 0)] = of.second;
+        }
+        self.add_linear_rows(iterate, self.first_of_border(), out);
+        self.add_points(iterate, out)
     }
 }
 
@@ -317,28 +360,20 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
 
     fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
         self.place(x);
-        self.set_terms(iterate);
-        self.objective
-            .gradient_and_hessian(&self.coefficients, &mut self.derivatives)?;
-        let (own, of) = (self.derivatives.gradient.len(), &self.derivatives);
-        out.gradient.rows_mut(0, own).copy_from(&of.gradient);
-        std::mem::swap(&mut out.hessian.matrix, &mut self.derivatives.hessian);
-        out.hessian.border.fill(0.0);
-        out.hessian.corner.fill(0.0);
-        out.gradient.rows_mut(own, self.border()).fill(0.0);
-        if let Some(free) = self.free_horizon {
-            let of = &self.derivatives.horizon;
-            out.hessian.border.set_column(0, &of.mixed);
-            out.gradient[own] = of.first + free.weight;
-            out.hessian.corner[(0, 0)] = of.second;
-        }
-        self.add_linear_rows(iterate, self.first_of_border(), out);
-        self.add_points(iterate, out)
+        let Some(mut period) = self.period.take() else {
+            return self.derivatives_here(iterate, out);
+        };
+        period.exchange(out);
+        let found = self.derivatives_here(iterate, out);
+        period.exchange(out);
+        period.reduce(out);
+        self.period = Some(period);
+        found
     }
 
     fn measure(&self, x: &DVector<f64>) -> f64 {
         match self.free_horizon {
-            Some(_) => x[self.derivatives.gradient.len()],
+            Some(_) => x[self.own()],
             None => self.horizon,
         }
     }

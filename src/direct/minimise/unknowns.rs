@@ -1,6 +1,7 @@
 //! The unknowns of a program, and the candidates that they belong to.
 
 use super::Candidate;
+use super::ends::PeriodicEnds;
 use super::program::Program;
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
@@ -39,19 +40,23 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 
     /// The unknowns of a curve in the basis.
     pub fn unknowns(&self, of: &Candidate) -> DVector<f64> {
-        let mut x = DVector::zeros(self.derivatives.gradient.len() + self.border());
+        let ends = self.period.as_ref().map_or(0, PeriodicEnds::count);
+        let mut x = DVector::zeros(self.own() + self.border() + ends);
         self.unknowns_in(of, &mut x);
         x
     }
 
     /// Computes the unknowns of a curve in the basis.
     pub fn unknowns_in(&self, of: &Candidate, x: &mut DVector<f64>) {
-        let free = self.grid.free.iter();
+        let (own, ends) = self.functions_of_unknowns();
         let coefficients = &of.path.coefficients;
-        let all = free.flat_map(|function| coefficients.column(*function).into_iter().copied());
+        let column = |function: &usize| coefficients.column(*function).into_iter().copied();
         let horizon = self.free_horizon.map(|_| of.horizon);
         let times = self.moving.iter().map(|k| of.times[*k]);
-        for (x, value) in x.iter_mut().zip(all.chain(horizon).chain(times)) {
+        let values = own.iter().flat_map(column);
+        let values = values.chain(horizon).chain(times);
+        let values = values.chain(ends.iter().flat_map(column));
+        for (x, value) in x.iter_mut().zip(values) {
             *x = value;
         }
     }
@@ -64,14 +69,41 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         candidate.times.clone_from(&self.times);
     }
 
+    /// The number of unknown coefficients before the unknowns of the border.
+    pub(super) fn own(&self) -> usize {
+        let ends = self.period.as_ref().map_or(0, PeriodicEnds::count);
+        self.derivatives.gradient.len() - 2 * ends
+    }
+
+    /// The functions of the unknown coefficients before the border, and those of unknown ends, which are after it.
+    fn functions_of_unknowns(&self) -> (&[usize], &[usize]) {
+        let free = &self.grid.free;
+        match self.period {
+            None => (free, &[]),
+            Some(_) => (&free[2..free.len() - 2], &free[..2]),
+        }
+    }
+
     /// Sets coefficients, horizon and times.
     pub(super) fn place(&mut self, x: &DVector<f64>) {
-        let own = self.derivatives.gradient.len();
-        let columns = x.as_slice()[..own].chunks_exact(self.objective.dof());
-        for (function, column) in self.grid.free.iter().zip(columns) {
-            self.coefficients
-                .column_mut(*function)
-                .copy_from_slice(column);
+        let (grid, n, own) = (self.grid.clone(), self.objective.dof(), self.own());
+        let (free, x_of_ends) = (&grid.free, &x.as_slice()[own + self.border()..]);
+        let mut set = |functions: &[usize], values: &[f64]| {
+            for (function, values) in functions.iter().zip(values.chunks_exact(n)) {
+                let mut column = self.coefficients.column_mut(*function);
+                column.copy_from_slice(values);
+            }
+        };
+        match &self.period {
+            None => set(free, &x.as_slice()[..own]),
+            Some(period) => {
+                let last = free.len() - 2;
+                set(&free[2..last], &x.as_slice()[..own]);
+                set(&free[..2], x_of_ends);
+                let mut end = vec![0.0; 2 * n];
+                period.end_of(x_of_ends, &mut end);
+                set(&free[last..], &end);
+            }
         }
         if self.free_horizon.is_some() {
             self.horizon = x[own];

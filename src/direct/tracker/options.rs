@@ -85,7 +85,8 @@ impl TrackerOptions {
             let condition = format!("it is {}, a tracker has 1", self.settings.segments);
             return refuse("segments", condition);
         }
-        if self.settings.goal.is_some() || self.settings.free_final_velocity {
+        let DirectSettings { goal, period, .. } = &self.settings;
+        if goal.is_some() || period.is_some() || self.settings.free_final_velocity {
             return refuse("goal", "a configuration at rest is needed".to_owned());
         }
         if !self.settings.waypoints.is_empty() {

@@ -280,7 +280,7 @@ pub(super) fn kkt<M: Metric>(
     let mut derivatives = Derivatives::new(grid, size);
     objective.derivatives(coefficients, &mut derivatives)?;
     let matrix = derivatives.metric;
-    Kkt::new(Bordered::without_border(matrix))
+    Kkt::new(Bordered::with_border(matrix, 0))
         .ok_or_else(|| Error::input("flow", "metric", "it is not positive definite"))
 }
 

@@ -309,6 +309,7 @@ impl Family {
             waypoints: Vec::new(),
             stand: None,
             phases: Vec::new(),
+            periodic: false,
             v_goal,
             free_final_velocity: false,
             continuity: Some(Continuous::Velocity),

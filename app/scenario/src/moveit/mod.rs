@@ -180,6 +180,7 @@ impl MoveIt {
             waypoints: Vec::new(),
             stand: None,
             phases: Vec::new(),
+            periodic: false,
             free_final_velocity: false,
             continuity: None,
             // On a given horizon nothing can be weighed against effort.

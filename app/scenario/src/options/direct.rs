@@ -114,6 +114,7 @@ impl DirectOptions {
             continuous_acceleration: scenario.file.continuity() == Continuous::Acceleration,
             free_horizon: scenario.free_horizon()?,
             goal: scenario.goal.clone(),
+            period: scenario.period.clone(),
             ..default
         })
     }

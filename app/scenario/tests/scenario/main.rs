@@ -22,6 +22,7 @@ mod objective;
 mod own_terms;
 mod passive;
 mod payload;
+mod period;
 mod phases;
 mod preflight;
 mod published_flow;
