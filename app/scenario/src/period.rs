@@ -64,8 +64,8 @@ pub(super) fn period_of(
             let off = asymmetry(model, (&other, &order), &period, &file.q_start)?;
             if off > ALIKE {
                 return Err(of_key(format!(
-                    "the torques that hold q_start and its mirror image differ by {:.0} %, at most {:.0} % are accepted \
-                     since the next step would be another motion; without a mirror image are steps of both feet",
+                    "the torques that hold q_start and its mirror image differ by {:.0} %, at most {:.0} % are \
+                     accepted since the next step would be another motion; without a mirror image are steps of both feet",
                     100.0 * off,
                     100.0 * ALIKE
                 )));
