@@ -65,7 +65,7 @@ pub(super) fn period_of(
             if off > ALIKE {
                 return Err(of_key(format!(
                     "the torques that hold q_start and its mirror image differ by {:.0} %, at most {:.0} % are \
-                     accepted since the next step would be another motion; without a mirror image are steps of both feet",
+                     accepted, as the next step would be another motion; steps of both feet need no mirror image",
                     100.0 * off,
                     100.0 * ALIKE
                 )));
