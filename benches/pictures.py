@@ -2,8 +2,8 @@
 """Redraws the pictures of the guide, each where its page is: all of them, or the named ones.
 
     cargo build --release
-    pip install matplotlib
-    benches/pictures.py                  # first_motion, methods, obstacles, degree: half a minute
+    pip install matplotlib pin
+    benches/pictures.py                  # first_motion, methods, obstacles, degree, standing: half a minute
     benches/pictures.py methods
 """
 
@@ -18,12 +18,14 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
+import pinocchio
 
 matplotlib.use("svg")
 from matplotlib import pyplot as plt  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[1]
 AGHF = Path(os.environ.get("AGHF_PROGRAM", ROOT / "target" / "release" / "aghf"))
+DIGIT = ROOT / "robots" / "digit_v3_pinned"
 PICTURES = [ROOT / "src" / "guide" / "pictures", ROOT / "app" / "scenario" / "src" / "guide" / "pictures"]
 
 #: Text stays text, names in the file are reproducible, and the background is white in dark themes, too.
@@ -125,6 +127,40 @@ def obstacles():
     return figure
 
 
+def standing():
+    """The centre of pressure of Digit's step and stretch, pinned to the ground and on its sole, by Pinocchio."""
+    model = pinocchio.buildModelFromUrdf(str(DIGIT / "digit_v3_pinned.urdf"), pinocchio.JointModelFreeFlyer())
+    data, still = model.createData(), np.zeros(6)
+
+    def centre(motion):
+        """The centre of pressure at all times, m."""
+        joints = [name for name in model.names if f"q_{name}" in motion]
+        places = [model.joints[model.getJointId(joint)] for joint in joints]
+        found = []
+        for k in range(len(motion["t"])):
+            q, v, a = pinocchio.neutral(model), np.zeros(model.nv), np.zeros(model.nv)
+            for joint, place in zip(joints, places):
+                q[place.idx_q] = motion[f"q_{joint}"][k]
+                v[place.idx_v], a[place.idx_v] = motion[f"v_{joint}"][k], motion[f"a_{joint}"][k]
+            v[:6] = a[:6] = still
+            _, _, fz, mx, my, _ = pinocchio.rnea(model, data, q, v, a)[:6]
+            found.append((-my / fz, mx / fz))
+        return np.array(found).T
+
+    figure, axes = plt.subplots(1, 2, figsize=(8.4, 2.8), layout="constrained", sharex=True, sharey=True)
+    for ax, motion in zip(axes, ["step", "stretch"]):
+        for kind, colour, label in [("free", ORANGE, "pinned"), ("stand", BLUE, "on its sole")]:
+            table, summary = solved(str(DIGIT / f"digit_{kind}_{motion}.json"))
+            ax.plot(*centre(table), color=colour, linewidth=1.4,
+                    label=f"{label}: effort {summary['control_effort']:.0f}")
+        ax.add_patch(plt.Rectangle((-0.1175, -0.04), 0.235, 0.08, fill=False, color="black"))
+        # Where the pinned foot pulls at the ground its centre of pressure is anywhere.
+        ax.set(title=motion, xlabel="along the foot, m", aspect="equal", xlim=(-0.6, 0.6), ylim=(-0.25, 0.25))
+        ax.legend(fontsize=8)
+    axes[0].set(ylabel="across, m")
+    return figure
+
+
 def degree():
     """Effort of the swing-ups of three to five links against the degree, relative to the least."""
     degrees = [8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48]
@@ -161,7 +197,7 @@ def svg_head(found):
 
 
 def main():
-    known = {function.__name__: function for function in [first_motion, methods, obstacles, degree]}
+    known = {function.__name__: function for function in [first_motion, methods, obstacles, degree, standing]}
     unknown = [name for name in sys.argv[1:] if name not in known]
     if unknown:
         sys.exit(f"no picture {', '.join(unknown)}: there are {', '.join(known)}")

@@ -19,6 +19,7 @@ pub mod objectives {}
 pub mod goals {}
 
 #[doc = include_str!("standing.md")]
+#[doc = include_str!("pictures/standing.svg")]
 pub mod standing {}
 
 #[doc = include_str!("variants.md")]
