@@ -15,6 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 NUMBER = r"\d+(?:\.\d+)?"
 MBM, PAPER, WALKS = "MotionBenchMaker", "The paper's experiments, run anew", "Walks"
+STEP = "A step from random starts"
 
 
 class Results:
@@ -46,6 +47,11 @@ class Results:
             sys.exit(f"{self.path}: {section}: '{heading}': rows that match '{rows}' have {cells}")
         return [Decimal(number[0]) for number in numbers if number]
 
+    def both(self, section: str, heading: str, rows: str) -> list[Decimal]:
+        """Both numbers of a cell "a to b", in the row whose first two cells match a pattern."""
+        head, *body = self.sections[section][0]
+        cell = next(row[head.index(heading)] for row in body if re.search(rows, " | ".join(row[:2])))
+        return [Decimal(number) for number in re.findall(NUMBER, cell)]
 
     def in_prose(self, words: str) -> list[Decimal]:
         """The number behind these words."""
@@ -64,6 +70,7 @@ def of_readme(ours: Results, peers: Results) -> list[tuple[str, list[Decimal]]]:
     """The claims of the README."""
     solved, medians = (ours.of("Within all limits", name, "^(?!G1)") for name in ("solved", "median, ms"))
     times = [peers.of(MBM, "median ms", rf"\| {who}") for who in ("VAMP, TOPP-RA, spline", "ours$")]
+    costs, starts = ours.both(STEP, "cost, least to largest", "^ours"), ours.of(STEP, "valid", "^ours")
     valid = [peers.of(MBM, "valid", rf"\| {who}") for who in ("ours$", "VAMP.*spline", "VAMP.*corners")]
     return [
         ("{} of {} MotionBenchMaker problems", ours.of(MBM, "valid", "^all") + ours.of(MBM, "problems", "^all")),
@@ -82,6 +89,15 @@ def of_readme(ours: Results, peers: Results) -> list[tuple[str, list[Decimal]]]:
         (
             "Digit {} s, G1 {} s, Talos {} s",
             [ours.of(WALKS, "solve, s", robot)[0] for robot in ("Digit", "G1", "Talos")],
+        ),
+        (
+            "from {} random starts: {} minima within {} % of each other",
+            [*starts, *ours.of(STEP, "optimal", "^ours"), 100 * (costs[1] / costs[0] - 1)],
+        ),
+        ("dynamics, median {} s", ours.of(STEP, "median, s", "^ours")),
+        (
+            "{} s in the median and {} s at most, on another machine {} and {} s",
+            [ours.of(STEP, name, who)[0] for who in ("^ours", "^RAPTOR") for name in ("median, s", "slowest, s")],
         ),
         (
             "{} ms without obstacles, {} ms with",
