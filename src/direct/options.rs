@@ -33,6 +33,8 @@ pub struct SearchOptions {
     /// The distance from its bound up to which a clearance is in the working set, relative to the reach of the problem:
     /// a few steps near the end are shorter.
     pub near: f64,
+    /// The distance in m by which a link may move before clearances that were far are evaluated again.
+    pub moved: f64,
     /// The same relative to the distance from which on a row is constant, beyond which a step should not end.
     pub share_of_cutoff: f64,
     /// The last barrier parameter, relative to the cost, if only the horizon has bounds, which are cheap to approach.
@@ -108,6 +110,7 @@ impl Default for SearchOptions {
             exact_margins: 4,
             reserve: 2e-7,
             near: 0.05,
+            moved: 0.05,
             share_of_cutoff: 0.5,
             last_barrier_of_bounds: 1e-12,
             motor_penalty: 2.0,
@@ -163,6 +166,7 @@ impl SearchOptions {
             ("scan_depth", self.scan_depth),
             ("reserve", self.reserve),
             ("near", self.near),
+            ("moved", self.moved),
             ("share_of_cutoff", self.share_of_cutoff),
             ("last_barrier_of_bounds", self.last_barrier_of_bounds),
             ("motor_penalty", self.motor_penalty),

@@ -3,6 +3,7 @@
 
 mod grid;
 mod horizon;
+mod near;
 mod objective;
 mod place;
 mod rows;
@@ -13,7 +14,8 @@ pub use grid::Grid;
 pub(crate) use grid::Grids;
 pub use horizon::HorizonDerivatives;
 pub use objective::{Derivatives, Objective};
+use near::Near;
 pub(crate) use place::{place, points};
-pub(crate) use rows::{Rows, Standing};
+pub(crate) use rows::{Rows, Standing, Which};
 pub(crate) use scan::{Look, Maximum, Scan};
 pub use shared::Shared;

@@ -1,8 +1,8 @@
 //! The rows of constraints at the points of a curve.
 
-use super::Shared;
+use super::{Near, Shared};
 use crate::constraint::{
-    Constraint, Constraints, Evaluator, Phase, RateLimit, RowKind, StandingFoot,
+    Constraint, Constraints, Evaluator, Phase, RateLimit, RowKind, RowList, StandingFoot,
     WeightedDerivatives, Weights,
 };
 use crate::cost::{CostWithControl, Points};
@@ -34,6 +34,21 @@ pub(crate) struct Rows<'a, K, P> {
     /// The running cost where it is not asked for.
     costs: Vec<f64>,
     attributes: Attributes,
+    /// The rows that may be near their bounds, at the points of a grid.
+    pub near: Near,
+}
+
+/// The rows of the state that are evaluated.
+#[derive(Clone, Copy)]
+pub(crate) enum Which<'l> {
+    /// All.
+    All,
+    /// Those that may be near, at the points of the grid.
+    Near,
+    /// Those that may be near at the points of a group, at these times between them in parts of the segment, or all.
+    Between(usize, &'l [f64]),
+    /// These.
+    Only(&'l [usize]),
 }
 
 /// The first row of a foot, the robot on it, the foot, and the phase if there are several.
@@ -91,6 +106,7 @@ impl<K, P: Clone> Clone for Rows<'_, K, P> {
             foot: self.foot.clone(),
             costs: self.costs.clone(),
             attributes: self.attributes.clone(),
+            near: self.near.clone(),
         }
     }
 }
@@ -138,6 +154,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             foot: Vec::new(),
             costs: Vec::new(),
             attributes,
+            near: Near::default(),
             constraints,
         })
     }
@@ -196,8 +213,14 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
     }
 
     /// Computes all rows at all points into `h`, row by row for each point, and the running cost there into `costs`.
+    /// At the points of a grid rows that are far keep the last value that was computed.
     pub fn at(&mut self, points: Points<'_, f64>, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
-        self.of_state(points, h)?;
+        self.of_state(points, Which::Near, h)?;
+        self.others(points, h, costs)
+    }
+
+    /// Computes the rows that do not concern the state alone, and the running cost.
+    fn others(&mut self, points: Points<'_, f64>, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
         self.of_rates(points, h);
         self.of_foot(points, h)?;
         if !self.with_control() {
@@ -277,36 +300,68 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         Ok(())
     }
 
-    /// Computes the rows without the running cost, which is skipped if only the state has constraints.
-    pub fn of_all(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
+    /// Computes the rows without the running cost, which is skipped if only the state has constraints. Returns true if
+    /// these are all rows of the state.
+    pub fn of_all(&mut self, points: Points<'_, f64>, which: Which<'_>, h: &mut [f64]) -> Result<bool> {
         if self.with_control() {
             let mut costs = std::mem::take(&mut self.costs);
             costs.resize(points.count(), 0.0);
-            let done = self.at(points, h, &mut costs);
+            let done = self.others(points, h, &mut costs);
             self.costs = costs;
-            return done;
+            done?;
+        } else {
+            self.of_rates(points, h);
+            self.of_foot(points, h)?;
         }
-        self.of_rates(points, h);
-        self.of_foot(points, h)?;
-        self.of_state(points, h)
+        self.of_state(points, which, h)
     }
 
-    /// Computes the rows of the state alone and leaves those of the control unchanged.
-    pub fn of_state(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
+    /// Computes rows of the state and leaves the others unchanged; returns true if these are all.
+    fn of_state(&mut self, points: Points<'_, f64>, which: Which<'_>, h: &mut [f64]) -> Result<bool> {
         let (states, count) = (self.states(), self.count());
         if self.wide.is_empty() {
-            return Ok(());
+            return Ok(true);
         }
         let own = 2 * points.states.nrows();
+        let mut all = true;
         for start in (0..points.count()).step_by(LANES) {
             let found = points.gather(start, &mut self.z);
             let placed = self.evaluator.at(&self.z[..own])?;
+            let placements = placed.state().placements;
+            let group = self.near.group(points.first, start, points.count());
+            let listed = match (which, group) {
+                (Which::Near, Some(group)) => self.near.rows(group, placements),
+                (Which::Between(group, times), _) => {
+                    let rows = self.near.rows_between(group, &times[start..], placements);
+                    if rows.is_none() {
+                        return self.of_state(points, Which::All, h);
+                    }
+                    rows
+                }
+                (Which::Only(rows), _) => Some(rows),
+                _ => None,
+            };
+            all &= listed.is_none();
+            let scales = &self.attributes.scales;
+            if let Some(listed) = listed {
+                let state = &self.constraints.state;
+                placed.value_of(state, RowList::new(listed), &mut self.wide)?;
+                for row in listed {
+                    let value = self.wide[*row];
+                    for lane in 0..found {
+                        h[(start + lane) * count + row] = value.0[lane] * scales[*row];
+                    }
+                }
+                continue;
+            }
             placed.value(&self.constraints.state, &mut self.wide)?;
+            if let (Which::Near, Some(group)) = (which, group) {
+                self.near.list(group, placements, (&self.wide, scales, found));
+            }
             for lane in 0..found {
                 let first = (start + lane) * count;
                 let h = &mut h[first..first + states];
-                let rows = self.wide.iter().zip(&self.attributes.scales);
-                for (h, (row, scale)) in h.iter_mut().zip(rows) {
+                for (h, (row, scale)) in h.iter_mut().zip(self.wide.iter().zip(scales)) {
                     *h = row.0[lane] * scale;
                 }
             }
@@ -317,7 +372,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
                 h[other.rows.clone()].fill(NOT_KEPT);
             }
         }
-        Ok(())
+        Ok(all)
     }
 
     /// Computes the weighted derivatives of the rows of the state at the points from `start` on, side by side.

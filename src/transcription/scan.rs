@@ -1,6 +1,6 @@
 //! The maxima of the constraint rows along a curve, between the quadrature points.
 
-use super::Rows;
+use super::{Rows, Which};
 use super::place::{place, scale};
 use crate::constraint::Constraint;
 use crate::cost::{CostWithControl, Points};
@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::motion::Bracket;
 use crate::scalar::LANES;
 use nalgebra::DMatrix;
+use std::ops::Range;
 
 /// A basis tabulated at equally spaced times.
 pub(crate) struct Scan {
@@ -38,7 +39,12 @@ pub(crate) struct Look {
     uncertain: Vec<(usize, usize, Bracket)>,
     states: DMatrix<f64>,
     jerks: Option<DMatrix<f64>>,
+    /// Those of the times that are looked at together, these times in s and in parts of the segment, and the rows.
+    part: DMatrix<f64>,
+    jerks_of_part: Option<DMatrix<f64>>,
     times: Vec<f64>,
+    parts: Vec<f64>,
+    visited: Vec<usize>,
     h: Vec<f64>,
     /// The functions at a time, and the curve there and at up to `LANES` times with its third derivatives.
     functions: Functions,
@@ -55,9 +61,19 @@ impl Look {
         }
         self.states = DMatrix::zeros(n, 3 * times);
         self.jerks = with_jerk.then(|| DMatrix::zeros(n, times));
+        self.jerks_of_part = self.jerks.clone();
         self.one = DMatrix::zeros(n, 4);
         self.few = std::array::from_fn(|k| [3, 1].map(|d| DMatrix::zeros(n, d * (k + 1))));
     }
+}
+
+/// Copies columns of a matrix.
+fn cut(from: &DMatrix<f64>, columns: Range<usize>, to: &mut DMatrix<f64>) {
+    let (n, count) = (from.nrows(), columns.len());
+    let mut data: Vec<f64> = std::mem::take(to).data.into();
+    data.clear();
+    data.extend_from_slice(&from.as_slice()[n * columns.start..n * columns.end]);
+    *to = DMatrix::from_vec(n, count, data);
 }
 
 impl Scan {
@@ -102,7 +118,11 @@ impl Scan {
             uncertain,
             states,
             jerks,
+            part,
+            jerks_of_part,
             times,
+            parts,
+            visited,
             h,
             ..
         } = look;
@@ -117,54 +137,68 @@ impl Scan {
                 *jerks *= horizon.powi(-3);
             }
             let first = segment * self.intervals;
-            times.clear();
-            times.extend((0..=self.intervals).map(|k| (first + k) as f64 * interval * horizon));
-            let points = Points {
-                first: 0,
-                phase: segment * rows.cost.phases() / segments,
-                times,
-                states,
-                jerks: jerks.as_ref(),
-            };
-            let h = &mut h[..count * points.count()];
-            rows.of_all(points, h)?;
-            let equalities = &rows.attributes().equalities;
-            for (row, unit) in rows.equalities_of_state() {
-                let values = h.iter().skip(row).step_by(count);
-                deviation = values.fold(deviation, |most, h| most.max(h.abs() * unit));
-            }
-            // The control may jump where two segments meet, so each has ends of its own.
-            for k in 1..self.intervals {
-                let time = (first + k) as f64 * interval;
-                let times = [time - interval, time, time + interval];
-                let here = &h[(k - 1) * count..(k + 2) * count];
-                let (before, here) = here.split_at(count);
-                let (here, after) = here.split_at(count);
-                let all = before.iter().zip(here).zip(after).enumerate();
-                for (row, ((before, here), after)) in all {
-                    let values = [*before, *here, *after];
-                    let is_low = before.max(*here).max(*after) <= floor;
-                    if is_low || equalities[row] {
-                        continue;
-                    }
-                    let bracket = Bracket { times, values };
-                    let maximum = |(time, height)| Maximum {
-                        row,
-                        segment,
-                        time,
-                        height,
-                    };
-                    if k == 1 && values[0] > floor && values[0] > values[1] {
-                        found.push(maximum(bracket.at_end(0)));
-                    }
-                    if values[1] > floor && values[0] <= values[1] && values[2] < values[1] {
-                        if bracket.is_valid() && bracket.may_exceed(0.0) {
-                            uncertain.push((found.len(), points.phase, bracket));
+            for (group, middles) in rows.near.parts(segment, self.intervals) {
+                let own = middles.start - 1..middles.end + 1;
+                cut(states, 3 * own.start..3 * own.end, part);
+                if let (Some(jerks), Some(of_part)) = (&jerks, &mut *jerks_of_part) {
+                    cut(jerks, own.clone(), of_part);
+                }
+                times.clear();
+                times.extend(own.clone().map(|k| (first + k) as f64 * interval * horizon));
+                parts.clear();
+                parts.extend(own.clone().map(|k| k as f64 / self.intervals as f64));
+                let points = Points {
+                    first: 0,
+                    phase: segment * rows.cost.phases() / segments,
+                    times,
+                    states: part,
+                    jerks: jerks_of_part.as_ref(),
+                };
+                let which = group.map_or(Which::All, |group| Which::Between(group, parts));
+                let h = &mut h[..count * points.count()];
+                let all = rows.of_all(points, which, h)?;
+                let states = rows.states();
+                visited.clear();
+                match group.filter(|_| !all) {
+                    Some(group) => visited.extend_from_slice(rows.near.last(group)),
+                    None => visited.extend(0..states),
+                }
+                visited.extend(states..count);
+                let equalities = &rows.attributes().equalities;
+                for (row, unit) in rows.equalities_of_state() {
+                    let values = h.iter().skip(row).step_by(count);
+                    deviation = values.fold(deviation, |most, h| most.max(h.abs() * unit));
+                }
+                // The control may jump where two segments meet, so each has ends of its own.
+                for k in middles {
+                    let time = (first + k) as f64 * interval;
+                    let times = [time - interval, time, time + interval];
+                    let here = &h[(k - 1 - own.start) * count..];
+                    for row in visited.iter().copied() {
+                        let values = [here[row], here[count + row], here[2 * count + row]];
+                        let is_low = values[0].max(values[1]).max(values[2]) <= floor;
+                        if is_low || equalities[row] {
+                            continue;
                         }
-                        found.push(maximum(bracket.vertex()));
-                    }
-                    if k + 1 == self.intervals && values[2] > floor && values[1] <= values[2] {
-                        found.push(maximum(bracket.at_end(2)));
+                        let bracket = Bracket { times, values };
+                        let maximum = |(time, height)| Maximum {
+                            row,
+                            segment,
+                            time,
+                            height,
+                        };
+                        if k == 1 && values[0] > floor && values[0] > values[1] {
+                            found.push(maximum(bracket.at_end(0)));
+                        }
+                        if values[1] > floor && values[0] <= values[1] && values[2] < values[1] {
+                            if bracket.is_valid() && bracket.may_exceed(0.0) {
+                                uncertain.push((found.len(), points.phase, bracket));
+                            }
+                            found.push(maximum(bracket.vertex()));
+                        }
+                        if k + 1 == self.intervals && values[2] > floor && values[1] <= values[2] {
+                            found.push(maximum(bracket.at_end(2)));
+                        }
                     }
                 }
             }
@@ -188,6 +222,7 @@ impl Scan {
             found,
             uncertain,
             times,
+            visited,
             h,
             functions,
             one,
@@ -219,7 +254,11 @@ impl Scan {
                 states,
                 jerks: Some(jerks),
             };
-            rows.of_all(points, &mut h[..count * times.len()])?;
+            visited.clear();
+            let of_maxima = few_maxima.iter().map(|(at, ..)| found[*at].row);
+            visited.extend(of_maxima.filter(|row| *row < rows.states()));
+            visited.sort_unstable();
+            rows.of_all(points, Which::Only(visited), &mut h[..count * times.len()])?;
             for (k, (at, _, bracket)) in few_maxima.iter_mut().enumerate() {
                 let maximum = &mut found[*at];
                 bracket.narrow(bracket.next(), h[k * count + maximum.row]);

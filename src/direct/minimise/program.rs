@@ -30,7 +30,7 @@ pub(in crate::direct) struct Program<'g, 'a, K, P> {
     pub(super) objective: Objective<'g, f64, Integrand<'a, K, P>>,
     /// The coefficients at which the objective and the rows were evaluated last, with the horizon and the cost.
     evaluated_at: DMatrix<f64>,
-    evaluated: Option<(f64, f64)>,
+    pub(super) evaluated: Option<(f64, f64)>,
     /// The cost alone by a finer quadrature if there is one, with the cost of the last evaluation and its relative
     /// difference.
     pub(super) finer: Option<Objective<'g, f64, P>>,
@@ -138,7 +138,20 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             program.objective.free_horizon(program.rates.clone());
         }
         program.count_margins();
+        program.list_near();
         program
+    }
+
+    /// Begins the lists of rows that may be near their bounds.
+    fn list_near(&mut self) {
+        let (grid, search) = (&self.grid, &self.search);
+        let parts = grid.times[..grid.points()].iter();
+        let times = parts.map(|time| time * grid.segments as f64).collect();
+        let rows = &mut self.objective.cost_mut().rows;
+        let far = self.working.nearest(rows.states());
+        let far = far.map(|nearest| nearest.min(-search.scan_depth) - search.reserve);
+        let state = &rows.constraints.state;
+        rows.near.begin(state, far, search.moved, (times, grid.segments));
     }
 
     /// Adds the rows of waypoints and of a goal.
@@ -169,8 +182,11 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         path.rates_in(problem, &mut self.rates);
         self.horizon = candidate.horizon;
         self.objective.set_rates(&self.rates);
-        let rows = &self.objective.cost().rows;
-        self.working.restart(problem, rows, &self.search);
+        let rows = &mut self.objective.cost_mut().rows;
+        rows.near.lower();
+        if self.working.restart(problem, rows, &self.search) {
+            self.list_near();
+        }
         self.kept.clear();
         self.margins.fill(0.0);
     }
@@ -359,8 +375,11 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
 
     fn working_set(&mut self, h: &[f64], all: &mut Vec<Row>) {
         let fixed = self.fixed_ends();
-        let rows = &self.objective.cost().rows;
+        let rows = &mut self.objective.cost_mut().rows;
         self.working.list(&self.grid, rows, fixed, h, all);
+        let count = rows.count();
+        let listed = all.iter().map(|row| (row.at / count, row.at % count));
+        rows.near.set_working(listed);
         let of_points = self.rows_of_points(false);
         let of_border = self.first_of_border()..h.len();
         all.extend(of_points.chain(of_border).map(|at| Row { at, weight: 1.0 }));

@@ -32,13 +32,18 @@ impl WorkingSet {
         working
     }
 
-    /// Begins without any rows, for another problem.
+    /// The values below which the first rows of a point are not in the working set.
+    pub fn nearest(&self, rows: usize) -> impl Iterator<Item = f64> + use<'_> {
+        self.nearest[..rows].iter().copied()
+    }
+
+    /// Begins without any rows, for another problem; returns true if others are near now.
     pub fn restart<K: Constraint, P: CostWithControl>(
         &mut self,
         problem: &Problem<'_>,
         rows: &Rows<'_, K, P>,
         search: &SearchOptions,
-    ) {
+    ) -> bool {
         let near = match problem.reach() {
             // Without a scale all rows are in the working set.
             0.0 => f64::INFINITY,
@@ -50,9 +55,13 @@ impl WorkingSet {
             true => -near.min(search.share_of_cutoff * cutoff),
             false => f64::NEG_INFINITY,
         });
-        self.nearest.clear();
-        self.nearest.extend(nearest);
         self.outside.clear();
+        let others = !nearest.clone().eq(self.nearest.iter().copied());
+        if others {
+            self.nearest.clear();
+            self.nearest.extend(nearest);
+        }
+        others
     }
 
     /// Lists the inequalities of the working set in ascending order in `all`, for the values `h` of the rows at all
