@@ -46,8 +46,9 @@ pub(crate) use state::State;
 
 /// A nonlinear program.
 pub trait Nlp {
-    /// Evaluates the objective at `x`, and all rows into `h`; the objective is infinite where a row outside the working
-    /// set is violated.
+    /// Evaluates the objective at `x`, and the rows into `h`, as many in each evaluation; those that are neither in the
+    /// working set nor may enter it are not read. The objective is infinite where a row outside the working set is
+    /// violated.
     ///
     /// # Errors
     /// Those of the functions of the user.
@@ -66,8 +67,8 @@ pub trait Nlp {
     /// The equalities, with their first penalties for an objective of this density.
     fn equalities(&self, density: f64) -> Vec<Equality>;
 
-    /// Lists the inequalities of the working set in ascending order, for values of all rows, in place of those in
-    /// `rows`.
+    /// Lists the inequalities of the working set in ascending order, for the values `h` of the last evaluation, in place
+    /// of those in `rows`.
     fn working_set(&mut self, h: &[f64], rows: &mut Vec<Row>);
 
     /// The largest fraction of a step from `x` that may be tried, at most 1.

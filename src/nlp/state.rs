@@ -31,7 +31,7 @@ pub(crate) struct State {
     /// Memory of a line search, of the rows of the working set, and of values of rows.
     pub(super) trial: Trial,
     pub(super) longer: Trial,
-    rows: Vec<Row>,
+    pub(crate) rows: Vec<Row>,
     before: Vec<f64>,
 }
 

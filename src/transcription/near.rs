@@ -85,6 +85,11 @@ impl Near {
         (!placements.is_empty() && self.is_close(placed, same)).then_some(rows)
     }
 
+    /// The rows that were listed last at a point, if there are lists.
+    pub fn at(&self, g: usize) -> Option<&[usize]> {
+        (!self.groups.is_empty()).then(|| self.last(self.of_point(g)))
+    }
+
     /// The rows that were listed last for a group.
     pub fn last(&self, group: usize) -> &[usize] {
         &self.groups[group].rows

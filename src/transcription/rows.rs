@@ -29,6 +29,8 @@ pub(crate) struct Rows<'a, K, P> {
     /// $[q; v; a]$ and the rows of the state at points that are evaluated side by side.
     z: Vec<Wide<f64>>,
     wide: Vec<Wide<f64>>,
+    /// The largest value of each listed row of the state at the last points.
+    pub highest: Vec<f64>,
     /// The rows of a standing foot.
     foot: Vec<Wide<f64>>,
     /// The running cost where it is not asked for.
@@ -103,6 +105,7 @@ impl<K, P: Clone> Clone for Rows<'_, K, P> {
             evaluator: self.evaluator.clone(),
             z: self.z.clone(),
             wide: self.wide.clone(),
+            highest: self.highest.clone(),
             foot: self.foot.clone(),
             costs: self.costs.clone(),
             attributes: self.attributes.clone(),
@@ -151,6 +154,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             evaluator: Evaluator::new(model),
             z: vec![Wide::splat(0.0); 3 * n],
             wide: vec![Wide::splat(0.0); states],
+            highest: vec![0.0; states],
             foot: Vec::new(),
             costs: Vec::new(),
             attributes,
@@ -176,6 +180,14 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
     /// The number of rows of the state; those of the torque follow.
     pub fn states(&self) -> usize {
         self.wide.len()
+    }
+
+    /// The rows that may be near their bounds at a point of the grid, in ascending order: all without lists.
+    pub fn near_at(&self, g: usize) -> impl Iterator<Item = usize> + use<'_, 'a, K, P> {
+        let listed = self.near.at(g);
+        let others = listed.map_or(0, |_| self.states());
+        let listed = listed.unwrap_or_default().iter().copied();
+        listed.chain(others..self.count())
     }
 
     /// Returns true if a row is kept in a phase.
@@ -324,6 +336,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         }
         let own = 2 * points.states.nrows();
         let mut all = true;
+        self.highest.fill(f64::NEG_INFINITY);
         for start in (0..points.count()).step_by(LANES) {
             let found = points.gather(start, &mut self.z);
             let placed = self.evaluator.at(&self.z[..own])?;
@@ -347,9 +360,10 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
                 let state = &self.constraints.state;
                 placed.value_of(state, RowList::new(listed), &mut self.wide)?;
                 for row in listed {
-                    let value = self.wide[*row];
-                    for lane in 0..found {
-                        h[(start + lane) * count + row] = value.0[lane] * scales[*row];
+                    for (lane, value) in self.wide[*row].0[..found].iter().enumerate() {
+                        let value = value * scales[*row];
+                        h[(start + lane) * count + row] = value;
+                        self.highest[*row] = self.highest[*row].max(value);
                     }
                 }
                 continue;

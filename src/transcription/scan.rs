@@ -160,7 +160,10 @@ impl Scan {
                 let states = rows.states();
                 visited.clear();
                 match group.filter(|_| !all) {
-                    Some(group) => visited.extend_from_slice(rows.near.last(group)),
+                    Some(group) => {
+                        let listed = rows.near.last(group).iter().copied();
+                        visited.extend(listed.filter(|row| rows.highest[*row] > floor));
+                    }
                     None => visited.extend(0..states),
                 }
                 visited.extend(states..count);

@@ -151,7 +151,8 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         let far = self.working.nearest(rows.states());
         let far = far.map(|nearest| nearest.min(-search.scan_depth) - search.reserve);
         let state = &rows.constraints.state;
-        rows.near.begin(state, far, search.moved, (times, grid.segments));
+        let moved = std::env::var("RW_MOVED").ok().and_then(|x| x.parse().ok()).unwrap_or(search.moved);
+        rows.near.begin(state, far, moved, (times, grid.segments));
     }
 
     /// Adds the rows of waypoints and of a goal.
@@ -310,13 +311,17 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         self.place(x);
         let cost = self.cost()?;
         self.evaluate_points()?;
-        // Two loops, so that those of the grid are added side by side.
-        let (of_grid, beside) = self.margins.split_at(self.first_of_points);
-        let rows = self.objective.cost().h.iter().zip(of_grid);
+        let (first, integrand) = (self.first_of_points, self.objective.cost());
+        let count = integrand.rows.count();
+        h.resize(first, f64::NEG_INFINITY);
+        for (g, h) in h.chunks_exact_mut(count.max(1)).enumerate() {
+            for row in integrand.rows.near_at(g) {
+                h[row] = integrand.h[g * count + row] + self.margins[g * count + row];
+            }
+        }
         let of_points = self.points.iter().flat_map(|point| &point.h);
-        h.clear();
-        h.extend(rows.map(|(h, margin)| h + margin));
-        h.extend(of_points.zip(beside).map(|(h, margin)| h + margin));
+        let margins = &self.margins[first..];
+        h.extend(of_points.zip(margins).map(|(h, margin)| h + margin));
         h.extend(self.linear_rows().map(|row| row.value));
         let mut objective = cost;
         if let Some(free) = self.free_horizon {
@@ -325,7 +330,8 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
             }
             objective += free.weight * self.horizon;
         }
-        Ok(match self.working.is_left(&h[..self.first_of_points]) {
+        let rows = &self.objective.cost().rows;
+        Ok(match self.working.is_left(rows, &h[..first]) {
             true => f64::INFINITY,
             false => objective,
         })

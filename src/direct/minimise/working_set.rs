@@ -14,6 +14,8 @@ pub(crate) struct WorkingSet {
     nearest: Vec<f64>,
     /// True for clearances that are not in the working set although they may be: row by row for each point.
     outside: Vec<bool>,
+    /// The clearances in the working set, as indices among the rows of all points.
+    inside: Vec<usize>,
     clearances: Vec<bool>,
 }
 
@@ -26,6 +28,7 @@ impl WorkingSet {
         let mut working = Self {
             nearest: Vec::new(),
             outside: Vec::new(),
+            inside: Vec::new(),
             clearances: rows.attributes().clearances.clone(),
         };
         working.restart(problem, rows, search);
@@ -56,6 +59,7 @@ impl WorkingSet {
             false => f64::NEG_INFINITY,
         });
         self.outside.clear();
+        self.inside.clear();
         let others = !nearest.clone().eq(self.nearest.iter().copied());
         if others {
             self.nearest.clear();
@@ -79,42 +83,54 @@ impl WorkingSet {
         let equalities = &rows.attributes().equalities;
         let with_ends = grid.times[0] == 0.0;
         let is_fixed = |g| with_ends && ((g == 0 && fixed[0]) || (g + 1 == points && fixed[1]));
-        self.outside.clear();
+        // At collocated points there are equalities alone.
+        let first = |g| match (grid.collocated[g % grid.points()], is_fixed(g)) {
+            (true, _) => count,
+            (false, true) => rows.states(),
+            (false, false) => 0,
+        };
+        if self.outside.is_empty() {
+            for g in 0..points {
+                self.outside.extend_from_slice(&self.clearances);
+                self.outside[g * count..][..first(g)].fill(false);
+            }
+        }
+        for at in self.inside.drain(..) {
+            self.outside[at] = true;
+        }
         for g in (0..points).filter(|_| count > 0) {
-            self.outside.extend_from_slice(&self.clearances);
             let weight = grid.weights[g % grid.points()];
-            let own = g * count..(g + 1) * count;
-            // At collocated points there are equalities alone.
-            let first = match (grid.collocated[g % grid.points()], is_fixed(g)) {
-                (true, _) => count,
-                (false, true) => rows.states(),
-                (false, false) => 0,
-            };
-            let outside = &mut self.outside[own.clone()];
-            outside[..first].fill(false);
-            let of_rows = h[own.clone()][first..].iter().zip(&self.nearest[first..]);
-            for (row, (h, nearest)) in (first..).zip(of_rows) {
+            let first = first(g);
+            for row in rows.near_at(g).filter(|row| *row >= first) {
+                let at = g * count + row;
                 // NaN counts as near.
-                let is_far = h < nearest;
-                if !is_far && !equalities[row] {
-                    outside[row] = false;
-                    let at = own.start + row;
-                    all.push(Row { at, weight });
+                let is_far = h[at] < self.nearest[row];
+                if is_far || equalities[row] {
+                    continue;
                 }
+                if self.clearances[row] {
+                    self.inside.push(at);
+                    self.outside[at] = false;
+                }
+                all.push(Row { at, weight });
             }
         }
     }
 
     /// Returns true if a clearance outside the working set is violated: a step into something that was far away.
-    pub fn is_left(&self, h: &[f64]) -> bool {
-        // Without a branch, so that rows are compared side by side.
-        let violated = |h: &[f64], outside: &[bool]| {
-            let rows = h.iter().zip(outside);
-            rows.fold(false, |any, (h, outside)| any | (*outside & (*h > 0.0)))
-        };
+    pub fn is_left<K: Constraint, P: CostWithControl>(
+        &self,
+        rows: &Rows<'_, K, P>,
+        h: &[f64],
+    ) -> bool {
         let count = self.clearances.len().max(1);
         let points = h.chunks_exact(count).zip(self.outside.chunks_exact(count));
-        points.into_iter().any(|(h, outside)| violated(h, outside))
+        let mut points = points.enumerate();
+        points.any(|(g, (h, outside))| {
+            // Without a branch, so that rows are compared side by side.
+            let rows = rows.near_at(g);
+            rows.fold(false, |any, row| any | (outside[row] & (h[row] > 0.0)))
+        })
     }
 }
 

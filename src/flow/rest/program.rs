@@ -230,7 +230,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let rows = lagrangian.cost.h.iter().zip(self.margins.iter().cycle());
         h.clear();
         h.extend(rows.map(|(h, margin)| h + margin));
-        Ok(if self.working.is_left(h) {
+        Ok(if self.working.is_left(&self.free.objective.cost().cost.rows, h) {
             f64::INFINITY
         } else {
             cost
