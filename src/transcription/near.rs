@@ -82,7 +82,7 @@ impl Near {
     pub fn rows(&self, group: usize, placed: &[Placement<Wide>]) -> Option<&[usize]> {
         let Group { rows, placements, .. } = &self.groups[group];
         let same = |body: usize| placements[body];
-        (!placements.is_empty() && self.is_close(placed, same)).then_some(rows)
+        (!placements.is_empty() && self.is_close(placed, same, 0.5 * self.moved)).then_some(rows)
     }
 
     /// The rows that were listed last at a point, if there are lists.
@@ -120,7 +120,7 @@ impl Near {
             let pick = |x: &Wide| crate::scalar::Lanes(lanes.map(|lane| x.0[lane]));
             Placement::new(of.rotation.map(|x| pick(&x)), of.translation.map(|x| pick(&x)))
         };
-        (!placements.is_empty() && self.is_close(placed, nearest)).then_some(rows)
+        (!placements.is_empty() && self.is_close(placed, nearest, self.moved)).then_some(rows)
     }
 
     /// Returns true if no body has moved further than allowed from its other placement.
@@ -128,6 +128,7 @@ impl Near {
         &self,
         placed: &[Placement<Wide>],
         other: impl Fn(usize) -> Placement<Wide>,
+        most: f64,
     ) -> bool {
         self.bodies.iter().all(|(body, r)| {
             let (here, there) = (&placed[*body], other(*body));
@@ -139,7 +140,7 @@ impl Near {
             // NaN is not close.
             distances
                 .map(|(moved, turned)| moved.sqrt() + r * (0.5 * turned).sqrt())
-                .fold(true, |close, moved| close & (moved <= self.moved))
+                .fold(true, |close, moved| close & (moved <= most))
         })
     }
 

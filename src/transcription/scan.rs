@@ -55,7 +55,6 @@ pub(crate) struct Look {
 impl Look {
     /// Memory for a scan of `times` times of `n` joints and `count` rows.
     fn resize(&mut self, n: usize, times: usize, count: usize, with_jerk: bool) {
-        self.h.resize(count * times.max(LANES), 0.0);
         if self.states.shape() == (n, 3 * times) && self.jerks.is_some() == with_jerk {
             return;
         }
@@ -155,6 +154,7 @@ impl Scan {
                     jerks: jerks_of_part.as_ref(),
                 };
                 let which = group.map_or(Which::All, |group| Which::Between(group, parts));
+                h.resize(h.len().max(count * points.count()), 0.0);
                 let h = &mut h[..count * points.count()];
                 let all = rows.of_all(points, which, h)?;
                 let states = rows.states();
@@ -179,8 +179,8 @@ impl Scan {
                     let here = &h[(k - 1 - own.start) * count..];
                     for row in visited.iter().copied() {
                         let values = [here[row], here[count + row], here[2 * count + row]];
-                        let is_low = values[0].max(values[1]).max(values[2]) <= floor;
-                        if is_low || equalities[row] {
+                        let is_high = values[0] > floor || values[1] > floor || values[2] > floor;
+                        if !is_high || equalities[row] {
                             continue;
                         }
                         let bracket = Bracket { times, values };
@@ -261,6 +261,7 @@ impl Scan {
             let of_maxima = few_maxima.iter().map(|(at, ..)| found[*at].row);
             visited.extend(of_maxima.filter(|row| *row < rows.states()));
             visited.sort_unstable();
+            h.resize(h.len().max(count * times.len()), 0.0);
             rows.of_all(points, Which::Only(visited), &mut h[..count * times.len()])?;
             for (k, (at, _, bracket)) in few_maxima.iter_mut().enumerate() {
                 let maximum = &mut found[*at];
