@@ -73,10 +73,8 @@ impl<C: Scalar> Constraint<C> for SphereClearance<C> {
     fn gap(&self, row: usize) -> Option<Gap<C>> {
         let m = self.spheres.len().max(1);
         let (ball, sphere) = (self.balls.get(row / m)?, &self.spheres[row % m]);
-        Some(Gap {
-            balls: [Some(*ball), None],
-            squared: Some(sphere.radius + ball.radius),
-        })
+        let reach = sphere.radius + ball.radius;
+        Some(Gap::new([Some(ball), None], Some(reach)))
     }
 
     /// $2 (r + \rho)$, because $g$ is about that times the depth.

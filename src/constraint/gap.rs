@@ -2,15 +2,29 @@
 
 use super::CollisionSphere;
 use crate::scalar::Scalar;
+use crate::spatial::dot;
 
-/// The distance of two balls on the robot, or of one from an obstacle, of which a row is a function.
+/// The distance of two balls, or of one from an obstacle, of which a row is a function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap<C: Scalar = f64> {
-    /// The balls: one, or both.
-    pub balls: [Option<CollisionSphere<C>>; 2],
+    /// The body of each ball that is on one, with the distance of its centre from the origin of the body, in m.
+    pub bodies: [Option<(usize, C)>; 2],
     /// The sum `R` of the radii if the row is $R^2 - d^2$ for a distance `d` of the centres, scaled by `2 R`; `None` if
     /// it is minus the distance of the surfaces.
     pub squared: Option<C>,
+}
+
+impl<C: Scalar> Gap<C> {
+    pub(super) fn new(balls: [Option<&CollisionSphere<C>>; 2], squared: Option<C>) -> Self {
+        let body = |ball: &CollisionSphere<C>| {
+            let r = dot(&ball.centre, &ball.centre).sqrt();
+            ball.body.map(|body| (body, r))
+        };
+        Self {
+            bodies: balls.map(|ball| ball.and_then(body)),
+            squared,
+        }
+    }
 }
 
 impl Gap {
@@ -30,13 +44,6 @@ impl Gap {
             None => -distance,
             Some(reach) => -distance * (1.0 + 0.5 * distance / reach),
         }
-    }
-
-    /// The number of balls on moving bodies.
-    #[must_use]
-    pub fn moving(&self) -> usize {
-        let balls = self.balls.iter().flatten();
-        balls.filter(|ball| ball.body.is_some()).count()
     }
 }
 

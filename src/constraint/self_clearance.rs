@@ -83,10 +83,8 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
 
     fn gap(&self, row: usize) -> Option<Gap<C>> {
         let [first, second] = self.pair(*self.pairs.get(row)?).ok()?;
-        Some(Gap {
-            balls: [Some(*first), Some(*second)],
-            squared: Some(first.radius + second.radius),
-        })
+        let reach = first.radius + second.radius;
+        Some(Gap::new([Some(first), Some(second)], Some(reach)))
     }
 
     fn row_scales(&self, scales: &mut [C]) {

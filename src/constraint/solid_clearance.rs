@@ -79,10 +79,7 @@ impl<C: Scalar> Constraint<C> for SolidClearance<C> {
 
     fn gap(&self, row: usize) -> Option<Gap<C>> {
         let ball = self.balls.get(row / self.solids.len().max(1))?;
-        Some(Gap {
-            balls: [Some(*ball), None],
-            squared: None,
-        })
+        Some(Gap::new([Some(ball), None], None))
     }
 
     /// Solids are counted from zero.

@@ -33,10 +33,12 @@ pub struct SearchOptions {
     /// The distance from its bound up to which a clearance is in the working set, relative to the reach of the problem:
     /// a few steps near the end are shorter.
     pub near: f64,
-    /// The distance in m by which a link may move before clearances that were far are evaluated again.
-    pub moved: f64,
     /// The same relative to the distance from which on a row is constant, beyond which a step should not end.
     pub share_of_cutoff: f64,
+    /// The distance by which balls may move before clearances that are far are evaluated again, relative to the reach
+    /// of the problem; no motion depends on it. With a larger one more of them are evaluated each time (balanced
+    /// motions of a Panda among obstacles: 5 % more instructions with 0.06, 20 to 45 % more with 0.02).
+    pub moved: f64,
     /// The last barrier parameter, relative to the cost, if only the horizon has bounds, which are cheap to approach.
     pub last_barrier_of_bounds: f64,
     /// The first penalty of the torque of a passive joint, that of a motor, whose torque costs its square: no other
@@ -110,8 +112,8 @@ impl Default for SearchOptions {
             exact_margins: 4,
             reserve: 2e-7,
             near: 0.05,
-            moved: 0.05,
             share_of_cutoff: 0.5,
+            moved: 0.035,
             last_barrier_of_bounds: 1e-12,
             motor_penalty: 2.0,
             equality_penalty: 1e3,

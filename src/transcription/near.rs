@@ -1,44 +1,44 @@
-//! The rows of the state that may be near their bounds, at the points of a grid.
+//! The rows of the state that may be near their bounds, at the points of a grid and between them.
 
 use crate::constraint::Constraint;
-use crate::scalar::{LANES, Wide};
+use crate::scalar::{AlgebraOver, LANES, Lanes, Scalar, Wide};
 use crate::spatial::Placement;
 use std::ops::Range;
 
-/// The rows that may be near their bounds, at points that are evaluated side by side: a group.
+/// The rows that may be near their bounds, by groups of points that are evaluated side by side.
 ///
-/// All rows of a group are evaluated at first, and clearances are listed while they are near their bounds. The others
-/// are far until a body has moved further than a distance since then, because no clearance of two balls changes by more
-/// than their centres move; then all rows are evaluated again. A point of a body that is `r` from its origin moves by
-/// at most $|\Delta p| + r |\Delta R|$, and the norm of a difference of rotations is its Frobenius norm over
-/// $\sqrt 2$.
+/// At first all rows of a group are evaluated, and clearances are listed while they are near. The others are far until
+/// a body has moved by more than a distance since then, for no [gap](Constraint::gap) changes by more than its balls
+/// move; then all are evaluated again. A point of a body that is `r` from its origin moves by at most
+/// $|\Delta p| + r\\, |\Delta R|$, and the norm of a difference of two rotations is its Frobenius norm over $\sqrt 2$.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Near {
-    /// The value of each scaled row below which it is far; not a number for those that never are.
+    /// The value of each scaled row of the state below which it is not listed; NaN for those that always are.
     far: Vec<f64>,
-    /// The bodies of clearances, with the largest distance of a ball from their origin.
+    /// The bodies of clearances, with the largest distance of the centre of a ball from their origin, in m.
     bodies: Vec<(usize, f64)>,
     /// The distance by which a body may move, in m.
     moved: f64,
-    /// The times of the points, in parts of a segment; no points without lists.
+    /// The times of the points of a segment, in parts of it.
     times: Vec<f64>,
+    /// None without clearances.
     groups: Vec<Group>,
 }
 
 /// The rows of a group.
 #[derive(Clone, Debug, Default)]
 struct Group {
-    /// The rows that may be near in ascending order, and the placements of the bodies at which they were; none before.
+    /// The listed rows in ascending order, and the placements of the bodies at the points then; none before.
     rows: Vec<usize>,
     placements: Vec<Placement<Wide>>,
-    /// Rows that are listed although they are far: those of the working set, and those that have a margin.
+    /// Rows that are listed although they are far: those of the working set, and those between the points.
     working: Vec<usize>,
-    raised: Vec<usize>,
+    between: Vec<usize>,
 }
 
 impl Near {
-    /// Begins lists for segments with points at these times, for rows that are far below these values until a body has
-    /// moved by a distance, in m.
+    /// Begins lists at points with these times in parts of each of several segments. Rows that are not listed are below
+    /// the values of `far` until a body has moved by more than `moved`, in m; an infinite one lists its row.
     pub fn begin<K: Constraint>(
         &mut self,
         state: &K,
@@ -48,110 +48,136 @@ impl Near {
     ) {
         self.bodies.clear();
         self.far.clear();
-        let mut any = false;
         for (row, far) in far.enumerate() {
-            let Some(gap) = state.gap(row).filter(|_| far.is_finite()) else {
-                self.far.push(f64::NAN);
-                continue;
-            };
-            any = true;
-            for ball in gap.balls.iter().flatten() {
-                let Some(body) = ball.body else { continue };
-                let r = ball.centre.norm();
+            let gap = state.gap(row).filter(|_| far.is_finite());
+            self.far.push(gap.map_or(f64::NAN, |gap| {
+                let moving = gap.bodies.iter().flatten();
+                gap.value(gap.distance(far) + moving.count() as f64 * moved)
+            }));
+            for (body, r) in gap.iter().flat_map(|gap| gap.bodies).flatten() {
                 match self.bodies.iter_mut().find(|(of, _)| *of == body) {
                     Some((_, most)) => *most = most.max(r),
                     None => self.bodies.push((body, r)),
                 }
             }
-            let least = gap.distance(far) + gap.moving() as f64 * moved;
-            self.far.push(gap.value(least));
         }
-        self.moved = moved;
-        let groups = if any { times.len().div_ceil(LANES) * segments } else { 0 };
-        self.groups = vec![Group::default(); groups];
-        self.times = times;
+        let per_segment = match self.bodies.is_empty() {
+            true => 0,
+            false => times.len().div_ceil(LANES),
+        };
+        self.groups = vec![Group::default(); segments * per_segment];
+        (self.moved, self.times) = (moved, times);
     }
 
-    /// The group of the points from `start` on of a segment that begins with point `first`, if there are lists.
+    /// Allocates memory for lists of all rows.
+    pub fn allocate(&mut self) {
+        let rows = self.far.len();
+        for group in &mut self.groups {
+            group.working.reserve(LANES * rows);
+            group.between.reserve(rows);
+            group.rows.reserve((LANES + 2) * rows);
+        }
+    }
+
+    /// The group of the points from `start` on among all points of a segment, the first of which is `first`, if there
+    /// are lists.
     pub fn group(&self, first: usize, start: usize, points: usize) -> Option<usize> {
-        let own = points == self.times.len() && !self.groups.is_empty();
-        own.then(|| first / points * points.div_ceil(LANES) + start / LANES)
+        let has_lists = points == self.times.len() && !self.groups.is_empty();
+        has_lists.then(|| first / points * points.div_ceil(LANES) + start / LANES)
     }
 
-    /// The rows of a group that may be near with the bodies placed like this; `None` if any may be.
-    pub fn rows(&self, group: usize, placed: &[Placement<Wide>]) -> Option<&[usize]> {
-        let Group { rows, placements, .. } = &self.groups[group];
-        let same = |body: usize| placements[body];
-        (!placements.is_empty() && self.is_close(placed, same, 0.5 * self.moved)).then_some(rows)
+    /// The group of a point.
+    fn of_point(&self, g: usize) -> usize {
+        let points = self.times.len();
+        g / points * points.div_ceil(LANES) + g % points / LANES
+    }
+
+    /// The rows that were listed last for a group.
+    pub fn listed(&self, group: usize) -> &[usize] {
+        &self.groups[group].rows
     }
 
     /// The rows that were listed last at a point, if there are lists.
     pub fn at(&self, g: usize) -> Option<&[usize]> {
-        (!self.groups.is_empty()).then(|| self.last(self.of_point(g)))
+        (!self.groups.is_empty()).then(|| self.listed(self.of_point(g)))
     }
 
-    /// The rows that were listed last for a group.
-    pub fn last(&self, group: usize) -> &[usize] {
-        &self.groups[group].rows
+    /// The rows of a group that may be near with the bodies placed like this at its points; `None` if others may be.
+    /// Half of the distance is left for the times between the points.
+    pub fn at_points(&self, group: usize, placed: &[Placement<Wide>]) -> Option<&[usize]> {
+        let Group {
+            rows, placements, ..
+        } = &self.groups[group];
+        let is_known = !placements.is_empty();
+        (is_known && self.are_close(placed, |body| placements[body], 0.5 * self.moved))
+            .then_some(rows)
     }
 
-    /// The same at other points, near these times of the segment.
-    pub fn rows_between(
+    /// The rows of a group that may be near with the bodies placed like this at the first of these times, which are in
+    /// parts of the segment; `None` if others may be. Each time is compared with the nearest point.
+    pub fn between(
         &self,
         group: usize,
         times: &[f64],
         placed: &[Placement<Wide>],
     ) -> Option<&[usize]> {
-        let Group { rows, placements, .. } = &self.groups[group];
+        let Group {
+            rows, placements, ..
+        } = &self.groups[group];
         let first = group % self.times.len().div_ceil(LANES) * LANES;
-        let own = &self.times[first..self.times.len().min(first + LANES)];
-        let lanes: [usize; LANES] = std::array::from_fn(|lane| {
+        let points = &self.times[first..self.times.len().min(first + LANES)];
+        let nearest: [usize; LANES] = std::array::from_fn(|lane| {
             let time = times[lane.min(times.len() - 1)];
-            let after = own.partition_point(|t| *t < time);
-            match after {
-                0 => 0,
-                k if k == own.len() => k - 1,
-                k if time - own[k - 1] < own[k] - time => k - 1,
-                k => k,
-            }
+            let middles = points.windows(2).map(|two| 0.5 * (two[0] + two[1]));
+            middles.take_while(|middle| *middle < time).count()
         });
-        let nearest = |body: usize| {
-            let of: &Placement<Wide> = &placements[body];
-            let pick = |x: &Wide| crate::scalar::Lanes(lanes.map(|lane| x.0[lane]));
-            Placement::new(of.rotation.map(|x| pick(&x)), of.translation.map(|x| pick(&x)))
+        let pick = |x: &Wide| Lanes(nearest.map(|point| x.0[point]));
+        let other = |body: usize| {
+            let Placement {
+                rotation,
+                translation,
+            } = &placements[body];
+            Placement::new(rotation.map(|x| pick(&x)), translation.map(|x| pick(&x)))
         };
-        (!placements.is_empty() && self.is_close(placed, nearest, self.moved)).then_some(rows)
+        let is_known = !placements.is_empty();
+        (is_known && self.are_close(placed, other, self.moved)).then_some(rows)
     }
 
-    /// Returns true if no body has moved further than allowed from its other placement.
-    fn is_close(
+    /// Returns true if no ball has moved by more than `most` from the other placement of its body.
+    fn are_close(
         &self,
         placed: &[Placement<Wide>],
         other: impl Fn(usize) -> Placement<Wide>,
         most: f64,
     ) -> bool {
+        let add_square = |sum: Wide, x: &Wide| sum + *x * *x;
         self.bodies.iter().all(|(body, r)| {
             let (here, there) = (&placed[*body], other(*body));
-            let square = |sum: Wide, x: Wide| sum + x * x;
-            let zero = Wide::splat(0.0);
-            let turned = (here.rotation - there.rotation).iter().fold(zero, |sum, x| square(sum, *x));
-            let moved = (here.translation - there.translation).iter().fold(zero, |sum, x| square(sum, *x));
-            let distances = moved.0.iter().zip(turned.0);
+            let (p, turn) = (
+                here.translation - there.translation,
+                here.rotation - there.rotation,
+            );
+            let [p, turn] = [p.as_slice(), turn.as_slice()]
+                .map(|of| of.iter().fold(Wide::splat(0.0), add_square).sqrt());
+            let moved = p + turn.scale(std::f64::consts::FRAC_1_SQRT_2 * r);
             // NaN is not close.
-            distances
-                .map(|(moved, turned)| moved.sqrt() + r * (0.5 * turned).sqrt())
-                .fold(true, |close, moved| close & (moved <= most))
+            moved.0.iter().fold(true, |all, moved| all & (*moved <= most))
         })
     }
 
-    /// Lists the rows of a group that may be near, for values of all rows at `found` points.
+    /// Lists the rows of a group that may be near, for the values of all rows at the first `found` points.
     pub fn list(
         &mut self,
         group: usize,
         placed: &[Placement<Wide>],
         (values, scales, found): (&[Wide], &[f64], usize),
     ) {
-        let Group { rows, placements, working, raised } = &mut self.groups[group];
+        let Group {
+            rows,
+            placements,
+            working,
+            between,
+        } = &mut self.groups[group];
         placements.clear();
         placements.extend_from_slice(placed);
         rows.clear();
@@ -163,18 +189,12 @@ impl Near {
                 rows.push(row);
             }
         }
-        rows.extend(working.iter().chain(raised.iter()));
+        rows.extend(working.iter().chain(between.iter()));
         rows.sort_unstable();
         rows.dedup();
     }
 
-    /// The group of a point.
-    fn of_point(&self, g: usize) -> usize {
-        let points = self.times.len();
-        g / points * points.div_ceil(LANES) + g % points / LANES
-    }
-
-    /// Takes the rows of the working set, by points, in place of the last ones.
+    /// Takes the points and the rows of the working set in place of the last ones.
     pub fn set_working(&mut self, rows: impl Iterator<Item = (usize, usize)>) {
         if self.groups.is_empty() {
             return;
@@ -188,50 +208,62 @@ impl Near {
         }
     }
 
-    /// Lists a row at a point; returns true if it was not listed, so that all rows have to be evaluated there.
-    pub fn raise(&mut self, g: usize, row: usize) -> bool {
+    /// Lists a row at a point whatever its value is; returns true if it was not listed and so has to be evaluated.
+    pub fn hold(&mut self, g: usize, row: usize) -> bool {
         if self.groups.is_empty() || row >= self.far.len() {
             return false;
         }
         let group = self.of_point(g);
-        let Group { rows, placements, raised, .. } = &mut self.groups[group];
-        let is_new = !raised.contains(&row);
-        if is_new {
-            raised.push(row);
+        let Group {
+            rows,
+            placements,
+            between,
+            ..
+        } = &mut self.groups[group];
+        if !between.contains(&row) {
+            between.push(row);
         }
-        let missing = rows.binary_search(&row).is_err();
-        if missing {
+        let is_missing = rows.binary_search(&row).is_err();
+        if is_missing {
             placements.clear();
         }
-        missing
+        is_missing
     }
 
-    /// Forgets the rows that have a margin.
-    pub fn lower(&mut self) {
+    /// Forgets the rows that were [held](Self::hold).
+    pub fn release(&mut self) {
         for group in &mut self.groups {
-            group.raised.clear();
+            group.between.clear();
         }
     }
 
-    /// The groups of a segment, each with its part of `intervals` intervals between the points.
-    pub fn parts(&self, segment: usize, intervals: usize) -> impl Iterator<Item = (Option<usize>, Range<usize>)> + use<> {
-        let count = match self.groups.is_empty() {
+    /// The number of parts of a segment between the points: one for each group, or the segment itself without lists.
+    pub fn parts(&self) -> usize {
+        match self.groups.is_empty() {
             true => 1,
             false => self.times.len().div_ceil(LANES),
-        };
-        let with_lists = !self.groups.is_empty();
-        // The middle between the last point of a group and the first one of the next.
-        let ends: Vec<_> = (1..=count).map(|k| match k * LANES {
-            next if k < count && with_lists => {
-                let middle = 0.5 * (self.times[next - 1] + self.times[next]);
-                ((middle * intervals as f64).ceil() as usize).clamp(1, intervals)
+        }
+    }
+
+    /// The group of a part of a segment, and the part of the times between its first and its last one, `intervals`
+    /// intervals from each other.
+    pub fn part(
+        &self,
+        segment: usize,
+        k: usize,
+        intervals: usize,
+    ) -> (Option<usize>, Range<usize>) {
+        let count = self.parts();
+        let end = |k: usize| match k {
+            0 => 1,
+            k if k == count => intervals,
+            k => {
+                let beside = [k * LANES - 1, k * LANES].map(|point| self.times[point]);
+                let middle = 0.5 * (beside[0] + beside[1]) * intervals as f64;
+                (middle.ceil() as usize).clamp(1, intervals)
             }
-            _ => intervals,
-        }).collect();
-        (0..count).scan(1, move |begin, k| {
-            let own = *begin..ends[k].max(*begin);
-            *begin = own.end;
-            Some((with_lists.then_some(segment * count + k), own))
-        })
+        };
+        let group = (!self.groups.is_empty()).then_some(segment * count + k);
+        (group, end(k)..end(k + 1))
     }
 }

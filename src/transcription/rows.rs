@@ -11,6 +11,7 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{LANES, Wide};
 use nalgebra::DMatrix;
+use std::ops::Range;
 
 /// The rows of constraints at single points, in their own units and relative to their scales, with the running cost.
 #[derive(Debug)]
@@ -29,7 +30,7 @@ pub(crate) struct Rows<'a, K, P> {
     /// $[q; v; a]$ and the rows of the state at points that are evaluated side by side.
     z: Vec<Wide<f64>>,
     wide: Vec<Wide<f64>>,
-    /// The largest value of each listed row of the state at the last points.
+    /// The largest value at the last points of each row of the state that was evaluated there.
     pub highest: Vec<f64>,
     /// The rows of a standing foot.
     foot: Vec<Wide<f64>>,
@@ -182,12 +183,12 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         self.wide.len()
     }
 
-    /// The rows that may be near their bounds at a point of the grid, in ascending order: all without lists.
-    pub fn near_at(&self, g: usize) -> impl Iterator<Item = usize> + use<'_, 'a, K, P> {
-        let listed = self.near.at(g);
-        let others = listed.map_or(0, |_| self.states());
-        let listed = listed.unwrap_or_default().iter().copied();
-        listed.chain(others..self.count())
+    /// The rows that may be near their bounds at a point of the grid, in ascending order: some, and a range after them.
+    pub fn near_at(&self, g: usize) -> (&[usize], Range<usize>) {
+        match self.near.at(g) {
+            Some(listed) => (listed, self.states()..self.count()),
+            None => (&[], 0..self.count()),
+        }
     }
 
     /// Returns true if a row is kept in a phase.
@@ -343,41 +344,42 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             let placements = placed.state().placements;
             let group = self.near.group(points.first, start, points.count());
             let listed = match (which, group) {
-                (Which::Near, Some(group)) => self.near.rows(group, placements),
+                (Which::Near, Some(group)) => self.near.at_points(group, placements),
                 (Which::Between(group, times), _) => {
-                    let rows = self.near.rows_between(group, &times[start..], placements);
-                    if rows.is_none() {
+                    let listed = self.near.between(group, &times[start..], placements);
+                    if listed.is_none() {
                         return self.of_state(points, Which::All, h);
                     }
-                    rows
+                    listed
                 }
                 (Which::Only(rows), _) => Some(rows),
                 _ => None,
             };
             all &= listed.is_none();
-            let scales = &self.attributes.scales;
+            let (state, scales) = (&self.constraints.state, &self.attributes.scales);
+            let mut put = |row: usize, value: &Wide| {
+                let mut highest = self.highest[row];
+                for (lane, value) in value.0[..found].iter().enumerate() {
+                    let scaled = value * scales[row];
+                    h[(start + lane) * count + row] = scaled;
+                    highest = highest.max(scaled);
+                }
+                self.highest[row] = highest;
+            };
             if let Some(listed) = listed {
-                let state = &self.constraints.state;
                 placed.value_of(state, RowList::new(listed), &mut self.wide)?;
                 for row in listed {
-                    for (lane, value) in self.wide[*row].0[..found].iter().enumerate() {
-                        let value = value * scales[*row];
-                        h[(start + lane) * count + row] = value;
-                        self.highest[*row] = self.highest[*row].max(value);
-                    }
+                    put(*row, &self.wide[*row]);
                 }
                 continue;
             }
-            placed.value(&self.constraints.state, &mut self.wide)?;
-            if let (Which::Near, Some(group)) = (which, group) {
-                self.near.list(group, placements, (&self.wide, scales, found));
+            placed.value(state, &mut self.wide)?;
+            for (row, value) in self.wide.iter().enumerate() {
+                put(row, value);
             }
-            for lane in 0..found {
-                let first = (start + lane) * count;
-                let h = &mut h[first..first + states];
-                for (h, (row, scale)) in h.iter_mut().zip(self.wide.iter().zip(scales)) {
-                    *h = row.0[lane] * scale;
-                }
+            if let (Which::Near, Some(group)) = (which, group) {
+                let values = (&self.wide[..], &scales[..], found);
+                self.near.list(group, placements, values);
             }
         }
         let others = self.constraints.stage.phases.iter().enumerate();

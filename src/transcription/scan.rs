@@ -30,6 +30,16 @@ pub(crate) struct Maximum {
     pub height: f64,
 }
 
+/// A part of a segment.
+struct Part {
+    segment: usize,
+    phase: usize,
+    /// The group of points whose lists it has.
+    group: Option<usize>,
+    /// Its times, without the one before and the one after, by intervals.
+    middles: Range<usize>,
+}
+
 /// The maxima of a scan, and its memory.
 #[derive(Default)]
 pub(crate) struct Look {
@@ -39,12 +49,11 @@ pub(crate) struct Look {
     uncertain: Vec<(usize, usize, Bracket)>,
     states: DMatrix<f64>,
     jerks: Option<DMatrix<f64>>,
-    /// Those of the times that are looked at together, these times in s and in parts of the segment, and the rows.
-    part: DMatrix<f64>,
-    jerks_of_part: Option<DMatrix<f64>>,
+    /// Those of a part, its times in s and in parts of the segment, and the rows that may have a maximum there.
+    of_part: [DMatrix<f64>; 2],
     times: Vec<f64>,
     parts: Vec<f64>,
-    visited: Vec<usize>,
+    rows: Vec<usize>,
     h: Vec<f64>,
     /// The functions at a time, and the curve there and at up to `LANES` times with its third derivatives.
     functions: Functions,
@@ -53,14 +62,13 @@ pub(crate) struct Look {
 }
 
 impl Look {
-    /// Memory for a scan of `times` times of `n` joints and `count` rows.
-    fn resize(&mut self, n: usize, times: usize, count: usize, with_jerk: bool) {
+    /// Memory for a scan of `times` times of `n` joints.
+    fn resize(&mut self, n: usize, times: usize, with_jerk: bool) {
         if self.states.shape() == (n, 3 * times) && self.jerks.is_some() == with_jerk {
             return;
         }
         self.states = DMatrix::zeros(n, 3 * times);
         self.jerks = with_jerk.then(|| DMatrix::zeros(n, times));
-        self.jerks_of_part = self.jerks.clone();
         self.one = DMatrix::zeros(n, 4);
         self.few = std::array::from_fn(|k| [3, 1].map(|d| DMatrix::zeros(n, d * (k + 1))));
     }
@@ -106,110 +114,129 @@ impl Scan {
         floor: f64,
         look: &mut Look,
     ) -> Result<f64> {
-        let (n, count) = (coefficients.nrows(), rows.count());
-        let segments = self.basis.segments();
-        let interval = 1.0 / (segments * self.intervals) as f64;
-        let mut deviation = 0.0_f64;
+        let (segments, count) = (self.basis.segments(), rows.count());
         let with_jerk = rows.constraints.stage.has_jerk();
-        look.resize(n, self.intervals + 1, count, with_jerk);
-        let Look {
-            found,
-            uncertain,
-            states,
-            jerks,
-            part,
-            jerks_of_part,
-            times,
-            parts,
-            visited,
-            h,
-            ..
-        } = look;
-        found.clear();
-        uncertain.clear();
+        look.resize(coefficients.nrows(), self.intervals + 1, with_jerk);
+        look.found.clear();
+        look.uncertain.clear();
+        let mut deviation = 0.0_f64;
         for segment in 0..segments {
-            let of_first = self.basis.first(segment);
-            place(coefficients, of_first, &self.table, states);
-            scale(states, horizon);
-            if let Some(jerks) = jerks {
-                place(coefficients, of_first, &self.thirds, jerks);
+            let first = self.basis.first(segment);
+            place(coefficients, first, &self.table, &mut look.states);
+            scale(&mut look.states, horizon);
+            if let Some(jerks) = &mut look.jerks {
+                place(coefficients, first, &self.thirds, jerks);
                 *jerks *= horizon.powi(-3);
             }
-            let first = segment * self.intervals;
-            for (group, middles) in rows.near.parts(segment, self.intervals) {
-                let own = middles.start - 1..middles.end + 1;
-                cut(states, 3 * own.start..3 * own.end, part);
-                if let (Some(jerks), Some(of_part)) = (&jerks, &mut *jerks_of_part) {
-                    cut(jerks, own.clone(), of_part);
-                }
-                times.clear();
-                times.extend(own.clone().map(|k| (first + k) as f64 * interval * horizon));
-                parts.clear();
-                parts.extend(own.clone().map(|k| k as f64 / self.intervals as f64));
-                let points = Points {
-                    first: 0,
-                    phase: segment * rows.cost.phases() / segments,
-                    times,
-                    states: part,
-                    jerks: jerks_of_part.as_ref(),
+            let phase = segment * rows.cost.phases() / segments;
+            for k in 0..rows.near.parts() {
+                let (group, middles) = rows.near.part(segment, k, self.intervals);
+                let part = Part {
+                    segment,
+                    phase,
+                    group,
+                    middles,
                 };
-                let which = group.map_or(Which::All, |group| Which::Between(group, parts));
-                h.resize(h.len().max(count * points.count()), 0.0);
-                let h = &mut h[..count * points.count()];
-                let all = rows.of_all(points, which, h)?;
-                let states = rows.states();
-                visited.clear();
-                match group.filter(|_| !all) {
-                    Some(group) => {
-                        let listed = rows.near.last(group).iter().copied();
-                        visited.extend(listed.filter(|row| rows.highest[*row] > floor));
-                    }
-                    None => visited.extend(0..states),
-                }
-                visited.extend(states..count);
-                let equalities = &rows.attributes().equalities;
+                self.evaluate(rows, &part, (horizon, floor), look)?;
                 for (row, unit) in rows.equalities_of_state() {
-                    let values = h.iter().skip(row).step_by(count);
+                    let values = look.h.iter().skip(row).step_by(count);
                     deviation = values.fold(deviation, |most, h| most.max(h.abs() * unit));
                 }
-                // The control may jump where two segments meet, so each has ends of its own.
-                for k in middles {
-                    let time = (first + k) as f64 * interval;
-                    let times = [time - interval, time, time + interval];
-                    let here = &h[(k - 1 - own.start) * count..];
-                    for row in visited.iter().copied() {
-                        let values = [here[row], here[count + row], here[2 * count + row]];
-                        let is_high = values[0] > floor || values[1] > floor || values[2] > floor;
-                        if !is_high || equalities[row] {
-                            continue;
-                        }
-                        let bracket = Bracket { times, values };
-                        let maximum = |(time, height)| Maximum {
-                            row,
-                            segment,
-                            time,
-                            height,
-                        };
-                        if k == 1 && values[0] > floor && values[0] > values[1] {
-                            found.push(maximum(bracket.at_end(0)));
-                        }
-                        if values[1] > floor && values[0] <= values[1] && values[2] < values[1] {
-                            if bracket.is_valid() && bracket.may_exceed(0.0) {
-                                uncertain.push((found.len(), points.phase, bracket));
-                            }
-                            found.push(maximum(bracket.vertex()));
-                        }
-                        if k + 1 == self.intervals && values[2] > floor && values[1] <= values[2] {
-                            found.push(maximum(bracket.at_end(2)));
-                        }
-                    }
-                }
+                self.find(&part, floor, &rows.attributes().equalities, look);
             }
         }
         for _ in 0..Bracket::REFINEMENTS {
             self.refine(rows, coefficients, horizon, look)?;
         }
         Ok(deviation)
+    }
+
+    /// Evaluates the rows at the times of a part and one time before and after, and lists those that may have a maximum
+    /// above `floor` there.
+    fn evaluate<K: Constraint, P: CostWithControl>(
+        &self,
+        rows: &mut Rows<'_, K, P>,
+        part: &Part,
+        (horizon, floor): (f64, f64),
+        look: &mut Look,
+    ) -> Result<()> {
+        let (first, segments) = (part.segment * self.intervals, self.basis.segments());
+        let interval = 1.0 / (segments * self.intervals) as f64;
+        let own = part.middles.start - 1..part.middles.end + 1;
+        let [states, jerks] = &mut look.of_part;
+        cut(&look.states, 3 * own.start..3 * own.end, states);
+        if let Some(of_all) = &look.jerks {
+            cut(of_all, own.clone(), jerks);
+        }
+        let (times, parts) = (&mut look.times, &mut look.parts);
+        times.clear();
+        times.extend(own.clone().map(|k| (first + k) as f64 * interval * horizon));
+        parts.clear();
+        parts.extend(own.map(|k| k as f64 / self.intervals as f64));
+        let points = Points {
+            first: 0,
+            phase: part.phase,
+            times,
+            states,
+            jerks: look.jerks.is_some().then_some(jerks),
+        };
+        let which = match part.group {
+            Some(group) => Which::Between(group, parts),
+            None => Which::All,
+        };
+        let count = rows.count();
+        look.h.resize(count * points.count(), 0.0);
+        let all = rows.of_all(points, which, &mut look.h)?;
+        let is_high = |row: &usize| rows.highest[*row] > floor;
+        look.rows.clear();
+        match part.group.filter(|_| !all) {
+            Some(group) => {
+                let listed = rows.near.listed(group).iter().copied();
+                look.rows.extend(listed.filter(is_high));
+            }
+            None => look.rows.extend((0..rows.states()).filter(is_high)),
+        }
+        look.rows.extend(rows.states()..count);
+        Ok(())
+    }
+
+    /// Finds the local maxima above `floor` in a part among the listed rows.
+    fn find(&self, part: &Part, floor: f64, equalities: &[bool], look: &mut Look) {
+        let (segment, count) = (part.segment, equalities.len());
+        let interval = 1.0 / (self.basis.segments() * self.intervals) as f64;
+        let (found, uncertain) = (&mut look.found, &mut look.uncertain);
+        // The control may jump where two segments meet, so each has ends of its own.
+        for k in part.middles.clone() {
+            let time = (segment * self.intervals + k) as f64 * interval;
+            let times = [time - interval, time, time + interval];
+            let here = &look.h[(k - part.middles.start) * count..];
+            for row in look.rows.iter().copied() {
+                let values = [here[row], here[count + row], here[2 * count + row]];
+                let is_high = values[0] > floor || values[1] > floor || values[2] > floor;
+                if !is_high || equalities[row] {
+                    continue;
+                }
+                let bracket = Bracket { times, values };
+                let maximum = |(time, height)| Maximum {
+                    row,
+                    segment,
+                    time,
+                    height,
+                };
+                if k == 1 && values[0] > floor && values[0] > values[1] {
+                    found.push(maximum(bracket.at_end(0)));
+                }
+                if values[1] > floor && values[0] <= values[1] && values[2] < values[1] {
+                    if bracket.is_valid() && bracket.may_exceed(0.0) {
+                        uncertain.push((found.len(), part.phase, bracket));
+                    }
+                    found.push(maximum(bracket.vertex()));
+                }
+                if k + 1 == self.intervals && values[2] > floor && values[1] <= values[2] {
+                    found.push(maximum(bracket.at_end(2)));
+                }
+            }
+        }
     }
 
     /// Evaluates the rows at the estimated times of maxima, side by side in one phase, and estimates them again.
@@ -225,7 +252,7 @@ impl Scan {
             found,
             uncertain,
             times,
-            visited,
+            rows: own,
             h,
             functions,
             one,
@@ -257,12 +284,12 @@ impl Scan {
                 states,
                 jerks: Some(jerks),
             };
-            visited.clear();
             let of_maxima = few_maxima.iter().map(|(at, ..)| found[*at].row);
-            visited.extend(of_maxima.filter(|row| *row < rows.states()));
-            visited.sort_unstable();
-            h.resize(h.len().max(count * times.len()), 0.0);
-            rows.of_all(points, Which::Only(visited), &mut h[..count * times.len()])?;
+            own.clear();
+            own.extend(of_maxima.filter(|row| *row < rows.states()));
+            own.sort_unstable();
+            h.resize(count * times.len(), 0.0);
+            rows.of_all(points, Which::Only(own), h)?;
             for (k, (at, _, bracket)) in few_maxima.iter_mut().enumerate() {
                 let maximum = &mut found[*at];
                 bracket.narrow(bracket.next(), h[k * count + maximum.row]);

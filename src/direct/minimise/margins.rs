@@ -55,7 +55,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         for maximum in &self.look.found {
             for g in beside(&self.grid, maximum).into_iter().flatten() {
                 let near = &mut self.objective.cost_mut().rows.near;
-                if near.raise(g, maximum.row) {
+                if near.hold(g, maximum.row) {
                     self.evaluated = None;
                 }
             }

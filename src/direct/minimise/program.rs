@@ -151,7 +151,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         let far = self.working.nearest(rows.states());
         let far = far.map(|nearest| nearest.min(-search.scan_depth) - search.reserve);
         let state = &rows.constraints.state;
-        let moved = std::env::var("RW_MOVED").ok().and_then(|x| x.parse().ok()).unwrap_or(search.moved);
+        let moved = search.moved * self.working.reach;
         rows.near.begin(state, far, moved, (times, grid.segments));
     }
 
@@ -184,7 +184,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         self.horizon = candidate.horizon;
         self.objective.set_rates(&self.rates);
         let rows = &mut self.objective.cost_mut().rows;
-        rows.near.lower();
+        rows.near.release();
         if self.working.restart(problem, rows, &self.search) {
             self.list_near();
         }
@@ -199,6 +199,8 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         for terms in &mut integrand.terms {
             terms.reserve(count);
         }
+        integrand.rows.near.allocate();
+        self.working.allocate(self.first_of_points);
     }
 
     /// One margin per row, all zero.
@@ -315,8 +317,15 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let count = integrand.rows.count();
         h.resize(first, f64::NEG_INFINITY);
         for (g, h) in h.chunks_exact_mut(count.max(1)).enumerate() {
-            for row in integrand.rows.near_at(g) {
-                h[row] = integrand.h[g * count + row] + self.margins[g * count + row];
+            let own = g * count..(g + 1) * count;
+            let (values, margins) = (&integrand.h[own.clone()], &self.margins[own]);
+            let (listed, others) = integrand.rows.near_at(g);
+            for row in listed.iter().copied() {
+                h[row] = values[row] + margins[row];
+            }
+            // In a loop of its own, so that they are added side by side.
+            for row in others {
+                h[row] = values[row] + margins[row];
             }
         }
         let of_points = self.points.iter().flat_map(|point| &point.h);

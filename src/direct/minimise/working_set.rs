@@ -17,6 +17,8 @@ pub(crate) struct WorkingSet {
     /// The clearances in the working set, as indices among the rows of all points.
     inside: Vec<usize>,
     clearances: Vec<bool>,
+    /// The reach of the problem, in m.
+    pub reach: f64,
 }
 
 impl WorkingSet {
@@ -29,10 +31,17 @@ impl WorkingSet {
             nearest: Vec::new(),
             outside: Vec::new(),
             inside: Vec::new(),
+            reach: 0.0,
             clearances: rows.attributes().clearances.clone(),
         };
         working.restart(problem, rows, search);
         working
+    }
+
+    /// Allocates memory for a working set of all rows.
+    pub fn allocate(&mut self, rows: usize) {
+        self.outside.reserve(rows);
+        self.inside.reserve(rows);
     }
 
     /// The values below which the first rows of a point are not in the working set.
@@ -47,7 +56,8 @@ impl WorkingSet {
         rows: &Rows<'_, K, P>,
         search: &SearchOptions,
     ) -> bool {
-        let near = match problem.reach() {
+        self.reach = problem.reach();
+        let near = match self.reach {
             // Without a scale all rows are in the working set.
             0.0 => f64::INFINITY,
             reach => search.near * reach,
@@ -100,20 +110,21 @@ impl WorkingSet {
         }
         for g in (0..points).filter(|_| count > 0) {
             let weight = grid.weights[g % grid.points()];
-            let first = first(g);
-            for row in rows.near_at(g).filter(|row| *row >= first) {
+            let (first, (listed, others)) = (first(g), rows.near_at(g));
+            let listed = listed.iter().copied().filter(|row| *row >= first);
+            listed.chain(others.start.max(first)..others.end).for_each(|row| {
                 let at = g * count + row;
                 // NaN counts as near.
                 let is_far = h[at] < self.nearest[row];
                 if is_far || equalities[row] {
-                    continue;
+                    return;
                 }
                 if self.clearances[row] {
                     self.inside.push(at);
                     self.outside[at] = false;
                 }
                 all.push(Row { at, weight });
-            }
+            });
         }
     }
 
@@ -127,9 +138,12 @@ impl WorkingSet {
         let points = h.chunks_exact(count).zip(self.outside.chunks_exact(count));
         let mut points = points.enumerate();
         points.any(|(g, (h, outside))| {
+            let (listed, others) = rows.near_at(g);
             // Without a branch, so that rows are compared side by side.
-            let rows = rows.near_at(g);
-            rows.fold(false, |any, row| any | (outside[row] & (h[row] > 0.0)))
+            let left = |any, (outside, h): (&bool, &f64)| any | (*outside & (*h > 0.0));
+            let listed = listed.iter().map(|row| (&outside[*row], &h[*row]));
+            let others = outside[others.clone()].iter().zip(&h[others]);
+            others.fold(listed.fold(false, left), left)
         })
     }
 }
