@@ -75,11 +75,12 @@ pub trait Nlp {
     fn longest(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64;
 
     /// Evaluates rows between the points at `x`, the last evaluated one, and adapts their margins; after some rounds at
-    /// the last barrier parameter, counted by `round`, margins only grow.
+    /// the last barrier parameter, counted by `round`, margins only grow. `h` gets the values without the new margins
+    /// of rows that may enter the working set by these.
     ///
     /// # Errors
     /// Those of [`value`](Self::value).
-    fn tighten(&mut self, x: &DVector<f64>, round: usize) -> Result<Tightened>;
+    fn tighten(&mut self, x: &DVector<f64>, h: &mut Vec<f64>, round: usize) -> Result<Tightened>;
 
     /// The largest violation of a row at `x`, between the points too, in its unit.
     ///

@@ -194,7 +194,7 @@ impl State {
         if self.is_last_barrier(options) {
             self.rounds += 1;
         }
-        let found = problem.tighten(&self.x, self.rounds)?;
+        let found = problem.tighten(&self.x, &mut self.h, self.rounds)?;
         if let Tightened::Violation(violation) = found
             && violation > options.feasible
         {
@@ -250,7 +250,7 @@ impl State {
         self.rounds += 1;
         let range = options.multiplier_range;
         self.iterate.update_multipliers(&self.h, range);
-        let violation = match problem.tighten(&self.x, self.rounds)? {
+        let violation = match problem.tighten(&self.x, &mut self.h, self.rounds)? {
             Tightened::Coarse => return Ok(Some(Status::Coarse)),
             Tightened::Violation(violation) => violation,
         };

@@ -161,7 +161,10 @@ impl Near {
                 .map(|of| of.iter().fold(Wide::splat(0.0), add_square).sqrt());
             let moved = p + turn.scale(std::f64::consts::FRAC_1_SQRT_2 * r);
             // NaN is not close.
-            moved.0.iter().fold(true, |all, moved| all & (*moved <= most))
+            moved
+                .0
+                .iter()
+                .fold(true, |all, moved| all & (*moved <= most))
         })
     }
 

@@ -315,7 +315,12 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
 
     /// Computes the rows without the running cost, which is skipped if only the state has constraints. Returns true if
     /// these are all rows of the state.
-    pub fn of_all(&mut self, points: Points<'_, f64>, which: Which<'_>, h: &mut [f64]) -> Result<bool> {
+    pub fn of_all(
+        &mut self,
+        points: Points<'_, f64>,
+        which: Which<'_>,
+        h: &mut [f64],
+    ) -> Result<bool> {
         if self.with_control() {
             let mut costs = std::mem::take(&mut self.costs);
             costs.resize(points.count(), 0.0);
@@ -330,8 +335,13 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
     }
 
     /// Computes rows of the state and leaves the others unchanged; returns true if these are all.
-    fn of_state(&mut self, points: Points<'_, f64>, which: Which<'_>, h: &mut [f64]) -> Result<bool> {
-        let (states, count) = (self.states(), self.count());
+    fn of_state(
+        &mut self,
+        points: Points<'_, f64>,
+        which: Which<'_>,
+        h: &mut [f64],
+    ) -> Result<bool> {
+        let count = self.count();
         if self.wide.is_empty() {
             return Ok(true);
         }

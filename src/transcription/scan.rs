@@ -1,7 +1,7 @@
 //! The maxima of the constraint rows along a curve, between the quadrature points.
 
-use super::{Rows, Which};
 use super::place::{place, scale};
+use super::{Rows, Which};
 use crate::constraint::Constraint;
 use crate::cost::{CostWithControl, Points};
 use crate::curve::{Basis, Functions};

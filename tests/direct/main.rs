@@ -34,5 +34,6 @@ mod linalg {
 
 #[path = "../transcription"]
 mod transcription {
+    mod near;
     mod objective;
 }

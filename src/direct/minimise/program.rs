@@ -400,13 +400,14 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         all.extend(of_points.chain(of_border).map(|at| Row { at, weight: 1.0 }));
     }
 
-    fn tighten(&mut self, x: &DVector<f64>, round: usize) -> Result<Tightened> {
+    fn tighten(&mut self, x: &DVector<f64>, h: &mut Vec<f64>, round: usize) -> Result<Tightened> {
         let end = round > 0;
         self.place(x);
         if self.is_coarse(end)? {
             return Ok(Tightened::Coarse);
         }
         let violation = self.maxima(end)?;
+        self.value(x, h)?;
         if self.stage.last && violation <= self.stage.feasible {
             self.kept.push(x.clone());
         }

@@ -113,7 +113,7 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
         program.restart(problem, candidate);
         program.restart_kkt(&mut state.kkt);
         program.unknowns_in(candidate, &mut state.x);
-        program.tighten(&state.x, 0)?;
+        program.tighten(&state.x, &mut state.h, 0)?;
         let known = program.known_multipliers(candidate, known);
         state.begin(program, known, options)?;
         program.unknowns_in(reference, &mut other.x);

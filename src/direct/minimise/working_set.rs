@@ -112,19 +112,21 @@ impl WorkingSet {
             let weight = grid.weights[g % grid.points()];
             let (first, (listed, others)) = (first(g), rows.near_at(g));
             let listed = listed.iter().copied().filter(|row| *row >= first);
-            listed.chain(others.start.max(first)..others.end).for_each(|row| {
-                let at = g * count + row;
-                // NaN counts as near.
-                let is_far = h[at] < self.nearest[row];
-                if is_far || equalities[row] {
-                    return;
-                }
-                if self.clearances[row] {
-                    self.inside.push(at);
-                    self.outside[at] = false;
-                }
-                all.push(Row { at, weight });
-            });
+            listed
+                .chain(others.start.max(first)..others.end)
+                .for_each(|row| {
+                    let at = g * count + row;
+                    // NaN counts as near.
+                    let is_far = h[at] < self.nearest[row];
+                    if is_far || equalities[row] {
+                        return;
+                    }
+                    if self.clearances[row] {
+                        self.inside.push(at);
+                        self.outside[at] = false;
+                    }
+                    all.push(Row { at, weight });
+                });
         }
     }
 
