@@ -67,8 +67,8 @@ pub trait Nlp {
     /// The equalities, with their first penalties for an objective of this density.
     fn equalities(&self, density: f64) -> Vec<Equality>;
 
-    /// Lists the inequalities of the working set in ascending order, for the values `h` of the last evaluation, in place
-    /// of those in `rows`.
+    /// Lists the inequalities of the working set in ascending order, for the values `h` of the last evaluation, in
+    /// place of those in `rows`.
     fn working_set(&mut self, h: &[f64], rows: &mut Vec<Row>);
 
     /// The largest fraction of a step from `x` that may be tried, at most 1.

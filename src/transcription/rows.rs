@@ -1,9 +1,8 @@
 //! The rows of constraints at the points of a curve.
 
-use super::{Near, Shared};
+use super::{Near, Shared, Which};
 use crate::constraint::{
-    Constraint, Constraints, Evaluator, Phase, RateLimit, RowKind, RowList, StandingFoot,
-    WeightedDerivatives, Weights,
+    Constraint, Constraints, Evaluator, Phase, RateLimit, RowKind, StandingFoot,
 };
 use crate::cost::{CostWithControl, Points};
 use crate::dynamics::Data;
@@ -11,7 +10,6 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{LANES, Wide};
 use nalgebra::DMatrix;
-use std::ops::Range;
 
 /// The rows of constraints at single points, in their own units and relative to their scales, with the running cost.
 #[derive(Debug)]
@@ -26,32 +24,19 @@ pub(crate) struct Rows<'a, K, P> {
     controls: DMatrix<f64>,
     /// Scratch space for the foot.
     data: Data<Wide<f64>>,
-    evaluator: Evaluator<'a, f64, Wide<f64>>,
+    pub(super) evaluator: Evaluator<'a, f64, Wide<f64>>,
     /// $[q; v; a]$ and the rows of the state at points that are evaluated side by side.
-    z: Vec<Wide<f64>>,
-    wide: Vec<Wide<f64>>,
+    pub(super) z: Vec<Wide<f64>>,
+    pub(super) wide: Vec<Wide<f64>>,
     /// The largest value at the last points of each row of the state that was evaluated there.
     pub highest: Vec<f64>,
     /// The rows of a standing foot.
     foot: Vec<Wide<f64>>,
     /// The running cost where it is not asked for.
     costs: Vec<f64>,
-    attributes: Attributes,
+    pub(super) attributes: Attributes,
     /// The rows that may be near their bounds, at the points of a grid.
     pub near: Near,
-}
-
-/// The rows of the state that are evaluated.
-#[derive(Clone, Copy)]
-pub(crate) enum Which<'l> {
-    /// All.
-    All,
-    /// Those that may be near, at the points of the grid.
-    Near,
-    /// Those that may be near at the points of a group, at these times between them in parts of the segment, or all.
-    Between(usize, &'l [f64]),
-    /// These.
-    Only(&'l [usize]),
 }
 
 /// The first row of a foot, the robot on it, the foot, and the phase if there are several.
@@ -74,9 +59,6 @@ where
         Some(of) => (first, &of.model, &of.foot, Some(of)),
     })
 }
-
-/// The value of a row in a phase in which it is not kept: far from its bound.
-const NOT_KEPT: f64 = -1.0;
 
 /// The attributes of rows, one entry per row.
 #[derive(Clone, Debug, Default)]
@@ -181,14 +163,6 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
     /// The number of rows of the state; those of the torque follow.
     pub fn states(&self) -> usize {
         self.wide.len()
-    }
-
-    /// The rows that may be near their bounds at a point of the grid, in ascending order: some, and a range after them.
-    pub fn near_at(&self, g: usize) -> (&[usize], Range<usize>) {
-        match self.near.at(g) {
-            Some(listed) => (listed, self.states()..self.count()),
-            None => (&[], 0..self.count()),
-        }
     }
 
     /// Returns true if a row is kept in a phase.
@@ -332,85 +306,5 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             self.of_foot(points, h)?;
         }
         self.of_state(points, which, h)
-    }
-
-    /// Computes rows of the state and leaves the others unchanged; returns true if these are all.
-    fn of_state(
-        &mut self,
-        points: Points<'_, f64>,
-        which: Which<'_>,
-        h: &mut [f64],
-    ) -> Result<bool> {
-        let count = self.count();
-        if self.wide.is_empty() {
-            return Ok(true);
-        }
-        let own = 2 * points.states.nrows();
-        let mut all = true;
-        self.highest.fill(f64::NEG_INFINITY);
-        for start in (0..points.count()).step_by(LANES) {
-            let found = points.gather(start, &mut self.z);
-            let placed = self.evaluator.at(&self.z[..own])?;
-            let placements = placed.state().placements;
-            let group = self.near.group(points.first, start, points.count());
-            let listed = match (which, group) {
-                (Which::Near, Some(group)) => self.near.at_points(group, placements),
-                (Which::Between(group, times), _) => {
-                    let listed = self.near.between(group, &times[start..], placements);
-                    if listed.is_none() {
-                        return self.of_state(points, Which::All, h);
-                    }
-                    listed
-                }
-                (Which::Only(rows), _) => Some(rows),
-                _ => None,
-            };
-            all &= listed.is_none();
-            let (state, scales) = (&self.constraints.state, &self.attributes.scales);
-            let mut put = |row: usize, value: &Wide| {
-                let mut highest = self.highest[row];
-                for (lane, value) in value.0[..found].iter().enumerate() {
-                    let scaled = value * scales[row];
-                    h[(start + lane) * count + row] = scaled;
-                    highest = highest.max(scaled);
-                }
-                self.highest[row] = highest;
-            };
-            if let Some(listed) = listed {
-                placed.value_of(state, RowList::new(listed), &mut self.wide)?;
-                for row in listed {
-                    put(*row, &self.wide[*row]);
-                }
-                continue;
-            }
-            placed.value(state, &mut self.wide)?;
-            for (row, value) in self.wide.iter().enumerate() {
-                put(row, value);
-            }
-            if let (Which::Near, Some(group)) = (which, group) {
-                let values = (&self.wide[..], &scales[..], found);
-                self.near.list(group, placements, values);
-            }
-        }
-        let others = self.constraints.stage.phases.iter().enumerate();
-        for (_, other) in others.filter(|(k, _)| *k != points.phase) {
-            for h in h.chunks_exact_mut(count).take(points.count()) {
-                h[other.rows.clone()].fill(NOT_KEPT);
-            }
-        }
-        Ok(all)
-    }
-
-    /// Computes the weighted derivatives of the rows of the state at the points from `start` on, side by side.
-    pub fn weighted_derivatives(
-        &mut self,
-        points: Points<'_, f64>,
-        start: usize,
-        weights: Weights<'_, Wide<f64>>,
-    ) -> Result<&WeightedDerivatives<Wide<f64>>> {
-        points.gather(start, &mut self.z);
-        let own = 2 * points.states.nrows();
-        self.evaluator
-            .weighted_derivatives_at(&self.z[..own], &self.constraints.state, weights)
     }
 }

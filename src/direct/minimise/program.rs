@@ -59,7 +59,7 @@ pub(in crate::direct) struct Program<'g, 'a, K, P> {
     pub(super) look: Look,
     /// The multipliers of all rows.
     pub(super) multipliers: Vec<f64>,
-    working: WorkingSet,
+    pub(super) working: WorkingSet,
     pub(super) stage: Stage,
     pub(super) search: SearchOptions,
     /// The penalties of equalities to begin with, relative to those without a search before.
@@ -138,21 +138,10 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             program.objective.free_horizon(program.rates.clone());
         }
         program.count_margins();
-        program.list_near();
+        let rows = &mut program.objective.cost_mut().rows;
+        let (grid, search) = (&program.grid, &program.search);
+        program.working.begin_lists(grid, rows, search);
         program
-    }
-
-    /// Begins the lists of rows that may be near their bounds.
-    fn list_near(&mut self) {
-        let (grid, search) = (&self.grid, &self.search);
-        let parts = grid.times[..grid.points()].iter();
-        let times = parts.map(|time| time * grid.segments as f64).collect();
-        let rows = &mut self.objective.cost_mut().rows;
-        let far = self.working.nearest(rows.states());
-        let far = far.map(|nearest| nearest.min(-search.scan_depth) - search.reserve);
-        let state = &rows.constraints.state;
-        let moved = search.moved * self.working.reach;
-        rows.near.begin(state, far, moved, (times, grid.segments));
     }
 
     /// Adds the rows of waypoints and of a goal.
@@ -186,21 +175,10 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         let rows = &mut self.objective.cost_mut().rows;
         rows.near.release();
         if self.working.restart(problem, rows, &self.search) {
-            self.list_near();
+            self.working.begin_lists(&self.grid, rows, &self.search);
         }
         self.kept.clear();
         self.margins.fill(0.0);
-    }
-
-    /// Allocates memory for a working set of all rows.
-    pub fn allocate(&mut self) {
-        let integrand = self.objective.cost_mut();
-        let count = integrand.rows.count();
-        for terms in &mut integrand.terms {
-            terms.reserve(count);
-        }
-        integrand.rows.near.allocate();
-        self.working.allocate(self.first_of_points);
     }
 
     /// One margin per row, all zero.
@@ -313,24 +291,10 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         self.place(x);
         let cost = self.cost()?;
         self.evaluate_points()?;
-        let (first, integrand) = (self.first_of_points, self.objective.cost());
-        let count = integrand.rows.count();
-        h.resize(first, f64::NEG_INFINITY);
-        for (g, h) in h.chunks_exact_mut(count.max(1)).enumerate() {
-            let own = g * count..(g + 1) * count;
-            let (values, margins) = (&integrand.h[own.clone()], &self.margins[own]);
-            let (listed, others) = integrand.rows.near_at(g);
-            for row in listed.iter().copied() {
-                h[row] = values[row] + margins[row];
-            }
-            // In a loop of its own, so that they are added side by side.
-            for row in others {
-                h[row] = values[row] + margins[row];
-            }
-        }
+        let (of_grid, beside) = self.margins.split_at(self.first_of_points);
+        self.objective.cost().with_margins(of_grid, h);
         let of_points = self.points.iter().flat_map(|point| &point.h);
-        let margins = &self.margins[first..];
-        h.extend(of_points.zip(margins).map(|(h, margin)| h + margin));
+        h.extend(of_points.zip(beside).map(|(h, margin)| h + margin));
         h.extend(self.linear_rows().map(|row| row.value));
         let mut objective = cost;
         if let Some(free) = self.free_horizon {
@@ -340,10 +304,12 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
             objective += free.weight * self.horizon;
         }
         let rows = &self.objective.cost().rows;
-        Ok(match self.working.is_left(rows, &h[..first]) {
-            true => f64::INFINITY,
-            false => objective,
-        })
+        Ok(
+            match self.working.is_left(rows, &h[..self.first_of_points]) {
+                true => f64::INFINITY,
+                false => objective,
+            },
+        )
     }
 
     fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
@@ -392,9 +358,6 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let fixed = self.fixed_ends();
         let rows = &mut self.objective.cost_mut().rows;
         self.working.list(&self.grid, rows, fixed, h, all);
-        let count = rows.count();
-        let listed = all.iter().map(|row| (row.at / count, row.at % count));
-        rows.near.set_working(listed);
         let of_points = self.rows_of_points(false);
         let of_border = self.first_of_border()..h.len();
         all.extend(of_points.chain(of_border).map(|at| Row { at, weight: 1.0 }));

@@ -155,3 +155,16 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
         })
     }
 }
+
+impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
+    /// Allocates memory for a working set of all rows.
+    fn allocate(&mut self) {
+        let integrand = self.objective.cost_mut();
+        let count = integrand.rows.count();
+        for terms in &mut integrand.terms {
+            terms.reserve(count);
+        }
+        integrand.rows.near.allocate();
+        self.working.allocate(self.first_of_points);
+    }
+}

@@ -18,7 +18,7 @@ pub(crate) struct WorkingSet {
     inside: Vec<usize>,
     clearances: Vec<bool>,
     /// The reach of the problem, in m.
-    pub reach: f64,
+    reach: f64,
 }
 
 impl WorkingSet {
@@ -44,9 +44,20 @@ impl WorkingSet {
         self.inside.reserve(rows);
     }
 
-    /// The values below which the first rows of a point are not in the working set.
-    pub fn nearest(&self, rows: usize) -> impl Iterator<Item = f64> + use<'_> {
-        self.nearest[..rows].iter().copied()
+    /// Begins the lists of rows that may be in the working set or above the depth of a scan.
+    pub fn begin_lists<K: Constraint, P>(
+        &self,
+        grid: &Grid<f64>,
+        rows: &mut Rows<'_, K, P>,
+        search: &SearchOptions,
+    ) {
+        let parts = grid.times[..grid.points()].iter();
+        let times = parts.map(|time| time * grid.segments as f64).collect();
+        let state = &rows.constraints.state;
+        let far = self.nearest[..state.dim()].iter();
+        let far = far.map(|nearest| nearest.min(-search.scan_depth) - search.reserve);
+        let moved = search.moved * self.reach;
+        rows.near.begin(state, far, moved, (times, grid.segments));
     }
 
     /// Begins without any rows, for another problem; returns true if others are near now.
@@ -83,7 +94,7 @@ impl WorkingSet {
     pub fn list<K: Constraint, P: CostWithControl>(
         &mut self,
         grid: &Grid<f64>,
-        rows: &Rows<'_, K, P>,
+        rows: &mut Rows<'_, K, P>,
         fixed: [bool; 2],
         h: &[f64],
         all: &mut Vec<Row>,
@@ -128,6 +139,8 @@ impl WorkingSet {
                     all.push(Row { at, weight });
                 });
         }
+        let listed = all.iter().map(|row| (row.at / count, row.at % count));
+        rows.near.set_working(listed);
     }
 
     /// Returns true if a clearance outside the working set is violated: a step into something that was far away.

@@ -259,7 +259,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
     }
 
     fn working_set(&mut self, h: &[f64], all: &mut Vec<Row>) {
-        let rows = &self.free.objective.cost().cost.rows;
+        let rows = &mut self.free.objective.cost_mut().cost.rows;
         self.working.list(self.free.grid, rows, [true; 2], h, all);
     }
 
