@@ -86,31 +86,26 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             _ => None,
         };
         let (state, scales) = (&self.constraints.state, &self.attributes.scales);
-        let mut put = |row: usize, value: &Wide| {
+        match listed {
+            Some(rows) => placed.value_of(state, RowList::new(rows), &mut self.wide)?,
+            None => placed.value(state, &mut self.wide)?,
+        }
+        for k in 0..listed.map_or(self.wide.len(), <[usize]>::len) {
+            let row = listed.map_or(k, |rows| rows[k]);
             let mut highest = self.highest[row];
-            for (lane, value) in value.0[..found].iter().enumerate() {
+            for (lane, value) in self.wide[row].0[..found].iter().enumerate() {
                 let scaled = value * scales[row];
                 h[(start + lane) * count + row] = scaled;
                 highest = highest.max(scaled);
             }
             self.highest[row] = highest;
-        };
-        if let Some(listed) = listed {
-            placed.value_of(state, RowList::new(listed), &mut self.wide)?;
-            for row in listed {
-                put(*row, &self.wide[*row]);
-            }
-            return Ok(false);
         }
-        placed.value(state, &mut self.wide)?;
-        for (row, value) in self.wide.iter().enumerate() {
-            put(row, value);
-        }
-        if let Some(group) = group {
+        let are_all = listed.is_none();
+        if let Some(group) = group.filter(|_| are_all) {
             let values = (&self.wide[..], &scales[..], found);
             self.near.list(group, placements, values);
         }
-        Ok(true)
+        Ok(are_all)
     }
 
     /// Computes the weighted derivatives of the rows of the state at the points from `start` on, side by side.
