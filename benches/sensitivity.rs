@@ -85,9 +85,9 @@ macro_rules! options {
 fn options() -> Vec<(&'static str, Change)> {
     let mut all = options! {
         scaled: search.points, search.points_of_segments, search.quadrature_on_the_way, search.scan_depth,
-            search.reserve, search.near, search.share_of_cutoff, search.last_barrier_of_bounds, search.motor_penalty,
-            search.equality_penalty, search.passive_share, search.deviation, search.lower_tolerance,
-            search.lower_quadrature_tolerance, search.lower_last_barrier, search.lower_feasible,
+            search.reserve, search.near, search.share_of_cutoff, search.moved, search.last_barrier_of_bounds,
+            search.motor_penalty, search.equality_penalty, search.passive_share, search.deviation,
+            search.lower_tolerance, search.lower_quadrature_tolerance, search.lower_last_barrier, search.lower_feasible,
             search.planned_penalty, search.same_minimum;
         count: search.most_points, search.scan, search.last_scan, search.exact_margins, search.largest_passive_size,
             search.wave, search.lower_iterations, search.segment_iterations, search.more_starts, search.most_starts,

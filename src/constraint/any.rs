@@ -1,8 +1,9 @@
 //! The built-in constraints and a variant for any other.
 
 use super::{
-    Bounds, Constraint, CoverClearance, DynConstraint, FrameRows, PlacedState, PointSpeedLimit,
-    RowLabel, SelfClearance, SolidClearance, SphereClearance, WeightedDerivatives, Weights,
+    Bounds, Constraint, CoverClearance, DynConstraint, FrameRows, Gap, PlacedState,
+    PointSpeedLimit, RowLabel, RowList, SelfClearance, SolidClearance, SphereClearance,
+    WeightedDerivatives, Weights,
 };
 use crate::error::Result;
 use crate::geometry::{CollisionSphere, Obstacle, Scene, Shape, Sphere};
@@ -145,6 +146,19 @@ impl<C: Scalar> Constraint<C> for AnyConstraint<C> {
 
     fn cutoff(&self, row: usize) -> Option<C> {
         each!(self, it => it.cutoff(row))
+    }
+
+    fn gap(&self, row: usize) -> Option<Gap<C>> {
+        each!(self, it => it.gap(row))
+    }
+
+    fn value_of<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        rows: RowList<'_>,
+        g: &mut [S],
+    ) -> Result<()> {
+        each!(self, it => it.value_of(at, rows, g))
     }
 
     fn parts<'a>(&'a self, parts: &mut Vec<&'a Self>) -> bool {

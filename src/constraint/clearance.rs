@@ -2,7 +2,8 @@
 
 use super::label::name_of;
 use super::{
-    CollisionSphere, Constraint, PlacedState, RowKind, RowLabel, WeightedDerivatives, Weights,
+    CollisionSphere, Constraint, Gap, PlacedState, RowKind, RowLabel, RowList, WeightedDerivatives,
+    Weights,
 };
 use crate::error::Result;
 use crate::geometry::Sphere;
@@ -21,6 +22,18 @@ pub struct SphereClearance<C: Scalar = f64> {
     pub spheres: Vec<Sphere<C>>,
 }
 
+/// The row of a ball with its centre at `p` and a sphere.
+#[inline]
+fn row_of<C: Scalar, S: AlgebraOver<C>>(
+    ball: &CollisionSphere<C>,
+    p: &Vector3<S>,
+    sphere: &Sphere<C>,
+) -> S {
+    let d = p - sphere.centre.map(S::lift);
+    let reach = sphere.radius + ball.radius;
+    S::lift(reach * reach) - d.dot(&d)
+}
+
 impl<C: Scalar> Constraint<C> for SphereClearance<C> {
     fn dim(&self) -> usize {
         self.balls.len() * self.spheres.len()
@@ -31,12 +44,37 @@ impl<C: Scalar> Constraint<C> for SphereClearance<C> {
         for ball in &self.balls {
             let p = at.point(ball.body, &ball.centre)?;
             for (sphere, g) in self.spheres.iter().zip(&mut rows) {
-                let d = p - sphere.centre.map(S::lift);
-                let reach = sphere.radius + ball.radius;
-                *g = S::lift(reach * reach) - d.dot(&d);
+                *g = row_of(ball, &p, sphere);
             }
         }
         Ok(())
+    }
+
+    fn value_of<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        rows: RowList<'_>,
+        g: &mut [S],
+    ) -> Result<()> {
+        let (m, mut rows) = (self.spheres.len(), rows.iter().peekable());
+        for (ball, first) in self.balls.iter().zip((0..).step_by(m.max(1))) {
+            let own = |row: &usize| *row < first + m;
+            if rows.peek().is_none_or(|row| !own(row)) {
+                continue;
+            }
+            let p = at.point(ball.body, &ball.centre)?;
+            while let Some(row) = rows.next_if(own) {
+                g[row] = row_of(ball, &p, &self.spheres[row - first]);
+            }
+        }
+        Ok(())
+    }
+
+    fn gap(&self, row: usize) -> Option<Gap<C>> {
+        let m = self.spheres.len().max(1);
+        let (ball, sphere) = (self.balls.get(row / m)?, &self.spheres[row % m]);
+        let reach = sphere.radius + ball.radius;
+        Some(Gap::new([Some(ball), None], Some(reach)))
     }
 
     /// $2 (r + \rho)$, because $g$ is about that times the depth.

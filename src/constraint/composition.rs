@@ -1,6 +1,8 @@
 //! Tuples and lists of constraints as one constraint.
 
-use super::{AnyConstraint, Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
+use super::{
+    AnyConstraint, Constraint, Gap, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights,
+};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -62,6 +64,25 @@ impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
         }
     }
 
+    fn gap(&self, row: usize) -> Option<Gap<C>> {
+        match row.checked_sub(self.0.dim()) {
+            None => self.0.gap(row),
+            Some(row) => self.1.gap(row),
+        }
+    }
+
+    fn value_of<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        rows: RowList<'_>,
+        g: &mut [S],
+    ) -> Result<()> {
+        let (a, b) = g.split_at_mut(self.0.dim());
+        let (of_a, of_b) = rows.split_at(a.len());
+        self.0.value_of(at, of_a, a)?;
+        self.1.value_of(at, of_b, b)
+    }
+
     fn parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {
         // Both append theirs.
         self.0.parts(parts) & self.1.parts(parts)
@@ -119,6 +140,25 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
 
     fn cutoff(&self, row: usize) -> Option<C> {
         owner(self, row).and_then(|(constraint, own)| constraint.cutoff(own))
+    }
+
+    fn gap(&self, row: usize) -> Option<Gap<C>> {
+        owner(self, row).and_then(|(constraint, own)| constraint.gap(own))
+    }
+
+    fn value_of<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        mut rows: RowList<'_>,
+        mut g: &mut [S],
+    ) -> Result<()> {
+        for constraint in self {
+            let (own, rest) = g.split_at_mut(constraint.dim());
+            let (listed, others) = rows.split_at(own.len());
+            constraint.value_of(at, listed, own)?;
+            (rows, g) = (others, rest);
+        }
+        Ok(())
     }
 
     fn parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {
@@ -191,6 +231,21 @@ macro_rules! delegate {
             fn cutoff(&self, row: usize) -> Option<C> {
                 let $it = self;
                 $inner.cutoff(row)
+            }
+
+            fn gap(&self, row: usize) -> Option<Gap<C>> {
+                let $it = self;
+                $inner.gap(row)
+            }
+
+            fn value_of<S: AlgebraOver<C>>(
+                &self,
+                at: &PlacedState<'_, C, S>,
+                rows: RowList<'_>,
+                g: &mut [S],
+            ) -> Result<()> {
+                let $it = self;
+                $inner.value_of(at, rows, g)
             }
 
             $(fn $parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {

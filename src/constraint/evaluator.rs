@@ -1,6 +1,6 @@
 //! Evaluation of constraints and their contractions at states.
 
-use super::{Constraint, PlacedState, WeightedDerivatives, Weights};
+use super::{Constraint, PlacedState, RowList, WeightedDerivatives, Weights};
 use crate::dynamics::forward_kinematics;
 use crate::error::{Result, check_length};
 use crate::model::Model;
@@ -87,6 +87,20 @@ impl<C: Scalar, S: AlgebraOver<C>> Placed<'_, C, S> {
     pub fn value<K: Constraint<C> + ?Sized>(&self, constraint: &K, g: &mut [S]) -> Result<()> {
         check_length("g", constraint.dim(), g.len())?;
         constraint.value(&self.state, g)
+    }
+
+    /// Computes at least these rows of `constraint` into `g`, one entry per row.
+    ///
+    /// # Errors
+    /// Those of [`value`](Self::value).
+    pub fn value_of<K: Constraint<C> + ?Sized>(
+        &self,
+        constraint: &K,
+        rows: RowList<'_>,
+        g: &mut [S],
+    ) -> Result<()> {
+        check_length("g", constraint.dim(), g.len())?;
+        constraint.value_of(&self.state, rows, g)
     }
 
     /// Computes the sums of derivatives weighted by row: the gradient alone, or the Hessian too.

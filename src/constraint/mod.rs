@@ -20,6 +20,7 @@ mod cover_clearance;
 mod dynamic;
 mod evaluator;
 mod frame_rows;
+mod gap;
 mod label;
 mod pair_loads;
 mod phase;
@@ -41,6 +42,7 @@ pub(crate) use cover_clearance::place;
 pub use dynamic::{DynConstraint, Functions};
 pub use evaluator::{Evaluator, Placed};
 pub use frame_rows::{FrameRow, FrameRows};
+pub use gap::{Gap, RowList};
 pub use label::{RowKind, RowLabel};
 pub use phase::Phase;
 pub(crate) use phase::is_permutation;
@@ -110,6 +112,27 @@ pub trait Constraint<C: Scalar = f64> {
     fn cutoff(&self, row: usize) -> Option<C> {
         let _ = row;
         None
+    }
+
+    /// The distance of which row `row` is a function; `None`, the default, if it is not known to be one of a single
+    /// distance.
+    fn gap(&self, row: usize) -> Option<Gap<C>> {
+        let _ = row;
+        None
+    }
+
+    /// Computes at least these rows of [`value`](Self::value) into `g`, [`dim`](Self::dim) entries. By default all.
+    ///
+    /// # Errors
+    /// Those of [`value`](Self::value).
+    fn value_of<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        rows: RowList<'_>,
+        g: &mut [S],
+    ) -> Result<()> {
+        let _ = rows;
+        self.value(at, g)
     }
 
     /// Appends the built-in constraints among those of a list to `parts`; returns false if there are others. A planner

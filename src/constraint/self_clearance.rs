@@ -2,7 +2,9 @@
 
 use super::clearance::clearance;
 use super::label::name_of;
-use super::{CollisionSphere, Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
+use super::{
+    CollisionSphere, Constraint, Gap, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights,
+};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -60,6 +62,29 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
             *g = S::lift(reach * reach) - dot(&d, &d);
         }
         Ok(())
+    }
+
+    fn value_of<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        rows: RowList<'_>,
+        g: &mut [S],
+    ) -> Result<()> {
+        for row in rows.iter() {
+            let [first, second] = self.pair(self.pairs[row])?;
+            let p = at.point(first.body, &first.centre)?;
+            let q = at.point(second.body, &second.centre)?;
+            let reach = first.radius + second.radius;
+            let d = p - q;
+            g[row] = S::lift(reach * reach) - dot(&d, &d);
+        }
+        Ok(())
+    }
+
+    fn gap(&self, row: usize) -> Option<Gap<C>> {
+        let [first, second] = self.pair(*self.pairs.get(row)?).ok()?;
+        let reach = first.radius + second.radius;
+        Some(Gap::new([Some(first), Some(second)], Some(reach)))
     }
 
     fn row_scales(&self, scales: &mut [C]) {

@@ -2,7 +2,9 @@
 
 use super::clearance::clearance;
 use super::label::name_of;
-use super::{CollisionSphere, Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
+use super::{
+    CollisionSphere, Constraint, Gap, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights,
+};
 use crate::error::Result;
 use crate::geometry::Solid;
 use crate::model::Model;
@@ -52,6 +54,32 @@ impl<C: Scalar> Constraint<C> for SolidClearance<C> {
             }
         }
         Ok(())
+    }
+
+    fn value_of<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        rows: RowList<'_>,
+        g: &mut [S],
+    ) -> Result<()> {
+        let (m, mut rows) = (self.solids.len(), rows.iter().peekable());
+        for (ball, first) in self.balls.iter().zip((0..).step_by(m.max(1))) {
+            let own = |row: &usize| *row < first + m;
+            if rows.peek().is_none_or(|row| !own(row)) {
+                continue;
+            }
+            let p = at.point(ball.body, &ball.centre)?;
+            let radius = S::lift(ball.radius);
+            while let Some(row) = rows.next_if(own) {
+                g[row] = radius - self.solids[row - first].distance(&p);
+            }
+        }
+        Ok(())
+    }
+
+    fn gap(&self, row: usize) -> Option<Gap<C>> {
+        let ball = self.balls.get(row / self.solids.len().max(1))?;
+        Some(Gap::new([Some(ball), None], None))
     }
 
     /// Solids are counted from zero.

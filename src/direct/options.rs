@@ -35,6 +35,10 @@ pub struct SearchOptions {
     pub near: f64,
     /// The same relative to the distance from which on a row is constant, beyond which a step should not end.
     pub share_of_cutoff: f64,
+    /// The distance by which balls may move before clearances that are far are evaluated again, relative to the reach
+    /// of the problem; no motion depends on it. With a larger one more of them are evaluated each time (balanced
+    /// motions of a Panda among obstacles: 15 % more instructions with 0.06, 20 to 45 % more with 0.02).
+    pub moved: f64,
     /// The last barrier parameter, relative to the cost, if only the horizon has bounds, which are cheap to approach.
     pub last_barrier_of_bounds: f64,
     /// The first penalty of the torque of a passive joint, that of a motor, whose torque costs its square: no other
@@ -109,6 +113,7 @@ impl Default for SearchOptions {
             reserve: 2e-7,
             near: 0.05,
             share_of_cutoff: 0.5,
+            moved: 0.035,
             last_barrier_of_bounds: 1e-12,
             motor_penalty: 2.0,
             equality_penalty: 1e3,
@@ -163,6 +168,7 @@ impl SearchOptions {
             ("scan_depth", self.scan_depth),
             ("reserve", self.reserve),
             ("near", self.near),
+            ("moved", self.moved),
             ("share_of_cutoff", self.share_of_cutoff),
             ("last_barrier_of_bounds", self.last_barrier_of_bounds),
             ("motor_penalty", self.motor_penalty),

@@ -118,7 +118,7 @@ impl End {
 pub(super) struct Trial {
     x: DVector<f64>,
     h: Vec<f64>,
-    /// The changes of the linearised rows along the whole step.
+    /// The changes of the linearised rows of the working set along the whole step.
     tangent: Vec<f64>,
     pub iterate: Iterate,
 }
@@ -151,9 +151,9 @@ impl Trial {
         let part = (options.tangent / state.progress.step).min(1.0);
         self.evaluate(problem, state, &step.x, part)?;
         self.tangent.clear();
-        let rows = self.h.iter().zip(&state.h);
+        let rows = state.iterate.working.iter().map(|of| of.row.at);
         self.tangent
-            .extend(rows.map(|(h, before)| (h - before) / part));
+            .extend(rows.map(|at| (self.h[at] - state.h[at]) / part));
         Ok(())
     }
 
@@ -166,13 +166,14 @@ impl Trial {
     /// the slope of the barrier function along the step and that of the condensed equations, without the measure.
     fn take(&mut self, state: &State, alpha: f64, options: &Options) -> f64 {
         let (from, mut slope) = (&state.iterate, 0.0);
-        for (before, after) in from.working.iter().zip(&mut self.iterate.working) {
+        let rows = from.working.iter().zip(&mut self.iterate.working);
+        for ((before, after), tangent) in rows.zip(&self.tangent) {
             let at = before.row.at;
             let change = (self.h[at] - state.h[at]) / alpha;
             // With the change of the row itself, one that curves beyond its bound would get the multiplier of a
             // violation, and with its second derivative a Hessian that makes the next steps short.
             let step = RowStep {
-                multiplier: from.step(before, state.h[at], self.tangent[at]).multiplier,
+                multiplier: from.step(before, state.h[at], *tangent).multiplier,
                 ..from.step(before, state.h[at], change)
             };
             let [bend, condensed] = from.bend(before, &step, change);

@@ -47,8 +47,9 @@ pub(crate) use state::State;
 
 /// A nonlinear program.
 pub trait Nlp {
-    /// Evaluates the objective at `x`, and all rows into `h`; the objective is infinite where a row outside the working
-    /// set is violated.
+    /// Evaluates the objective at `x`, and the rows into `h`, as many in each evaluation; those that are neither in the
+    /// working set nor may enter it are not read. The objective is infinite where a row outside the working set is
+    /// violated.
     ///
     /// # Errors
     /// Those of the functions of the user.
@@ -67,19 +68,20 @@ pub trait Nlp {
     /// The equalities, with their first penalties for an objective of this density.
     fn equalities(&self, density: f64) -> Vec<Equality>;
 
-    /// Lists the inequalities of the working set in ascending order, for values of all rows, in place of those in
-    /// `rows`.
+    /// Lists the inequalities of the working set in ascending order, for the values `h` of the last evaluation, in
+    /// place of those in `rows`.
     fn working_set(&mut self, h: &[f64], rows: &mut Vec<Row>);
 
     /// The largest fraction of a step from `x` that may be tried, at most 1.
     fn longest(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64;
 
     /// Evaluates rows between the points at `x`, the last evaluated one, and adapts their margins; after some rounds at
-    /// the last barrier parameter, counted by `round`, margins only grow.
+    /// the last barrier parameter, counted by `round`, margins only grow. `h` gets the values without the new margins
+    /// of rows that may enter the working set by these.
     ///
     /// # Errors
     /// Those of [`value`](Self::value).
-    fn tighten(&mut self, x: &DVector<f64>, round: usize) -> Result<Tightened>;
+    fn tighten(&mut self, x: &DVector<f64>, h: &mut Vec<f64>, round: usize) -> Result<Tightened>;
 
     /// The largest violation of a row at `x`, between the points too, in its unit.
     ///

@@ -31,7 +31,7 @@ pub(crate) struct State {
     /// Memory of a line search, of the rows of the working set, and of values of rows.
     pub(super) trial: Trial,
     pub(super) longer: Trial,
-    rows: Vec<Row>,
+    pub(crate) rows: Vec<Row>,
     before: Vec<f64>,
 }
 
@@ -194,7 +194,7 @@ impl State {
         if self.is_last_barrier(options) {
             self.rounds += 1;
         }
-        let found = problem.tighten(&self.x, self.rounds)?;
+        let found = problem.tighten(&self.x, &mut self.h, self.rounds)?;
         if let Tightened::Violation(violation) = found
             && violation > options.feasible
         {
@@ -250,7 +250,7 @@ impl State {
         self.rounds += 1;
         let range = options.multiplier_range;
         self.iterate.update_multipliers(&self.h, range);
-        let violation = match problem.tighten(&self.x, self.rounds)? {
+        let violation = match problem.tighten(&self.x, &mut self.h, self.rounds)? {
             Tightened::Coarse => return Ok(Some(Status::Coarse)),
             Tightened::Violation(violation) => violation,
         };

@@ -102,7 +102,8 @@ impl<S: Scalar, const W: usize> Scalar for Lanes<S, W> {
 
     #[inline(always)]
     fn vanishes(&self) -> bool {
-        self.0.iter().all(S::vanishes)
+        // Without a branch, so that lanes are compared side by side.
+        self.0.iter().fold(true, |all, x| all & x.vanishes())
     }
 }
 

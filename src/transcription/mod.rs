@@ -3,17 +3,21 @@
 
 mod grid;
 mod horizon;
+mod near;
 mod objective;
 mod place;
 mod rows;
 mod scan;
 mod shared;
+mod state_rows;
 
 pub use grid::Grid;
 pub(crate) use grid::Grids;
 pub use horizon::HorizonDerivatives;
+use near::Near;
 pub use objective::{Derivatives, Objective};
 pub(crate) use place::{place, points};
 pub(crate) use rows::{Rows, Standing};
 pub(crate) use scan::{Look, Maximum, Scan};
 pub use shared::Shared;
+pub(crate) use state_rows::Which;

@@ -1,9 +1,8 @@
 //! The rows of constraints at the points of a curve.
 
-use super::Shared;
+use super::{Near, Shared, Which};
 use crate::constraint::{
     Constraint, Constraints, Evaluator, Phase, RateLimit, RowKind, StandingFoot,
-    WeightedDerivatives, Weights,
 };
 use crate::cost::{CostWithControl, Points};
 use crate::dynamics::Data;
@@ -25,15 +24,19 @@ pub(crate) struct Rows<'a, K, P> {
     controls: DMatrix<f64>,
     /// Scratch space for the foot.
     data: Data<Wide<f64>>,
-    evaluator: Evaluator<'a, f64, Wide<f64>>,
+    pub(super) evaluator: Evaluator<'a, f64, Wide<f64>>,
     /// $[q; v; a]$ and the rows of the state at points that are evaluated side by side.
-    z: Vec<Wide<f64>>,
-    wide: Vec<Wide<f64>>,
+    pub(super) z: Vec<Wide<f64>>,
+    pub(super) wide: Vec<Wide<f64>>,
+    /// The largest value at the last points of each row of the state that was evaluated there.
+    pub highest: Vec<f64>,
     /// The rows of a standing foot.
     foot: Vec<Wide<f64>>,
     /// The running cost where it is not asked for.
     costs: Vec<f64>,
-    attributes: Attributes,
+    pub(super) attributes: Attributes,
+    /// The rows that may be near their bounds, at the points of a grid.
+    pub near: Near,
 }
 
 /// The first row of a foot, the robot on it, the foot, and the phase if there are several.
@@ -56,9 +59,6 @@ where
         Some(of) => (first, &of.model, &of.foot, Some(of)),
     })
 }
-
-/// The value of a row in a phase in which it is not kept: far from its bound.
-const NOT_KEPT: f64 = -1.0;
 
 /// The attributes of rows, one entry per row.
 #[derive(Clone, Debug, Default)]
@@ -88,9 +88,11 @@ impl<K, P: Clone> Clone for Rows<'_, K, P> {
             evaluator: self.evaluator.clone(),
             z: self.z.clone(),
             wide: self.wide.clone(),
+            highest: self.highest.clone(),
             foot: self.foot.clone(),
             costs: self.costs.clone(),
             attributes: self.attributes.clone(),
+            near: self.near.clone(),
         }
     }
 }
@@ -135,9 +137,11 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             evaluator: Evaluator::new(model),
             z: vec![Wide::splat(0.0); 3 * n],
             wide: vec![Wide::splat(0.0); states],
+            highest: vec![0.0; states],
             foot: Vec::new(),
             costs: Vec::new(),
             attributes,
+            near: Near::default(),
             constraints,
         })
     }
@@ -196,8 +200,14 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
     }
 
     /// Computes all rows at all points into `h`, row by row for each point, and the running cost there into `costs`.
+    /// At the points of a grid rows that are far keep the last value that was computed.
     pub fn at(&mut self, points: Points<'_, f64>, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
-        self.of_state(points, h)?;
+        self.of_state(points, Which::Near, h)?;
+        self.others(points, h, costs)
+    }
+
+    /// Computes the rows that do not concern the state alone, and the running cost.
+    fn others(&mut self, points: Points<'_, f64>, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
         self.of_rates(points, h);
         self.of_foot(points, h)?;
         if !self.with_control() {
@@ -277,59 +287,24 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         Ok(())
     }
 
-    /// Computes the rows without the running cost, which is skipped if only the state has constraints.
-    pub fn of_all(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
+    /// Computes the rows without the running cost, which is skipped if only the state has constraints. Returns true if
+    /// these are all rows of the state.
+    pub fn of_all(
+        &mut self,
+        points: Points<'_, f64>,
+        which: Which<'_>,
+        h: &mut [f64],
+    ) -> Result<bool> {
         if self.with_control() {
             let mut costs = std::mem::take(&mut self.costs);
             costs.resize(points.count(), 0.0);
-            let done = self.at(points, h, &mut costs);
+            let done = self.others(points, h, &mut costs);
             self.costs = costs;
-            return done;
+            done?;
+        } else {
+            self.of_rates(points, h);
+            self.of_foot(points, h)?;
         }
-        self.of_rates(points, h);
-        self.of_foot(points, h)?;
-        self.of_state(points, h)
-    }
-
-    /// Computes the rows of the state alone and leaves those of the control unchanged.
-    pub fn of_state(&mut self, points: Points<'_, f64>, h: &mut [f64]) -> Result<()> {
-        let (states, count) = (self.states(), self.count());
-        if self.wide.is_empty() {
-            return Ok(());
-        }
-        let own = 2 * points.states.nrows();
-        for start in (0..points.count()).step_by(LANES) {
-            let found = points.gather(start, &mut self.z);
-            let placed = self.evaluator.at(&self.z[..own])?;
-            placed.value(&self.constraints.state, &mut self.wide)?;
-            for lane in 0..found {
-                let first = (start + lane) * count;
-                let h = &mut h[first..first + states];
-                let rows = self.wide.iter().zip(&self.attributes.scales);
-                for (h, (row, scale)) in h.iter_mut().zip(rows) {
-                    *h = row.0[lane] * scale;
-                }
-            }
-        }
-        let others = self.constraints.stage.phases.iter().enumerate();
-        for (_, other) in others.filter(|(k, _)| *k != points.phase) {
-            for h in h.chunks_exact_mut(count).take(points.count()) {
-                h[other.rows.clone()].fill(NOT_KEPT);
-            }
-        }
-        Ok(())
-    }
-
-    /// Computes the weighted derivatives of the rows of the state at the points from `start` on, side by side.
-    pub fn weighted_derivatives(
-        &mut self,
-        points: Points<'_, f64>,
-        start: usize,
-        weights: Weights<'_, Wide<f64>>,
-    ) -> Result<&WeightedDerivatives<Wide<f64>>> {
-        points.gather(start, &mut self.z);
-        let own = 2 * points.states.nrows();
-        self.evaluator
-            .weighted_derivatives_at(&self.z[..own], &self.constraints.state, weights)
+        self.of_state(points, which, h)
     }
 }

@@ -1,7 +1,7 @@
 //! The maxima of the constraint rows along a curve, between the quadrature points.
 
-use super::Rows;
 use super::place::{place, scale};
+use super::{Rows, Which};
 use crate::constraint::Constraint;
 use crate::cost::{CostWithControl, Points};
 use crate::curve::{Basis, Functions};
@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::motion::Bracket;
 use crate::scalar::LANES;
 use nalgebra::DMatrix;
+use std::ops::Range;
 
 /// A basis tabulated at equally spaced times.
 pub(crate) struct Scan {
@@ -29,6 +30,16 @@ pub(crate) struct Maximum {
     pub height: f64,
 }
 
+/// A part of a segment.
+struct Part {
+    segment: usize,
+    phase: usize,
+    /// The group of points whose lists it has.
+    group: Option<usize>,
+    /// Its times, without the one before and the one after, by intervals.
+    middles: Range<usize>,
+}
+
 /// The maxima of a scan, and its memory.
 #[derive(Default)]
 pub(crate) struct Look {
@@ -38,7 +49,11 @@ pub(crate) struct Look {
     uncertain: Vec<(usize, usize, Bracket)>,
     states: DMatrix<f64>,
     jerks: Option<DMatrix<f64>>,
+    /// Those of a part, its times in s and in parts of the segment, and the rows that may have a maximum there.
+    of_part: [DMatrix<f64>; 2],
     times: Vec<f64>,
+    parts: Vec<f64>,
+    rows: Vec<usize>,
     h: Vec<f64>,
     /// The functions at a time, and the curve there and at up to `LANES` times with its third derivatives.
     functions: Functions,
@@ -47,9 +62,8 @@ pub(crate) struct Look {
 }
 
 impl Look {
-    /// Memory for a scan of `times` times of `n` joints and `count` rows.
-    fn resize(&mut self, n: usize, times: usize, count: usize, with_jerk: bool) {
-        self.h.resize(count * times.max(LANES), 0.0);
+    /// Memory for a scan of `times` times of `n` joints.
+    fn resize(&mut self, n: usize, times: usize, with_jerk: bool) {
         if self.states.shape() == (n, 3 * times) && self.jerks.is_some() == with_jerk {
             return;
         }
@@ -58,6 +72,15 @@ impl Look {
         self.one = DMatrix::zeros(n, 4);
         self.few = std::array::from_fn(|k| [3, 1].map(|d| DMatrix::zeros(n, d * (k + 1))));
     }
+}
+
+/// Copies columns of a matrix.
+fn cut(from: &DMatrix<f64>, columns: Range<usize>, to: &mut DMatrix<f64>) {
+    let (n, count) = (from.nrows(), columns.len());
+    let mut data: Vec<f64> = std::mem::take(to).data.into();
+    data.clear();
+    data.extend_from_slice(&from.as_slice()[n * columns.start..n * columns.end]);
+    *to = DMatrix::from_vec(n, count, data);
 }
 
 impl Scan {
@@ -91,88 +114,129 @@ impl Scan {
         floor: f64,
         look: &mut Look,
     ) -> Result<f64> {
-        let (n, count) = (coefficients.nrows(), rows.count());
-        let segments = self.basis.segments();
-        let interval = 1.0 / (segments * self.intervals) as f64;
-        let mut deviation = 0.0_f64;
+        let (segments, count) = (self.basis.segments(), rows.count());
         let with_jerk = rows.constraints.stage.has_jerk();
-        look.resize(n, self.intervals + 1, count, with_jerk);
-        let Look {
-            found,
-            uncertain,
-            states,
-            jerks,
-            times,
-            h,
-            ..
-        } = look;
-        found.clear();
-        uncertain.clear();
+        look.resize(coefficients.nrows(), self.intervals + 1, with_jerk);
+        look.found.clear();
+        look.uncertain.clear();
+        let mut deviation = 0.0_f64;
         for segment in 0..segments {
-            let of_first = self.basis.first(segment);
-            place(coefficients, of_first, &self.table, states);
-            scale(states, horizon);
-            if let Some(jerks) = jerks {
-                place(coefficients, of_first, &self.thirds, jerks);
+            let first = self.basis.first(segment);
+            place(coefficients, first, &self.table, &mut look.states);
+            scale(&mut look.states, horizon);
+            if let Some(jerks) = &mut look.jerks {
+                place(coefficients, first, &self.thirds, jerks);
                 *jerks *= horizon.powi(-3);
             }
-            let first = segment * self.intervals;
-            times.clear();
-            times.extend((0..=self.intervals).map(|k| (first + k) as f64 * interval * horizon));
-            let points = Points {
-                first: 0,
-                phase: segment * rows.cost.phases() / segments,
-                times,
-                states,
-                jerks: jerks.as_ref(),
-            };
-            let h = &mut h[..count * points.count()];
-            rows.of_all(points, h)?;
-            let equalities = &rows.attributes().equalities;
-            for (row, unit) in rows.equalities_of_state() {
-                let values = h.iter().skip(row).step_by(count);
-                deviation = values.fold(deviation, |most, h| most.max(h.abs() * unit));
-            }
-            // The control may jump where two segments meet, so each has ends of its own.
-            for k in 1..self.intervals {
-                let time = (first + k) as f64 * interval;
-                let times = [time - interval, time, time + interval];
-                let here = &h[(k - 1) * count..(k + 2) * count];
-                let (before, here) = here.split_at(count);
-                let (here, after) = here.split_at(count);
-                let all = before.iter().zip(here).zip(after).enumerate();
-                for (row, ((before, here), after)) in all {
-                    let values = [*before, *here, *after];
-                    let is_low = before.max(*here).max(*after) <= floor;
-                    if is_low || equalities[row] {
-                        continue;
-                    }
-                    let bracket = Bracket { times, values };
-                    let maximum = |(time, height)| Maximum {
-                        row,
-                        segment,
-                        time,
-                        height,
-                    };
-                    if k == 1 && values[0] > floor && values[0] > values[1] {
-                        found.push(maximum(bracket.at_end(0)));
-                    }
-                    if values[1] > floor && values[0] <= values[1] && values[2] < values[1] {
-                        if bracket.is_valid() && bracket.may_exceed(0.0) {
-                            uncertain.push((found.len(), points.phase, bracket));
-                        }
-                        found.push(maximum(bracket.vertex()));
-                    }
-                    if k + 1 == self.intervals && values[2] > floor && values[1] <= values[2] {
-                        found.push(maximum(bracket.at_end(2)));
-                    }
+            let phase = segment * rows.cost.phases() / segments;
+            for k in 0..rows.near.parts() {
+                let (group, middles) = rows.near.part(segment, k, self.intervals);
+                let part = Part {
+                    segment,
+                    phase,
+                    group,
+                    middles,
+                };
+                self.evaluate(rows, &part, (horizon, floor), look)?;
+                for (row, unit) in rows.equalities_of_state() {
+                    let values = look.h.iter().skip(row).step_by(count);
+                    deviation = values.fold(deviation, |most, h| most.max(h.abs() * unit));
                 }
+                self.find(&part, floor, &rows.attributes().equalities, look);
             }
         }
         for _ in 0..Bracket::REFINEMENTS {
             self.refine(rows, coefficients, horizon, look)?;
         }
         Ok(deviation)
+    }
+
+    /// Evaluates the rows at the times of a part and one time before and after, and lists those that may have a maximum
+    /// above `floor` there.
+    fn evaluate<K: Constraint, P: CostWithControl>(
+        &self,
+        rows: &mut Rows<'_, K, P>,
+        part: &Part,
+        (horizon, floor): (f64, f64),
+        look: &mut Look,
+    ) -> Result<()> {
+        let (first, segments) = (part.segment * self.intervals, self.basis.segments());
+        let interval = 1.0 / (segments * self.intervals) as f64;
+        let own = part.middles.start - 1..part.middles.end + 1;
+        let [states, jerks] = &mut look.of_part;
+        cut(&look.states, 3 * own.start..3 * own.end, states);
+        if let Some(of_all) = &look.jerks {
+            cut(of_all, own.clone(), jerks);
+        }
+        let (times, parts) = (&mut look.times, &mut look.parts);
+        times.clear();
+        times.extend(own.clone().map(|k| (first + k) as f64 * interval * horizon));
+        parts.clear();
+        parts.extend(own.map(|k| k as f64 / self.intervals as f64));
+        let points = Points {
+            first: 0,
+            phase: part.phase,
+            times,
+            states,
+            jerks: look.jerks.is_some().then_some(jerks),
+        };
+        let which = match part.group {
+            Some(group) => Which::Between(group, parts),
+            None => Which::All,
+        };
+        let count = rows.count();
+        look.h.resize(count * points.count(), 0.0);
+        let all = rows.of_all(points, which, &mut look.h)?;
+        let is_high = |row: &usize| rows.highest[*row] > floor;
+        look.rows.clear();
+        match part.group.filter(|_| !all) {
+            Some(group) => {
+                let listed = rows.near.listed(group).iter().copied();
+                look.rows.extend(listed.filter(is_high));
+            }
+            None => look.rows.extend((0..rows.states()).filter(is_high)),
+        }
+        look.rows.extend(rows.states()..count);
+        Ok(())
+    }
+
+    /// Finds the local maxima above `floor` in a part among the listed rows.
+    fn find(&self, part: &Part, floor: f64, equalities: &[bool], look: &mut Look) {
+        let (segment, count) = (part.segment, equalities.len());
+        let interval = 1.0 / (self.basis.segments() * self.intervals) as f64;
+        let (found, uncertain) = (&mut look.found, &mut look.uncertain);
+        // The control may jump where two segments meet, so each has ends of its own.
+        for k in part.middles.clone() {
+            let time = (segment * self.intervals + k) as f64 * interval;
+            let times = [time - interval, time, time + interval];
+            let here = &look.h[(k - part.middles.start) * count..];
+            for row in look.rows.iter().copied() {
+                let values = [here[row], here[count + row], here[2 * count + row]];
+                let is_high = values[0] > floor || values[1] > floor || values[2] > floor;
+                if !is_high || equalities[row] {
+                    continue;
+                }
+                let bracket = Bracket { times, values };
+                let maximum = |(time, height)| Maximum {
+                    row,
+                    segment,
+                    time,
+                    height,
+                };
+                if k == 1 && values[0] > floor && values[0] > values[1] {
+                    found.push(maximum(bracket.at_end(0)));
+                }
+                if values[1] > floor && values[0] <= values[1] && values[2] < values[1] {
+                    if bracket.is_valid() && bracket.may_exceed(0.0) {
+                        uncertain.push((found.len(), part.phase, bracket));
+                    }
+                    found.push(maximum(bracket.vertex()));
+                }
+                if k + 1 == self.intervals && values[2] > floor && values[1] <= values[2] {
+                    found.push(maximum(bracket.at_end(2)));
+                }
+            }
+        }
     }
 
     /// Evaluates the rows at the estimated times of maxima, side by side in one phase, and estimates them again.
@@ -188,6 +252,7 @@ impl Scan {
             found,
             uncertain,
             times,
+            rows: own,
             h,
             functions,
             one,
@@ -219,7 +284,12 @@ impl Scan {
                 states,
                 jerks: Some(jerks),
             };
-            rows.of_all(points, &mut h[..count * times.len()])?;
+            let of_maxima = few_maxima.iter().map(|(at, ..)| found[*at].row);
+            own.clear();
+            own.extend(of_maxima.filter(|row| *row < rows.states()));
+            own.sort_unstable();
+            h.resize(count * times.len(), 0.0);
+            rows.of_all(points, Which::Only(own), h)?;
             for (k, (at, _, bracket)) in few_maxima.iter_mut().enumerate() {
                 let maximum = &mut found[*at];
                 bracket.narrow(bracket.next(), h[k * count + maximum.row]);

@@ -10,6 +10,7 @@ mod cover_clearance;
 mod derivatives;
 mod dynamic;
 mod frame_rows;
+mod gap;
 mod phase;
 mod point_speed;
 mod self_clearance;

@@ -36,5 +36,6 @@ mod linalg {
 
 #[path = "../transcription"]
 mod transcription {
+    mod near;
     mod objective;
 }

@@ -198,7 +198,7 @@ impl Nlp for Dense {
         1.0
     }
 
-    fn tighten(&mut self, x: &DVector<f64>, round: usize) -> Result<Tightened> {
+    fn tighten(&mut self, x: &DVector<f64>, _: &mut Vec<f64>, round: usize) -> Result<Tightened> {
         // The first round is that at which the last barrier parameter is reached.
         self.tightened |= round > 1;
         self.rounds.push(round);

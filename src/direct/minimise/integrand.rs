@@ -68,6 +68,25 @@ impl<'a, K: Constraint, P: CostWithControl> Integrand<'a, K, P> {
         }
     }
 
+    /// Puts the rows that may be near with their margins at the beginning of `h` and truncates that; other entries are
+    /// of earlier evaluations.
+    pub fn with_margins(&self, margins: &[f64], h: &mut Vec<f64>) {
+        let count = self.rows.count();
+        h.resize(margins.len(), f64::NEG_INFINITY);
+        for (g, h) in h.chunks_exact_mut(count.max(1)).enumerate() {
+            let own = g * count..(g + 1) * count;
+            let (values, margins) = (&self.h[own.clone()], &margins[own]);
+            let (listed, others) = self.rows.near_at(g);
+            for row in listed.iter().copied() {
+                h[row] = values[row] + margins[row];
+            }
+            // In a loop of its own, so that they are added side by side.
+            for row in others {
+                h[row] = values[row] + margins[row];
+            }
+        }
+    }
+
     /// Adds the derivatives of the rows of the state at the points from `start` on, side by side.
     fn add_state(
         &mut self,

@@ -6,7 +6,19 @@ use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::cost::SMALLEST_COST;
 use crate::error::Result;
+use crate::transcription::{Grid, Maximum};
 use nalgebra::DVector;
+
+/// The points of its segment beside a maximum, at which rows are kept.
+fn beside(grid: &Grid<f64>, maximum: &Maximum) -> [Option<usize>; 2] {
+    let after = grid.times.partition_point(|t| *t < maximum.time);
+    let own = maximum.segment * grid.points()..(maximum.segment + 1) * grid.points();
+    let asked = |g: &usize| !grid.collocated[g % grid.points()];
+    [
+        (own.start..after.min(own.end)).rfind(asked),
+        (after.max(own.start)..own.end).find(asked),
+    ]
+}
 
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// Finds the local maxima of the rows between the points; returns the largest violation, in its unit.
@@ -20,6 +32,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let floor = -self.search.scan_depth;
         let (rows, look) = (&mut integrand.rows, &mut self.look);
         self.deviation = scan.maxima(rows, &self.coefficients, horizon, floor, look)?;
+        self.evaluate_beside()?;
+        let integrand = self.objective.cost();
         let attributes = integrand.rows.attributes();
         let (units, equalities) = (&attributes.units, &attributes.equalities);
         let maxima = self.look.found.iter();
@@ -34,6 +48,19 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             }
         }
         Ok(largest)
+    }
+
+    /// Evaluates the rows beside their maxima at the points where they were far.
+    fn evaluate_beside(&mut self) -> Result<()> {
+        for maximum in &self.look.found {
+            for g in beside(&self.grid, maximum).into_iter().flatten() {
+                let near = &mut self.objective.cost_mut().rows.near;
+                if near.hold(g, maximum.row) {
+                    self.evaluated = None;
+                }
+            }
+        }
+        self.cost().map(|_| ())
     }
 
     /// Returns true if a finer quadrature gives a different cost; the tolerance is larger before the `end`.
@@ -136,14 +163,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
                 continue;
             }
             let reserve = self.reserves[maximum.row];
-            let after = grid.times.partition_point(|t| *t < maximum.time);
-            let own = maximum.segment * grid.points()..(maximum.segment + 1) * grid.points();
-            let asked = |g: &usize| !grid.collocated[g % grid.points()];
-            let beside = [
-                (own.start..after.min(own.end)).rfind(asked),
-                (after.max(own.start)..own.end).find(asked),
-            ];
-            for g in beside.into_iter().flatten() {
+            for g in beside(grid, maximum).into_iter().flatten() {
                 let at = g * count + maximum.row;
                 if !grow {
                     let beside = reserve + maximum.height - integrand.h[at];

@@ -33,7 +33,7 @@ pub(in crate::direct) struct Program<'g, 'a, K, P> {
     pub(super) objective: Objective<'g, f64, Integrand<'a, K, P>>,
     /// The coefficients at which the objective and the rows were evaluated last, with the horizon and the cost.
     evaluated_at: DMatrix<f64>,
-    evaluated: Option<(f64, f64)>,
+    pub(super) evaluated: Option<(f64, f64)>,
     /// The cost alone by a finer quadrature if there is one, with the cost of the last evaluation and its relative
     /// difference.
     pub(super) finer: Option<Objective<'g, f64, P>>,
@@ -64,7 +64,7 @@ pub(in crate::direct) struct Program<'g, 'a, K, P> {
     pub(super) look: Look,
     /// The multipliers of all rows.
     pub(super) multipliers: Vec<f64>,
-    working: WorkingSet,
+    pub(super) working: WorkingSet,
     pub(super) stage: Stage,
     pub(super) search: SearchOptions,
     /// The penalties of equalities to begin with, relative to those without a search before.
@@ -144,6 +144,9 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             program.objective.free_horizon(program.rates.clone());
         }
         program.count_margins();
+        let rows = &mut program.objective.cost_mut().rows;
+        let (grid, search) = (&program.grid, &program.search);
+        program.working.begin_lists(grid, rows, search);
         program
     }
 
@@ -182,19 +185,13 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         path.rates_in(problem, &mut self.rates);
         self.horizon = candidate.horizon;
         self.objective.set_rates(&self.rates);
-        let rows = &self.objective.cost().rows;
-        self.working.restart(problem, rows, &self.search);
+        let rows = &mut self.objective.cost_mut().rows;
+        rows.near.release();
+        if self.working.restart(problem, rows, &self.search) {
+            self.working.begin_lists(&self.grid, rows, &self.search);
+        }
         self.kept.clear();
         self.margins.fill(0.0);
-    }
-
-    /// Allocates memory for a working set of all rows.
-    pub fn allocate(&mut self) {
-        let integrand = self.objective.cost_mut();
-        let count = integrand.rows.count();
-        for terms in &mut integrand.terms {
-            terms.reserve(count);
-        }
     }
 
     /// One margin per row, all zero.
@@ -337,12 +334,9 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         self.place(x);
         let cost = self.cost()?;
         self.evaluate_points()?;
-        // Two loops, so that those of the grid are added side by side.
         let (of_grid, beside) = self.margins.split_at(self.first_of_points);
-        let rows = self.objective.cost().h.iter().zip(of_grid);
+        self.objective.cost().with_margins(of_grid, h);
         let of_points = self.points.iter().flat_map(|point| &point.h);
-        h.clear();
-        h.extend(rows.map(|(h, margin)| h + margin));
         h.extend(of_points.zip(beside).map(|(h, margin)| h + margin));
         h.extend(self.linear_rows().map(|row| row.value));
         let mut objective = cost;
@@ -352,10 +346,13 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
             }
             objective += free.weight * self.horizon;
         }
-        Ok(match self.working.is_left(&h[..self.first_of_points]) {
-            true => f64::INFINITY,
-            false => objective,
-        })
+        let rows = &self.objective.cost().rows;
+        Ok(
+            match self.working.is_left(rows, &h[..self.first_of_points]) {
+                true => f64::INFINITY,
+                false => objective,
+            },
+        )
     }
 
     fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
@@ -394,20 +391,21 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
 
     fn working_set(&mut self, h: &[f64], all: &mut Vec<Row>) {
         let fixed = self.fixed_ends();
-        let rows = &self.objective.cost().rows;
+        let rows = &mut self.objective.cost_mut().rows;
         self.working.list(&self.grid, rows, fixed, h, all);
         let of_points = self.rows_of_points(false);
         let of_border = self.first_of_border()..h.len();
         all.extend(of_points.chain(of_border).map(|at| Row { at, weight: 1.0 }));
     }
 
-    fn tighten(&mut self, x: &DVector<f64>, round: usize) -> Result<Tightened> {
+    fn tighten(&mut self, x: &DVector<f64>, h: &mut Vec<f64>, round: usize) -> Result<Tightened> {
         let end = round > 0;
         self.place(x);
         if self.is_coarse(end)? {
             return Ok(Tightened::Coarse);
         }
         let violation = self.maxima(end)?;
+        self.value(x, h)?;
         if self.stage.last && violation <= self.stage.feasible {
             self.kept.push(x.clone());
         }

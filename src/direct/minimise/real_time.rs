@@ -113,7 +113,7 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
         program.restart(problem, candidate);
         program.restart_kkt(&mut state.kkt);
         program.unknowns_in(candidate, &mut state.x);
-        program.tighten(&state.x, 0)?;
+        program.tighten(&state.x, &mut state.h, 0)?;
         let known = program.known_multipliers(candidate, known);
         state.begin(program, known, options)?;
         program.unknowns_in(reference, &mut other.x);
@@ -122,6 +122,7 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
         if is_known {
             other.f = state.f;
             other.h.clone_from(&state.h);
+            other.rows.clone_from(&state.rows);
         }
         let (mut count, mut converged) = (0, false);
         while !converged && goes_on(count) {
@@ -133,12 +134,19 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
         program.put_multipliers(&state.iterate, candidate);
         if !is_known {
             other.f = program.value(&other.x, &mut other.h)?;
+            program.working_set(&other.h, &mut other.rows);
         }
-        let before = other.barrier_function(program, state);
-        other.x.copy_from(&state.x);
-        other.f = state.f;
-        other.h.clone_from(&state.h);
-        let after = other.barrier_function(program, state);
+        let [mut before, mut after] = [other.f, state.f];
+        let barrier = state.iterate.barrier;
+        for (f, x, h, rows) in [
+            (&mut before, &other.x, &other.h, &other.rows),
+            (&mut after, &state.x, &state.h, &state.rows),
+        ] {
+            // With the barrier of the search and the best slacks.
+            other.iterate.restart(barrier, Vec::new());
+            other.iterate.set_working(rows, h);
+            *f += program.measure(x) * other.iterate.barrier_terms(h);
+        }
         program.put(&state.x, candidate);
         Ok(Iterations {
             count,
@@ -148,12 +156,15 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
     }
 }
 
-impl Other {
-    /// The barrier function with the barrier of a search and the best slacks.
-    fn barrier_function<P: Nlp>(&mut self, program: &mut P, state: &State) -> f64 {
-        program.working_set(&self.h, &mut self.rows);
-        self.iterate.restart(state.iterate.barrier, Vec::new());
-        self.iterate.set_working(&self.rows, &self.h);
-        self.f + program.measure(&self.x) * self.iterate.barrier_terms(&self.h)
+impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
+    /// Allocates memory for a working set of all rows.
+    fn allocate(&mut self) {
+        let integrand = self.objective.cost_mut();
+        let count = integrand.rows.count();
+        for terms in &mut integrand.terms {
+            terms.reserve(count);
+        }
+        integrand.rows.near.allocate();
+        self.working.allocate(self.first_of_points);
     }
 }

@@ -14,7 +14,11 @@ pub(crate) struct WorkingSet {
     nearest: Vec<f64>,
     /// True for clearances that are not in the working set although they may be: row by row for each point.
     outside: Vec<bool>,
+    /// The clearances in the working set, as indices among the rows of all points.
+    inside: Vec<usize>,
     clearances: Vec<bool>,
+    /// The reach of the problem, in m.
+    reach: f64,
 }
 
 impl WorkingSet {
@@ -26,20 +30,45 @@ impl WorkingSet {
         let mut working = Self {
             nearest: Vec::new(),
             outside: Vec::new(),
+            inside: Vec::new(),
+            reach: 0.0,
             clearances: rows.attributes().clearances.clone(),
         };
         working.restart(problem, rows, search);
         working
     }
 
-    /// Begins without any rows, for another problem.
+    /// Allocates memory for a working set of all rows.
+    pub fn allocate(&mut self, rows: usize) {
+        self.outside.reserve(rows);
+        self.inside.reserve(rows);
+    }
+
+    /// Begins the lists of rows that may be in the working set or above the depth of a scan.
+    pub fn begin_lists<K: Constraint, P>(
+        &self,
+        grid: &Grid<f64>,
+        rows: &mut Rows<'_, K, P>,
+        search: &SearchOptions,
+    ) {
+        let parts = grid.times[..grid.points()].iter();
+        let times = parts.map(|time| time * grid.segments as f64).collect();
+        let state = &rows.constraints.state;
+        let far = self.nearest[..state.dim()].iter();
+        let far = far.map(|nearest| nearest.min(-search.scan_depth) - search.reserve);
+        let moved = search.moved * self.reach;
+        rows.near.begin(state, far, moved, (times, grid.segments));
+    }
+
+    /// Begins without any rows, for another problem; returns true if others are near now.
     pub fn restart<K: Constraint, P: CostWithControl>(
         &mut self,
         problem: &Problem<'_>,
         rows: &Rows<'_, K, P>,
         search: &SearchOptions,
-    ) {
-        let near = match problem.reach() {
+    ) -> bool {
+        self.reach = problem.reach();
+        let near = match self.reach {
             // Without a scale all rows are in the working set.
             0.0 => f64::INFINITY,
             reach => search.near * reach,
@@ -50,9 +79,14 @@ impl WorkingSet {
             true => -near.min(search.share_of_cutoff * cutoff),
             false => f64::NEG_INFINITY,
         });
-        self.nearest.clear();
-        self.nearest.extend(nearest);
         self.outside.clear();
+        self.inside.clear();
+        let others = !nearest.clone().eq(self.nearest.iter().copied());
+        if others {
+            self.nearest.clear();
+            self.nearest.extend(nearest);
+        }
+        others
     }
 
     /// Lists the inequalities of the working set in ascending order in `all`, for the values `h` of the rows at all
@@ -60,7 +94,7 @@ impl WorkingSet {
     pub fn list<K: Constraint, P: CostWithControl>(
         &mut self,
         grid: &Grid<f64>,
-        rows: &Rows<'_, K, P>,
+        rows: &mut Rows<'_, K, P>,
         fixed: [bool; 2],
         h: &[f64],
         all: &mut Vec<Row>,
@@ -70,42 +104,62 @@ impl WorkingSet {
         let equalities = &rows.attributes().equalities;
         let with_ends = grid.times[0] == 0.0;
         let is_fixed = |g| with_ends && ((g == 0 && fixed[0]) || (g + 1 == points && fixed[1]));
-        self.outside.clear();
-        for g in (0..points).filter(|_| count > 0) {
-            self.outside.extend_from_slice(&self.clearances);
-            let weight = grid.weights[g % grid.points()];
-            let own = g * count..(g + 1) * count;
-            // At collocated points there are equalities alone.
-            let first = match (grid.collocated[g % grid.points()], is_fixed(g)) {
-                (true, _) => count,
-                (false, true) => rows.states(),
-                (false, false) => 0,
-            };
-            let outside = &mut self.outside[own.clone()];
-            outside[..first].fill(false);
-            let of_rows = h[own.clone()][first..].iter().zip(&self.nearest[first..]);
-            for (row, (h, nearest)) in (first..).zip(of_rows) {
-                // NaN counts as near.
-                let is_far = h < nearest;
-                if !is_far && !equalities[row] {
-                    outside[row] = false;
-                    let at = own.start + row;
-                    all.push(Row { at, weight });
-                }
+        // At collocated points there are equalities alone.
+        let first = |g| match (grid.collocated[g % grid.points()], is_fixed(g)) {
+            (true, _) => count,
+            (false, true) => rows.states(),
+            (false, false) => 0,
+        };
+        if self.outside.is_empty() {
+            for g in 0..points {
+                self.outside.extend_from_slice(&self.clearances);
+                self.outside[g * count..][..first(g)].fill(false);
             }
         }
+        for at in self.inside.drain(..) {
+            self.outside[at] = true;
+        }
+        for g in (0..points).filter(|_| count > 0) {
+            let weight = grid.weights[g % grid.points()];
+            let (first, (listed, others)) = (first(g), rows.near_at(g));
+            let listed = listed.iter().copied().filter(|row| *row >= first);
+            listed
+                .chain(others.start.max(first)..others.end)
+                .for_each(|row| {
+                    let at = g * count + row;
+                    // NaN counts as near.
+                    let is_far = h[at] < self.nearest[row];
+                    if is_far || equalities[row] {
+                        return;
+                    }
+                    if self.clearances[row] {
+                        self.inside.push(at);
+                        self.outside[at] = false;
+                    }
+                    all.push(Row { at, weight });
+                });
+        }
+        let listed = all.iter().map(|row| (row.at / count, row.at % count));
+        rows.near.set_working(listed);
     }
 
     /// Returns true if a clearance outside the working set is violated: a step into something that was far away.
-    pub fn is_left(&self, h: &[f64]) -> bool {
-        // Without a branch, so that rows are compared side by side.
-        let violated = |h: &[f64], outside: &[bool]| {
-            let rows = h.iter().zip(outside);
-            rows.fold(false, |any, (h, outside)| any | (*outside & (*h > 0.0)))
-        };
+    pub fn is_left<K: Constraint, P: CostWithControl>(
+        &self,
+        rows: &Rows<'_, K, P>,
+        h: &[f64],
+    ) -> bool {
         let count = self.clearances.len().max(1);
         let points = h.chunks_exact(count).zip(self.outside.chunks_exact(count));
-        points.into_iter().any(|(h, outside)| violated(h, outside))
+        let mut points = points.enumerate();
+        points.any(|(g, (h, outside))| {
+            let (listed, others) = rows.near_at(g);
+            // Without a branch, so that rows are compared side by side.
+            let left = |any, (outside, h): (&bool, &f64)| any | (*outside & (*h > 0.0));
+            let listed = listed.iter().map(|row| (&outside[*row], &h[*row]));
+            let others = outside[others.clone()].iter().zip(&h[others]);
+            others.fold(listed.fold(false, left), left)
+        })
     }
 }
 

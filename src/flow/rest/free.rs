@@ -98,7 +98,7 @@ impl<L: PointCost<f64>> Nlp for Free<'_, L> {
         1.0
     }
 
-    fn tighten(&mut self, _: &DVector<f64>, _: usize) -> Result<Tightened> {
+    fn tighten(&mut self, _: &DVector<f64>, _: &mut Vec<f64>, _: usize) -> Result<Tightened> {
         Ok(Tightened::Violation(0.0))
     }
 

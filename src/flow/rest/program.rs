@@ -230,11 +230,16 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let rows = lagrangian.cost.h.iter().zip(self.margins.iter().cycle());
         h.clear();
         h.extend(rows.map(|(h, margin)| h + margin));
-        Ok(if self.working.is_left(h) {
-            f64::INFINITY
-        } else {
-            cost
-        })
+        Ok(
+            if self
+                .working
+                .is_left(&self.free.objective.cost().cost.rows, h)
+            {
+                f64::INFINITY
+            } else {
+                cost
+            },
+        )
     }
 
     fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
@@ -254,7 +259,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
     }
 
     fn working_set(&mut self, h: &[f64], all: &mut Vec<Row>) {
-        let rows = &self.free.objective.cost().cost.rows;
+        let rows = &mut self.free.objective.cost_mut().cost.rows;
         self.working.list(self.free.grid, rows, [true; 2], h, all);
     }
 
@@ -262,7 +267,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         self.free.longest(x, step)
     }
 
-    fn tighten(&mut self, x: &DVector<f64>, round: usize) -> Result<Tightened> {
+    fn tighten(&mut self, x: &DVector<f64>, _: &mut Vec<f64>, round: usize) -> Result<Tightened> {
         let end = round > 0;
         self.free.place(x);
         if self.is_coarse(end)? {

@@ -1,0 +1,83 @@
+//! Rows that are functions of one distance, and lists of rows.
+
+use super::CollisionSphere;
+use crate::scalar::Scalar;
+use crate::spatial::dot;
+
+/// The distance of two balls, or of one from an obstacle, of which a row is a function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gap<C: Scalar = f64> {
+    /// The body of each ball that is on one, with the distance of its centre from the origin of the body, in m.
+    pub bodies: [Option<(usize, C)>; 2],
+    /// The sum `R` of the radii if the row is $R^2 - d^2$ for a distance `d` of the centres, scaled by `2 R`; `None` if
+    /// it is minus the distance of the surfaces.
+    pub squared: Option<C>,
+}
+
+impl<C: Scalar> Gap<C> {
+    pub(super) fn new(balls: [Option<&CollisionSphere<C>>; 2], squared: Option<C>) -> Self {
+        let body = |ball: &CollisionSphere<C>| {
+            let r = dot(&ball.centre, &ball.centre).sqrt();
+            ball.body.map(|body| (body, r))
+        };
+        Self {
+            bodies: balls.map(|ball| ball.and_then(body)),
+            squared,
+        }
+    }
+}
+
+impl Gap {
+    /// The least distance of the surfaces, in m, for a value of the scaled row.
+    #[must_use]
+    pub fn distance(&self, value: f64) -> f64 {
+        match self.squared {
+            None => -value,
+            Some(reach) => (reach * (reach - 2.0 * value)).sqrt() - reach,
+        }
+    }
+
+    /// The value of the scaled row at a distance of the surfaces, in m: the inverse of [`distance`](Self::distance).
+    #[must_use]
+    pub fn value(&self, distance: f64) -> f64 {
+        match self.squared {
+            None => -distance,
+            Some(reach) => -distance * (1.0 + 0.5 * distance / reach),
+        }
+    }
+}
+
+/// Some rows of a constraint in ascending order.
+#[derive(Clone, Copy, Debug)]
+pub struct RowList<'a> {
+    rows: &'a [usize],
+    /// The number that is subtracted from each.
+    first: usize,
+}
+
+impl<'a> RowList<'a> {
+    /// The rows with these indices, in ascending order.
+    #[must_use]
+    pub fn new(rows: &'a [usize]) -> Self {
+        Self { rows, first: 0 }
+    }
+
+    /// The rows among the first `count` ones, and the others, counted from there.
+    #[must_use]
+    pub fn split_at(self, count: usize) -> (Self, Self) {
+        let end = self.first + count;
+        let (own, rest) = self
+            .rows
+            .split_at(self.rows.partition_point(|row| *row < end));
+        let rest = Self {
+            rows: rest,
+            first: end,
+        };
+        (Self { rows: own, ..self }, rest)
+    }
+
+    /// The rows in ascending order.
+    pub fn iter(self) -> impl Iterator<Item = usize> + use<'a> {
+        self.rows.iter().map(move |row| row - self.first)
+    }
+}
