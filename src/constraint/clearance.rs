@@ -56,18 +56,9 @@ impl<C: Scalar> Constraint<C> for SphereClearance<C> {
         rows: RowList<'_>,
         g: &mut [S],
     ) -> Result<()> {
-        let (m, mut rows) = (self.spheres.len(), rows.iter().peekable());
-        for (ball, first) in self.balls.iter().zip((0..).step_by(m.max(1))) {
-            let own = |row: &usize| *row < first + m;
-            if rows.peek().is_none_or(|row| !own(row)) {
-                continue;
-            }
-            let p = at.point(ball.body, &ball.centre)?;
-            while let Some(row) = rows.next_if(own) {
-                g[row] = row_of(ball, &p, &self.spheres[row - first]);
-            }
-        }
-        Ok(())
+        rows.by_ball((&self.balls, self.spheres.len()), at, |row, j, ball, p| {
+            g[row] = row_of(ball, p, &self.spheres[j]);
+        })
     }
 
     fn gap(&self, row: usize) -> Option<Gap<C>> {

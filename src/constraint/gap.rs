@@ -1,8 +1,10 @@
 //! Rows that are functions of one distance, and lists of rows.
 
-use super::CollisionSphere;
-use crate::scalar::Scalar;
+use super::{CollisionSphere, PlacedState};
+use crate::error::Result;
+use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::dot;
+use nalgebra::Vector3;
 
 /// The distance of two balls, or of one from an obstacle, of which a row is a function.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,5 +81,28 @@ impl<'a> RowList<'a> {
     /// The rows in ascending order.
     pub fn iter(self) -> impl Iterator<Item = usize> + use<'a> {
         self.rows.iter().map(move |row| row - self.first)
+    }
+
+    /// Calls `visit` for each of these rows of balls with `count` rows each: with the row, its number among those of
+    /// its ball, the ball and the position of its centre, which is computed once.
+    #[inline]
+    pub(super) fn by_ball<C: Scalar, S: AlgebraOver<C>>(
+        self,
+        (balls, count): (&[CollisionSphere<C>], usize),
+        at: &PlacedState<'_, C, S>,
+        mut visit: impl FnMut(usize, usize, &CollisionSphere<C>, &Vector3<S>),
+    ) -> Result<()> {
+        let mut rows = self.iter().peekable();
+        for (ball, first) in balls.iter().zip((0..).step_by(count.max(1))) {
+            let own = |row: &usize| *row < first + count;
+            if rows.peek().is_none_or(|row| !own(row)) {
+                continue;
+            }
+            let p = at.point(ball.body, &ball.centre)?;
+            while let Some(row) = rows.next_if(own) {
+                visit(row, row - first, ball, &p);
+            }
+        }
+        Ok(())
     }
 }

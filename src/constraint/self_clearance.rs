@@ -38,6 +38,16 @@ impl<C: Scalar> SelfClearance<C> {
     }
 }
 
+/// The row of two balls with their centres at these points.
+#[inline]
+fn row_of<C: Scalar, S: AlgebraOver<C>>(
+    [first, second]: [&CollisionSphere<C>; 2],
+    [p, q]: [&Vector3<S>; 2],
+) -> S {
+    let (reach, d) = (first.radius + second.radius, p - q);
+    S::lift(reach * reach) - dot(&d, &d)
+}
+
 impl<C: Scalar> Constraint<C> for SelfClearance<C> {
     fn dim(&self) -> usize {
         self.pairs.len()
@@ -56,10 +66,7 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
             *place = at.point(ball.body, &ball.centre)?;
         }
         for (pair, g) in self.pairs.iter().zip(g) {
-            let [first, second] = self.pair(*pair)?;
-            let reach = first.radius + second.radius;
-            let d = places[pair[0]] - places[pair[1]];
-            *g = S::lift(reach * reach) - dot(&d, &d);
+            *g = row_of(self.pair(*pair)?, pair.map(|ball| &places[ball]));
         }
         Ok(())
     }
@@ -71,12 +78,9 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         g: &mut [S],
     ) -> Result<()> {
         for row in rows.iter() {
-            let [first, second] = self.pair(self.pairs[row])?;
-            let p = at.point(first.body, &first.centre)?;
-            let q = at.point(second.body, &second.centre)?;
-            let reach = first.radius + second.radius;
-            let d = p - q;
-            g[row] = S::lift(reach * reach) - dot(&d, &d);
+            let balls = self.pair(self.pairs[row])?;
+            let [p, q] = balls.map(|ball| at.point(ball.body, &ball.centre));
+            g[row] = row_of(balls, [&p?, &q?]);
         }
         Ok(())
     }

@@ -62,19 +62,9 @@ impl<C: Scalar> Constraint<C> for SolidClearance<C> {
         rows: RowList<'_>,
         g: &mut [S],
     ) -> Result<()> {
-        let (m, mut rows) = (self.solids.len(), rows.iter().peekable());
-        for (ball, first) in self.balls.iter().zip((0..).step_by(m.max(1))) {
-            let own = |row: &usize| *row < first + m;
-            if rows.peek().is_none_or(|row| !own(row)) {
-                continue;
-            }
-            let p = at.point(ball.body, &ball.centre)?;
-            let radius = S::lift(ball.radius);
-            while let Some(row) = rows.next_if(own) {
-                g[row] = radius - self.solids[row - first].distance(&p);
-            }
-        }
-        Ok(())
+        rows.by_ball((&self.balls, self.solids.len()), at, |row, j, ball, p| {
+            g[row] = S::lift(ball.radius) - self.solids[j].distance(p);
+        })
     }
 
     fn gap(&self, row: usize) -> Option<Gap<C>> {

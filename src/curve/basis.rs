@@ -43,8 +43,8 @@ pub struct Continuity {
     pub free_final_position: bool,
     /// True if the slope may jump, as that of a state does; it is then unknown at both ends.
     pub corners: bool,
-    /// True if value and slope are unknown at both ends, as those of a periodic motion are.
-    pub free_ends: bool,
+    /// True if value and slope at the start are unknown.
+    pub free_start: bool,
 }
 
 impl Continuity {
@@ -55,7 +55,7 @@ impl Continuity {
         free_final_velocity: false,
         free_final_position: false,
         corners: true,
-        free_ends: false,
+        free_start: false,
     };
 
     /// The number of functions per breakpoint.
@@ -168,19 +168,14 @@ impl Basis {
         self.value(breakpoint) - 1
     }
 
-    /// The functions whose coefficients are given velocities at the ends.
-    pub(crate) fn fixed_slopes(&self) -> impl Iterator<Item = usize> + use<> {
-        let (ends, fixed) = match self.continuity.corners || self.continuity.free_ends {
-            true => ([0; 2], 0),
-            false => {
-                let free = self.continuity.free_final_velocity;
-                (
-                    [0, self.segments].map(|end| self.slope(end)),
-                    2 - usize::from(free),
-                )
-            }
-        };
-        ends.into_iter().take(fixed)
+    /// The functions whose coefficients are given velocities at the ends, each with its end, 0 or 1.
+    pub(crate) fn fixed_slopes(&self) -> impl Iterator<Item = (usize, usize)> + use<'_> {
+        let ends = self.continuity;
+        let free = [ends.free_start, ends.free_final_velocity];
+        let fixed = [0, 1]
+            .into_iter()
+            .filter(move |end| !free[*end] && !ends.corners);
+        fixed.map(|end| (self.slope(end * self.segments), end))
     }
 
     /// The functions with unknown coefficients, ascending: all but slope and value at the start and at the end, unless
@@ -188,14 +183,11 @@ impl Basis {
     #[must_use]
     pub fn free(&self) -> Vec<usize> {
         let (last, ends) = (self.segments, self.continuity);
-        let slopes: Vec<_> = self.fixed_slopes().collect();
+        let slopes: Vec<_> = self.fixed_slopes().map(|(slope, _)| slope).collect();
         let fixed = [
-            (self.value(0), !ends.free_ends),
+            (self.value(0), !ends.free_start),
             (self.first(0), ends.acceleration && ends.rest[0]),
-            (
-                self.value(last),
-                !ends.free_final_position && !ends.free_ends,
-            ),
+            (self.value(last), !ends.free_final_position),
             (self.first(last), ends.acceleration && ends.rest[1]),
         ];
         let is_free = |f: &usize| !fixed.contains(&(*f, true)) && !slopes.contains(f);

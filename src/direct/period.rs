@@ -1,6 +1,7 @@
 //! Periodic motions.
 
 use super::DirectSettings;
+use crate::constraint::is_permutation;
 use crate::error::{Error, Result, check_length};
 use crate::motion::Problem;
 
@@ -31,9 +32,7 @@ impl Period {
         check_length("joints of the period", n, self.joints.len())?;
         check_length("signs of the period", n, self.signs.len())?;
         let refuse = |condition: &str| Err(Error::input("settings", "period", condition));
-        let mut sorted = self.joints.clone();
-        sorted.sort_unstable();
-        if !sorted.into_iter().eq(0..n) {
+        if !is_permutation(&self.joints, n) {
             return refuse("the joints are not a permutation");
         }
         if self.signs.iter().any(|sign| sign.abs() != 1.0) {

@@ -49,7 +49,7 @@ impl Path {
         let ends = Continuity {
             free_final_velocity: false,
             free_final_position: false,
-            free_ends: false,
+            free_start: false,
             ..basis.continuity()
         };
         let least = Basis::new(1, ends.smallest_degree() - 1, ends);
@@ -163,12 +163,9 @@ impl Path {
     /// Computes the derivatives of the coefficients with respect to the horizon into `rates`, which are zero elsewhere.
     pub fn rates_in(&self, problem: &Problem<'_>, rates: &mut DMatrix<f64>) {
         let n = self.coefficients.nrows();
-        for (column, state) in self
-            .basis
-            .fixed_slopes()
-            .zip([problem.start(), problem.goal()])
-        {
-            rates.column_mut(column).copy_from_slice(&state[n..]);
+        let ends = [problem.start(), problem.goal()];
+        for (column, end) in self.basis.fixed_slopes() {
+            rates.column_mut(column).copy_from_slice(&ends[end][n..]);
         }
     }
 
@@ -182,9 +179,9 @@ impl Path {
     pub fn set_ends(&mut self, problem: &Problem<'_>) {
         let n = self.coefficients.nrows();
         let ends = [problem.start(), problem.goal()];
-        for (column, state) in self.basis.fixed_slopes().zip(ends) {
+        for (column, end) in self.basis.fixed_slopes() {
             let mut slope = self.coefficients.column_mut(column);
-            slope.copy_from_slice(&state[n..]);
+            slope.copy_from_slice(&ends[end][n..]);
             slope *= problem.horizon();
         }
         let last = self.basis.segments();
@@ -192,12 +189,12 @@ impl Path {
             acceleration,
             rest,
             free_final_position,
-            free_ends,
+            free_start,
             ..
         } = self.basis.continuity();
         let ends = [
-            (0, problem.start(), free_ends),
-            (last, problem.goal(), free_final_position || free_ends),
+            (0, problem.start(), free_start),
+            (last, problem.goal(), free_final_position),
         ];
         for (end, state, _) in ends.into_iter().filter(|(.., free)| !free) {
             let mut q = self.coefficients.column_mut(self.basis.value(end));
@@ -234,13 +231,12 @@ pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
     let Continuity {
         free_final_position,
         free_final_velocity,
-        free_ends,
+        free_start,
         ..
     } = path.basis.continuity();
-    if free_ends {
-        return Curve::piecewise(horizon, segments, x);
+    if !free_start {
+        x.column_mut(0).copy_from_slice(problem.start());
     }
-    x.column_mut(0).copy_from_slice(problem.start());
     for (free, own) in [(free_final_position, 0..n), (free_final_velocity, n..2 * n)] {
         if !free {
             let mut given = x.view_mut((own.start, last), (n, 1));

@@ -49,7 +49,7 @@ fn ends(acceleration: bool, free_end: bool) -> Continuity {
         free_final_velocity: free_end,
         free_final_position: free_end,
         corners: false,
-        free_ends: false,
+        free_start: false,
     }
 }
 

@@ -141,27 +141,22 @@ fn asymmetry(
     period: &Period,
     q: &[f64],
 ) -> Result<f64> {
-    let (n, still) = (model.dof(), vec![0.0; model.dof()]);
-    let mut torques = [vec![0.0; n], vec![0.0; n]];
-    rnea(
-        model,
-        &mut Data::new(model),
-        q,
-        &still,
-        &still,
-        &mut torques[0],
-    )?;
+    let still = vec![0.0; model.dof()];
+    let held = |model: &Model, q: &[f64]| {
+        let mut torques = still.clone();
+        let found = rnea(
+            model,
+            &mut Data::new(model),
+            q,
+            &still,
+            &still,
+            &mut torques,
+        );
+        found.map(|()| torques)
+    };
     let mirrored = period.end_of(q);
     let sorted: Vec<_> = order.iter().map(|joint| mirrored[*joint]).collect();
-    rnea(
-        other,
-        &mut Data::new(other),
-        &sorted,
-        &still,
-        &still,
-        &mut torques[1],
-    )?;
-    let [own, others] = torques;
+    let (own, others) = (held(model, q)?, held(other, &sorted)?);
     let expected = period.end_of(&own);
     let pairs = order.iter().zip(&others);
     let squares: f64 = pairs.map(|(joint, u)| (u - expected[*joint]).powi(2)).sum();

@@ -1,10 +1,40 @@
 //! The smallest curvature of a minimum.
 
-use crate::nlp::{Bordered, Memory};
+use super::program::Program;
+use crate::constraint::Constraint;
+use crate::cost::CostWithControl;
+use crate::error::Result;
+use crate::linalg::BlockTridiagonal;
+use crate::nlp::{Bordered, Iterate, Memory};
+use crate::transcription::Derivatives;
 use nalgebra::DVector;
 
+impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
+    /// The smallest curvature at the unknowns of an iterate.
+    pub fn smallest_curvature(&mut self, x: &DVector<f64>, iterate: &Iterate) -> Result<f64> {
+        self.place(x);
+        self.set_terms(iterate);
+        self.objective
+            .derivatives(&self.coefficients, &mut self.derivatives)?;
+        for (place, of) in self.of_points(iterate)? {
+            place.add_hessian(&self.grid, &of, self.horizon, &mut self.derivatives.hessian);
+        }
+        let of_unknowns = |matrix: &BlockTridiagonal<f64>| {
+            let full = Bordered::with_border(matrix.clone(), 0);
+            match &self.period {
+                None => full,
+                Some(period) => period.reduced(&full),
+            }
+        };
+        let Derivatives {
+            hessian, metric, ..
+        } = &self.derivatives;
+        Ok(smallest(&of_unknowns(hessian), &of_unknowns(metric)))
+    }
+}
+
 /// The smallest eigenvalue of the Hessian relative to the Gauss-Newton metric, by inverse iteration.
-pub(super) fn smallest(hessian: &Bordered, metric: &Bordered) -> f64 {
+fn smallest(hessian: &Bordered, metric: &Bordered) -> f64 {
     let (mut factor, mut memory) = (hessian.clone(), Memory::new(hessian));
     let mut shift: f64 = 0.0;
     loop {

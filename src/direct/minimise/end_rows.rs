@@ -30,7 +30,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// configuration, divided by the power.
     pub(super) fn add_rows_of_ends(&mut self) -> Result<()> {
         let (ends, fixed) = (self.basis.continuity(), self.fixed_ends());
-        let is_zero = |slope: usize| self.rates.column(slope).iter().all(|rate| *rate == 0.0);
+        let is_zero = |(slope, _)| self.rates.column(slope).iter().all(|rate| *rate == 0.0);
         let times = &self.grid.times;
         if times[0] != 0.0 || !self.basis.fixed_slopes().all(is_zero) {
             return Ok(());

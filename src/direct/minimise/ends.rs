@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 /// ends $y = c_0$ with $c_1 = P y$. Gradient and matrix are $E^T g$ and $E^T H E$. The columns of `y` are part of the
 /// border, so that start and end, which are far from each other along the curve, do not fill the matrix.
 pub(super) struct PeriodicEnds {
-    period: Period,
+    pub period: Period,
     /// Gradient and matrix in all free coefficients and the border.
     gradient: DVector<f64>,
     hessian: Bordered,
@@ -42,14 +42,6 @@ impl PeriodicEnds {
             k - joint + self.period.joints[joint],
             self.period.signs[joint],
         )
-    }
-
-    /// Computes the coefficients of the end from those of the start.
-    pub fn end_of(&self, start: &[f64], end: &mut [f64]) {
-        for (k, end) in end.iter_mut().enumerate() {
-            let (from, sign) = self.source(k);
-            *end = sign * start[from];
-        }
     }
 
     /// Exchanges gradient and matrix with those in all coefficients, or back.

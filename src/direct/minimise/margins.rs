@@ -94,7 +94,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     pub(super) fn fixed_ends(&self) -> [bool; 2] {
         let ends = self.basis.continuity();
         let free = ends.free_final_velocity || ends.free_final_position;
-        [!ends.free_ends, !free && !ends.free_ends]
+        [!ends.free_start, !free]
     }
 
     /// Sets the margin of each row against rounding: not more than the distance of a fixed start or end from its bound,

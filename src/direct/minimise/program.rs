@@ -1,6 +1,5 @@
 //! The nonlinear program of a curve in a basis.
 
-use super::curvature::smallest;
 use super::ends::PeriodicEnds;
 use super::integrand::Integrand;
 use super::point_rows::PointRows;
@@ -11,7 +10,6 @@ use crate::cost::CostWithControl;
 use crate::curve::Basis;
 use crate::direct::{FreeHorizon, Period, SearchOptions, Waypoint};
 use crate::error::Result;
-use crate::linalg::BlockTridiagonal;
 use crate::model::Model;
 use crate::motion::{Problem, Watch};
 use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, RowState, Term, Tightened};
@@ -213,27 +211,6 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         Ok(cost)
     }
 
-    /// The norm of steps: the mean square of the velocities in normalised time, the relative change of the horizon,
-    /// the mean way of the curve in the change of the time of a waypoint, and the square of the change of the
-    /// configuration at the ends of a periodic motion.
-    pub fn kkt(&self) -> Option<Kkt> {
-        let mut norm = Bordered::with_border(self.objective.gram(), self.border());
-        self.norm_of_border(&mut norm.corner);
-        if let Some(period) = &self.period {
-            norm = period.reduced(&norm);
-            let (n, order) = (self.objective.dof(), norm.corner.nrows());
-            for value in order - n..order {
-                norm.corner[(value, value)] += 1.0;
-            }
-        }
-        Kkt::new(norm)
-    }
-
-    /// Begins with the norm of the current horizon and times.
-    pub fn restart_kkt(&self, kkt: &mut Kkt) {
-        kkt.restart(|corner| self.norm_of_border(corner));
-    }
-
     /// The norm of the gradient of the Lagrangian relative to the cost, dual to the norm of steps: the residual of the
     /// first of the optimality conditions (NW 19.2a).
     pub fn stationarity(&mut self, x: &DVector<f64>, iterate: &Iterate) -> Result<f64> {
@@ -259,30 +236,8 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         }
     }
 
-    /// The smallest curvature at the unknowns of an iterate.
-    pub fn smallest_curvature(&mut self, x: &DVector<f64>, iterate: &Iterate) -> Result<f64> {
-        self.place(x);
-        self.set_terms(iterate);
-        self.objective
-            .derivatives(&self.coefficients, &mut self.derivatives)?;
-        for (place, of) in self.of_points(iterate)? {
-            place.add_hessian(&self.grid, &of, self.horizon, &mut self.derivatives.hessian);
-        }
-        let of_unknowns = |matrix: &BlockTridiagonal<f64>| {
-            let full = Bordered::with_border(matrix.clone(), 0);
-            match &self.period {
-                None => full,
-                Some(period) => period.reduced(&full),
-            }
-        };
-        let Derivatives {
-            hessian, metric, ..
-        } = &self.derivatives;
-        Ok(smallest(&of_unknowns(hessian), &of_unknowns(metric)))
-    }
-
     /// Passes the terms of the rows to the integrand.
-    fn set_terms(&mut self, iterate: &Iterate) {
+    pub(super) fn set_terms(&mut self, iterate: &Iterate) {
         let integrand = self.objective.cost_mut();
         for terms in &mut integrand.terms {
             terms.clear();

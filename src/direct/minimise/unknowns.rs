@@ -5,8 +5,17 @@ use super::ends::PeriodicEnds;
 use super::program::Program;
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
-use crate::nlp::Iterate;
+use crate::nlp::{Bordered, Iterate, Kkt};
 use nalgebra::{DMatrix, DVector};
+
+/// The functions with free coefficients: slope and value at the start of a periodic motion, those whose coefficients are
+/// the first unknowns, and slope and value at the end, which follow from those at the start.
+fn parts(free: &[usize], is_periodic: bool) -> [&[usize]; 3] {
+    let ends = 2 * usize::from(is_periodic);
+    let (start, rest) = free.split_at(ends);
+    let (between, end) = rest.split_at(rest.len() - ends);
+    [start, between, end]
+}
 
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// The known multipliers at the points, without those of rows beside ends that another program had.
@@ -28,8 +37,29 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         candidate.multipliers.put(&self.grid, rows, all);
     }
 
+    /// The norm of steps: the mean square of the velocities in normalised time, the relative change of the horizon,
+    /// the mean way of the curve in the change of the time of a waypoint, and the square of the change of the
+    /// configuration at the ends of a periodic motion.
+    pub fn kkt(&self) -> Option<Kkt> {
+        let mut norm = Bordered::with_border(self.objective.gram(), self.border());
+        self.norm_of_border(&mut norm.corner);
+        if let Some(period) = &self.period {
+            norm = period.reduced(&norm);
+            let (n, order) = (self.objective.dof(), norm.corner.nrows());
+            for value in order - n..order {
+                norm.corner[(value, value)] += 1.0;
+            }
+        }
+        Kkt::new(norm)
+    }
+
+    /// Begins with the norm of the current horizon and times.
+    pub fn restart_kkt(&self, kkt: &mut Kkt) {
+        kkt.restart(|corner| self.norm_of_border(corner));
+    }
+
     /// Sets the diagonal of the norm of steps of the border.
-    pub(super) fn norm_of_border(&self, corner: &mut DMatrix<f64>) {
+    fn norm_of_border(&self, corner: &mut DMatrix<f64>) {
         if !self.moving.is_empty() {
             corner.fill_diagonal(self.mean_square_slope());
         }
@@ -48,7 +78,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 
     /// Computes the unknowns of a curve in the basis.
     pub fn unknowns_in(&self, of: &Candidate, x: &mut DVector<f64>) {
-        let (own, ends) = self.functions_of_unknowns();
+        let [ends, own, _] = parts(&self.grid.free, self.period.is_some());
         let coefficients = &of.path.coefficients;
         let column = |function: &usize| coefficients.column(*function).into_iter().copied();
         let horizon = self.free_horizon.map(|_| of.horizon);
@@ -75,39 +105,27 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         self.derivatives.gradient.len() - 2 * ends
     }
 
-    /// The functions of the unknown coefficients before the border, and those of unknown ends, which are after it.
-    fn functions_of_unknowns(&self) -> (&[usize], &[usize]) {
-        let free = &self.grid.free;
-        match self.period {
-            None => (free, &[]),
-            Some(_) => (&free[2..free.len() - 2], &free[..2]),
-        }
-    }
-
     /// Sets coefficients, horizon and times.
     pub(super) fn place(&mut self, x: &DVector<f64>) {
         let (grid, n, own) = (self.grid.clone(), self.objective.dof(), self.own());
-        let (free, x_of_ends) = (&grid.free, &x.as_slice()[own + self.border()..]);
+        let [start, between, end] = parts(&grid.free, self.period.is_some());
         let mut set = |functions: &[usize], values: &[f64]| {
             for (function, values) in functions.iter().zip(values.chunks_exact(n)) {
                 let mut column = self.coefficients.column_mut(*function);
                 column.copy_from_slice(values);
             }
         };
-        match &self.period {
-            None => set(free, &x.as_slice()[..own]),
-            Some(period) => {
-                let last = free.len() - 2;
-                set(&free[2..last], &x.as_slice()[..own]);
-                set(&free[..2], x_of_ends);
-                let mut end = vec![0.0; 2 * n];
-                period.end_of(x_of_ends, &mut end);
-                set(&free[last..], &end);
+        set(between, &x.as_slice()[..own]);
+        if let Some(PeriodicEnds { period, .. }) = &self.period {
+            let of_start = &x.as_slice()[x.len() - start.len() * n..];
+            set(start, of_start);
+            for (function, values) in end.iter().zip(of_start.chunks_exact(n)) {
+                set(&[*function], &period.end_of(values));
             }
         }
         if self.free_horizon.is_some() {
             self.horizon = x[own];
-            for column in self.basis.fixed_slopes() {
+            for (column, _) in self.basis.fixed_slopes() {
                 let mut slope = self.coefficients.column_mut(column);
                 slope.copy_from(&self.rates.column(column));
                 slope *= self.horizon;
