@@ -132,8 +132,14 @@ impl<const N: usize> From<TaylorModel<N>> for Polynomial {
 
 impl Motion {
     /// The motion of a curve: its positions. Cost O(N p^2) per segment.
-    #[must_use]
-    pub fn of_curve(curve: &Curve) -> Self {
+    ///
+    /// # Errors
+    /// The curve has parts of different lengths, of which each has a certificate of its own.
+    pub fn of_curve(curve: &Curve) -> Result<Self> {
+        if curve.parts() > 1 {
+            let condition = format!("it has {} parts, one is certified at a time", curve.parts());
+            return Err(Error::input("motion", "curve", condition));
+        }
         let segment = |e| {
             let all = curve.coefficients(e);
             (0..curve.dof())
@@ -141,7 +147,8 @@ impl Motion {
                 .collect()
         };
         let coefficients: Vec<_> = (0..curve.segments()).map(segment).collect();
-        Self::of_coefficients(curve.horizon(), curve.chebyshev().degree(), &coefficients)
+        let (horizon, degree) = (curve.horizon(), curve.degree());
+        Ok(Self::of_coefficients(horizon, degree, &coefficients))
     }
 
     /// The motion with these coefficients per segment and joint, `p + 1` each.

@@ -4,15 +4,15 @@ use super::Chebyshev;
 use crate::error::{Error, Result};
 use nalgebra::{DMatrix, DMatrixView, DVector};
 
-/// A curve $x(t)$ of one polynomial, or of several of the same degree on equal segments of the horizon, through given
-/// states at Chebyshev nodes.
+/// A curve $x(t)$ of one polynomial, or of several of the same degree on equal segments of the horizon or of each of its
+/// parts, through given states at Chebyshev nodes.
 ///
 /// From one segment to the next the state $[q; v]$ is continuous; its derivative, and with it acceleration and control,
 /// may jump.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// The nodes of a segment.
-    chebyshev: Chebyshev,
+    /// The nodes of a segment of each part.
+    parts: Vec<Chebyshev>,
     /// The beginning of each segment, and the end of the last one.
     breakpoints: Vec<f64>,
     /// States, `2 N` by `p + 1` per segment, one column per node.
@@ -28,7 +28,7 @@ impl Curve {
     /// The number of columns is not the number of nodes, or the number of rows is odd.
     pub fn new(chebyshev: Chebyshev, x: DMatrix<f64>) -> Result<Self> {
         let breakpoints = vec![0.0, chebyshev.horizon()];
-        Self::of_segments(chebyshev, breakpoints, x)
+        Self::of_segments(vec![chebyshev], breakpoints, x)
     }
 
     /// Interpolates by `segments` polynomials on equal segments of `[0, horizon]`: `x` is `2 N` by `p + 1` per segment,
@@ -46,32 +46,62 @@ impl Curve {
         })?;
         let chebyshev = Chebyshev::new(nodes.saturating_sub(1), horizon / segments as f64)?;
         let breakpoints = (0..=segments).map(|e| horizon * e as f64 / segments as f64);
-        let curve = Self::of_segments(chebyshev, breakpoints.collect(), x)?;
-        for segment in 1..segments {
-            if curve.x.column(segment * nodes - 1) != curve.x.column(segment * nodes) {
+        Self::of_segments(vec![chebyshev], breakpoints.collect(), x)?.continuous()
+    }
+
+    /// Interpolates by as many polynomials on equal segments of each part of the horizon, whose lengths may differ, in s;
+    /// `x` as in [`piecewise`](Self::piecewise).
+    ///
+    /// # Errors
+    /// The parts do not share the segments, or as [`piecewise`](Self::piecewise).
+    pub fn in_parts(lengths: &[f64], segments: usize, x: DMatrix<f64>) -> Result<Self> {
+        let (count, refuse) = (lengths.len(), |condition| {
+            Error::input("curve", "parts", condition)
+        });
+        if count == 0 || segments == 0 || !segments.is_multiple_of(count) {
+            return Err(refuse(format!("there are {count} for {segments} segments")));
+        }
+        let (degree, own) = ((x.ncols() / segments).saturating_sub(1), segments / count);
+        let (mut parts, mut breakpoints, mut begin) = (Vec::new(), vec![0.0], 0.0);
+        for length in lengths {
+            parts.push(Chebyshev::new(degree, length / own as f64)?);
+            breakpoints.extend((1..=own).map(|e| begin + length * e as f64 / own as f64));
+            begin += length;
+        }
+        Self::of_segments(parts, breakpoints, x)?.continuous()
+    }
+
+    /// Refuses a state that jumps between segments.
+    fn continuous(self) -> Result<Self> {
+        let nodes = self.degree() + 1;
+        for segment in 1..self.segments() {
+            if self.x.column(segment * nodes - 1) != self.x.column(segment * nodes) {
                 let condition = format!("the state jumps where segment {segment} begins");
                 return Err(Error::input("curve", "x", condition));
             }
         }
-        Ok(curve)
+        Ok(self)
     }
 
-    fn of_segments(chebyshev: Chebyshev, breakpoints: Vec<f64>, x: DMatrix<f64>) -> Result<Self> {
-        let nodes = chebyshev.degree() + 1;
+    fn of_segments(parts: Vec<Chebyshev>, breakpoints: Vec<f64>, x: DMatrix<f64>) -> Result<Self> {
+        let nodes = parts[0].degree() + 1;
         crate::error::check_length("x", nodes * (breakpoints.len() - 1), x.ncols())?;
         if x.nrows() % 2 == 1 {
             let condition = "an odd number of rows is no state [q; v]";
             return Err(Error::input("curve", "x", condition));
         }
         let mut xdot = DMatrix::zeros(x.nrows(), x.ncols());
-        let d = chebyshev.d().transpose();
-        for segment in 0..breakpoints.len() - 1 {
-            let own = x.columns(segment * nodes, nodes);
-            xdot.columns_mut(segment * nodes, nodes)
-                .copy_from(&(own * &d));
+        let of_part = (breakpoints.len() - 1) / parts.len();
+        for (part, chebyshev) in parts.iter().enumerate() {
+            let d = chebyshev.d().transpose();
+            for segment in part * of_part..(part + 1) * of_part {
+                let own = x.columns(segment * nodes, nodes);
+                xdot.columns_mut(segment * nodes, nodes)
+                    .copy_from(&(own * &d));
+            }
         }
         Ok(Self {
-            chebyshev,
+            parts,
             breakpoints,
             x,
             xdot,
@@ -85,9 +115,24 @@ impl Curve {
     }
 
     /// The nodes of a segment, in time from its beginning.
+    ///
+    /// # Panics
+    /// `segment` is out of range.
     #[must_use]
-    pub fn chebyshev(&self) -> &Chebyshev {
-        &self.chebyshev
+    pub fn chebyshev(&self, segment: usize) -> &Chebyshev {
+        &self.parts[segment * self.parts.len() / self.segments()]
+    }
+
+    /// The degree `p` of each segment.
+    #[must_use]
+    pub fn degree(&self) -> usize {
+        self.parts[0].degree()
+    }
+
+    /// The number of parts whose lengths may differ.
+    #[must_use]
+    pub fn parts(&self) -> usize {
+        self.parts.len()
     }
 
     /// The number of segments.
@@ -121,7 +166,7 @@ impl Curve {
     /// `segment` is out of range.
     #[must_use]
     pub fn coefficients(&self, segment: usize) -> DMatrix<f64> {
-        self.chebyshev
+        self.chebyshev(segment)
             .coefficients(&self.segment(segment).into_owned())
     }
 
@@ -131,7 +176,7 @@ impl Curve {
     /// `segment` is out of range.
     #[must_use]
     pub fn segment(&self, segment: usize) -> DMatrixView<'_, f64> {
-        let nodes = self.chebyshev.degree() + 1;
+        let nodes = self.degree() + 1;
         self.x.columns(segment * nodes, nodes)
     }
 
@@ -141,7 +186,7 @@ impl Curve {
     /// `segment` is out of range.
     #[must_use]
     pub fn segment_rates(&self, segment: usize) -> DMatrixView<'_, f64> {
-        let nodes = self.chebyshev.degree() + 1;
+        let nodes = self.degree() + 1;
         self.xdot.columns(segment * nodes, nodes)
     }
 
@@ -165,10 +210,10 @@ impl Curve {
     /// `segment` is out of range.
     #[must_use]
     pub fn at_in(&self, segment: usize, t: f64) -> (DVector<f64>, DVector<f64>) {
-        let nodes = self.chebyshev.degree() + 1;
+        let nodes = self.degree() + 1;
         let mut weights = DVector::zeros(nodes);
         let own = t - self.breakpoints[segment];
-        self.chebyshev.interpolation(own, &mut weights);
+        self.chebyshev(segment).interpolation(own, &mut weights);
         let at = |x: &DMatrix<f64>| x.columns(segment * nodes, nodes) * &weights;
         (at(&self.x), at(&self.xdot))
     }

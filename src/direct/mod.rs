@@ -38,7 +38,7 @@ pub use options::SearchOptions;
 pub use period::Period;
 pub use settings::{DirectSettings, PlannedStarts};
 pub use solution::{DirectSolution, Iteration};
-pub use strategy::{DegreeRefinement, FreeHorizon, LocalMinimum};
+pub use strategy::{DegreeRefinement, FreeHorizon, FreeParts, LocalMinimum};
 pub use tracker::{Command, Outcome, Safety, Step, Tracker, TrackerOptions};
 pub use waypoint::Waypoint;
 
@@ -153,6 +153,11 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
             let condition = "accelerations jump where the foot changes".to_owned();
             return refuse("continuous_acceleration", condition);
         }
+        let parts = self.settings.parts.as_ref().map(|parts| parts.bounds.len());
+        if phases > 1 && parts.is_some_and(|parts| parts != phases) {
+            let condition = format!("there are {phases} phases");
+            return refuse("parts", condition);
+        }
         if phases > 1 && self.constraints.torque.has_passive() {
             return refuse("phases", "a joint has no motor".to_owned());
         }
@@ -210,6 +215,10 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
         };
         let highest = settings.highest();
         let passive = self.constraints.torque.has_passive();
+        let parts = settings
+            .parts
+            .as_ref()
+            .map_or(1, |parts| parts.bounds.len());
         let (mut starts, mut minima, mut minima_curves) = (Vec::new(), Vec::new(), Vec::new());
         let mut best_start = None;
         let first_guess;
@@ -228,7 +237,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
             let outcome = multistart(
                 context,
                 settings,
-                &settings.levels(settings.continuity(&problem), passive, phases),
+                &settings.levels(settings.continuity(&problem), passive, phases.max(parts)),
                 &planned,
                 &mut log,
             )?;
@@ -243,7 +252,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
         };
         let (found, adapted) = refine(settings, found, |from, basis| {
             let mut higher = from.clone();
-            higher.path = higher.path.in_basis(basis);
+            higher.change_basis(basis);
             minimise(context, higher, highest, &mut log)
         })?;
         Ok(DirectSolution {
@@ -267,11 +276,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
             minima_curves,
             best_start,
             alternative: found.alternative,
-            waypoint_times: found
-                .times
-                .iter()
-                .map(|time| time * found.horizon)
-                .collect(),
+            waypoint_times: found.times.iter().map(|time| found.time(*time)).collect(),
             first_guess,
             multipliers: found.multipliers,
             iterations,

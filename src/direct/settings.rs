@@ -2,7 +2,7 @@
 
 use super::minimise::Stage;
 use super::waypoint;
-use super::{FreeHorizon, GoalSet, Multipliers, Period, SearchOptions, Waypoint};
+use super::{FreeHorizon, FreeParts, GoalSet, Multipliers, Period, SearchOptions, Waypoint};
 use crate::curve::{Basis, Continuity, Curve};
 use crate::error::{Error, Result, check_count, check_positive};
 use crate::motion::{Interrupt, Problem};
@@ -62,6 +62,9 @@ pub struct DirectSettings {
     pub continuous_acceleration: bool,
     /// The bounds and the weight of a free horizon; the search then starts from that of the problem.
     pub free_horizon: Option<FreeHorizon>,
+    /// The bounds of the lengths of parts of the motion, in place of a free horizon: each part then has a length of its
+    /// own, from the start on that which it would have if all were alike.
+    pub parts: Option<FreeParts>,
     /// A goal that is a set: the final configuration is an unknown within it, and that of the problem has no effect.
     pub goal: Option<GoalSet>,
     /// The points on the way, in their order.
@@ -111,6 +114,7 @@ impl Default for DirectSettings {
             free_final_velocity: false,
             continuous_acceleration: false,
             free_horizon: None,
+            parts: None,
             goal: None,
             waypoints: Vec::new(),
             period: None,
@@ -162,13 +166,8 @@ impl DirectSettings {
     /// The sequence of bases: single polynomials of those degrees among 6, 9, 16, 24, 32, 48, ... that are below the
     /// final degree; then the final degree on fewer segments, each basis with all breakpoints of the previous one; then
     /// the final basis. With passive joints there are at least half of the final segments: a few polynomials leave such
-    /// a joint almost no freedom. In phases there is at least one polynomial per phase.
-    pub(crate) fn levels(
-        &self,
-        continuity: Continuity,
-        passive: bool,
-        phases: usize,
-    ) -> Vec<Level> {
+    /// a joint almost no freedom. There is at least one polynomial per phase, or per part with a length of its own.
+    pub(crate) fn levels(&self, continuity: Continuity, passive: bool, parts: usize) -> Vec<Level> {
         let lower = self.search.lower();
         let fewer_segments = Stage {
             iterations: self.search.segment_iterations,
@@ -177,7 +176,7 @@ impl DirectSettings {
         let new = |segments, p| Basis::new(segments, p, continuity);
         let mut levels: Vec<_> = Basis::degrees_below(self.degree, self.lowest_degree)
             .map(|p| Level {
-                basis: new(phases, p),
+                basis: new(parts, p),
                 stage: lower,
             })
             .collect();
@@ -185,7 +184,7 @@ impl DirectSettings {
             basis: new(n, self.degree),
             stage: fewer_segments,
         }));
-        levels.retain(|level| level.basis.segments().is_multiple_of(phases));
+        levels.retain(|level| level.basis.segments().is_multiple_of(parts));
         // A low degree on one segment is the first level already.
         levels.dedup_by(|b, a| a.basis == b.basis);
         if passive {
@@ -278,6 +277,7 @@ impl DirectSettings {
         if let Some(free) = &self.free_horizon {
             free.check(problem.horizon())?;
         }
+        self.check_parts()?;
         if let Some(goal) = &self.goal {
             goal.check(problem)?;
         }
@@ -300,6 +300,40 @@ impl DirectSettings {
             }
             (None, None) => Ok(()),
         }
+    }
+}
+
+impl DirectSettings {
+    /// Refuses parts beside settings that do not go with them.
+    fn check_parts(&self) -> Result<()> {
+        let Some(parts) = &self.parts else {
+            return Ok(());
+        };
+        parts.check(self.segments)?;
+        let unknown_time = self
+            .waypoints
+            .iter()
+            .any(|waypoint| waypoint.share.is_none());
+        for (given, condition) in [
+            (
+                self.free_horizon.is_some(),
+                "the whole horizon is free beside them",
+            ),
+            (
+                self.continuous_acceleration,
+                "accelerations jump where two of them meet",
+            ),
+            (unknown_time, "a waypoint has an unknown time"),
+            (
+                parts.bounds.len() < 2,
+                "there is one: a free horizon does the same",
+            ),
+        ] {
+            if given {
+                return Err(Error::input("settings", "parts", condition));
+            }
+        }
+        Ok(())
     }
 }
 

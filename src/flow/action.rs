@@ -48,7 +48,7 @@ fn add_segment(
     effort: &mut EffortSummary,
 ) -> Result<()> {
     let action = |s: &Sample| lagrangian_of_control(&s.qdot, &s.v, &s.u, k);
-    let (chebyshev, begin) = (curve.chebyshev(), curve.breakpoints()[segment]);
+    let (chebyshev, begin) = (curve.chebyshev(segment), curve.breakpoints()[segment]);
     let nodes = chebyshev.times().iter().map(|t| (segment, begin + t));
     for (sample, weight) in samples_at(model, curve, nodes).zip(chebyshev.weights()) {
         effort.action_at_nodes += weight * action(&sample?)?;

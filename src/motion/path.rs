@@ -248,17 +248,16 @@ pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
 
 /// The configuration of a curve in a basis.
 pub(crate) fn path_of(curve: &Curve, basis: Basis) -> Path {
-    let (n, chebyshev) = (curve.dof(), curve.chebyshev());
-    let horizon = curve.horizon();
-    let d2 = chebyshev.d2().transpose();
+    let (n, horizon) = (curve.dof(), curve.horizon());
     let second: Vec<_> = (0..curve.segments())
-        .map(|e| curve.segment(e) * &d2)
+        .map(|e| curve.segment(e) * curve.chebyshev(e).d2().transpose())
         .collect();
-    let mut weights = DVector::zeros(chebyshev.degree() + 1);
+    let mut weights = DVector::zeros(curve.degree() + 1);
     let coefficients = basis.fit(n, |time| {
         let time = time * horizon;
         let part = curve.segment_at(time);
         let (x, xdot) = curve.at_in(part, time);
+        let chebyshev = curve.chebyshev(part);
         chebyshev.interpolation(time - curve.breakpoints()[part], &mut weights);
         let a = second[part].rows(0, n) * &weights;
         let of_q = |x: &DVector<f64>, scale: f64| x.rows(0, n) * scale;

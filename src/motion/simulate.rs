@@ -120,9 +120,9 @@ pub fn simulate_with(
 /// Those of [`simulate`].
 pub fn replay_error(model: &Model, curve: &Curve, passive: &[usize]) -> Result<Option<f64>> {
     let mut robot = ControlledRobot::new(model, curve, Feedback::NONE, passive)?;
-    let chebyshev = curve.chebyshev();
     let mut worst = 0.0_f64;
     for (segment, begin) in curve.breakpoints()[..curve.segments()].iter().enumerate() {
+        let chebyshev = curve.chebyshev(segment);
         let times: Vec<f64> = chebyshev.times().iter().map(|t| begin + t).collect();
         let mut nodes = DMatrix::zeros(model.dof(), times.len());
         for (i, t) in times.iter().enumerate() {
@@ -222,7 +222,8 @@ impl<'a> ControlledRobot<'a> {
         if let Some(nodes) = &self.nodes {
             let mut weights = DVector::zeros(nodes.ncols());
             let own = t - self.curve.breakpoints()[self.segment];
-            self.curve.chebyshev().interpolation(own, &mut weights);
+            let chebyshev = self.curve.chebyshev(self.segment);
+            chebyshev.interpolation(own, &mut weights);
             DVectorViewMut::from(&mut self.u[..]).gemv(1.0, nodes, &weights, 0.0);
             return Ok(());
         }

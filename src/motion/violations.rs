@@ -59,7 +59,7 @@ pub(crate) trait Motion {
     fn begin(&self, segment: usize) -> f64;
 
     /// The length of a segment, s.
-    fn length(&self) -> f64;
+    fn length(&self, segment: usize) -> f64;
 
     /// Computes $[q; v; a; \dot a]$ at times of a segment, one after the other; `regular` times are the same parts of
     /// each segment.
@@ -138,10 +138,7 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
     /// # Errors
     /// Those of the rows.
     pub fn along(&mut self, motion: &mut impl Motion) -> Result<&[Violation]> {
-        let (part, intervals, length) = (self.part, self.intervals, motion.length());
-        let time = |k: f64| length * part(k / intervals as f64);
-        self.times.clear();
-        self.times.extend((0..=intervals).map(|k| time(k as f64)));
+        let (part, intervals) = (self.part, self.intervals);
         self.largest.clear();
         self.largest
             .extend((0..self.scales.len()).map(|row| Violation {
@@ -152,7 +149,10 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
         self.uncertain.clear();
         self.uncertain.resize(self.scales.len(), None);
         for segment in 0..motion.segments() {
-            let begin = motion.begin(segment);
+            let (begin, length) = (motion.begin(segment), motion.length(segment));
+            let time = |k: f64| length * part(k / intervals as f64);
+            self.times.clear();
+            self.times.extend((0..=intervals).map(|k| time(k as f64)));
             let states = motion.states(segment, &self.times, true);
             self.rows
                 .evaluate(states, (begin, &self.times), &self.scales)?;
@@ -213,8 +213,8 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
 /// A curve through nodes.
 struct OnCurve<'c> {
     curve: &'c Curve,
-    /// The weights of the nodes at the regular times, one column per time.
-    table: Option<DMatrix<f64>>,
+    /// The weights of the nodes at the regular times, one column per time, in segments of this length.
+    table: Option<(f64, DMatrix<f64>)>,
     states: DMatrix<f64>,
 }
 
@@ -227,12 +227,12 @@ impl Motion for OnCurve<'_> {
         self.curve.breakpoints()[segment]
     }
 
-    fn length(&self) -> f64 {
-        self.curve.chebyshev().horizon()
+    fn length(&self, segment: usize) -> f64 {
+        self.curve.chebyshev(segment).horizon()
     }
 
     fn states(&mut self, segment: usize, times: &[f64], regular: bool) -> &[f64] {
-        let (curve, chebyshev) = (self.curve, self.curve.chebyshev());
+        let (curve, chebyshev) = (self.curve, self.curve.chebyshev(segment));
         let n = curve.dof();
         let mut nodes = DMatrix::zeros(4 * n, chebyshev.degree() + 1);
         nodes.rows_mut(0, 2 * n).copy_from(&curve.segment(segment));
@@ -242,7 +242,12 @@ impl Motion for OnCurve<'_> {
         nodes.rows_mut(3 * n, n).copy_from(&jerks);
         let further;
         let table = match regular {
-            true => &*(self.table).get_or_insert_with(|| interpolation(chebyshev, times)),
+            true => {
+                let length = chebyshev.horizon();
+                self.table.take_if(|(of, _)| *of != length);
+                let new = || (length, interpolation(chebyshev, times));
+                &self.table.get_or_insert_with(new).1
+            }
             false => {
                 further = interpolation(chebyshev, times);
                 &further

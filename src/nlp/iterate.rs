@@ -1,6 +1,7 @@
 //! Slacks, elastic variables and multipliers of the rows.
 
-use super::{Barrier, Options, Row, RowState, RowStep, Term};
+use super::{Barrier, Nlp, Options, Row, RowState, RowStep, Term};
+use nalgebra::DVector;
 
 /// The fraction of its violation that an equality may keep from one update to the next before its penalty grows: 1/4 as
 /// in NW, framework 17.3.
@@ -346,23 +347,40 @@ impl Iterate {
         }
     }
 
-    /// The terms of all rows in the barrier function, without their measure.
-    pub fn barrier_terms(&self, h: &[f64]) -> f64 {
-        let (mut sum, mu) = (0.0, self.barrier.mu);
-        for RowState {
-            row,
-            slack,
-            elastic,
-            penalty,
-            ..
-        } in &self.working
-        {
-            sum += row.weight * (penalty * elastic - mu * (slack * elastic).ln());
+    /// The terms of all rows in the barrier function at the unknowns of a problem.
+    pub fn barrier_terms<P: Nlp>(&self, problem: &P, x: &DVector<f64>, h: &[f64]) -> f64 {
+        let (mut sum, mu) = (MeasuredSum::default(), self.barrier.mu);
+        for of in &self.working {
+            let term = of.penalty * of.elastic - mu * (of.slack * of.elastic).ln();
+            sum.add(problem.measure_of(x, of.row.at), of.row.weight * term);
         }
         for equality in &self.equalities {
             let row = equality.row;
-            sum += row.weight * self.equality_term(equality, h[row.at]).cost;
+            let term = self.equality_term(equality, h[row.at]).cost;
+            sum.add(problem.measure_of(x, row.at), row.weight * term);
         }
-        sum
+        sum.total()
+    }
+}
+
+/// A sum of terms times the measures of their rows, which are those of a few parts.
+#[derive(Default)]
+pub(super) struct MeasuredSum {
+    /// The parts before, and the sum of the terms of the last one without its measure.
+    before: f64,
+    measure: f64,
+    sum: f64,
+}
+
+impl MeasuredSum {
+    pub fn add(&mut self, measure: f64, term: f64) {
+        if measure != self.measure {
+            (self.before, self.measure, self.sum) = (self.total(), measure, 0.0);
+        }
+        self.sum += term;
+    }
+
+    pub fn total(&self) -> f64 {
+        self.before + self.measure * self.sum
     }
 }

@@ -1,5 +1,6 @@
 //! Backtracking on the barrier function.
 
+use super::iterate::MeasuredSum;
 use super::kkt::Step;
 use super::{Iterate, Nlp, Options, RowStep, State};
 use crate::error::Result;
@@ -31,12 +32,11 @@ pub(super) fn line_search<P: Nlp>(
     for _ in 0..options.cuts {
         let f = trial.evaluate(problem, state, &step.x, alpha)?;
         if f.is_finite() {
-            let bend = trial.take(state, alpha, options);
-            let slope = step.slope + problem.measure(&state.x) * bend;
+            let slope = step.slope + trial.take(problem, state, alpha, options);
             if predicted.is_nan() {
                 predicted = -slope;
             }
-            let after = trial.merit(f, problem.measure(&trial.x));
+            let after = trial.merit(problem, f);
             let (gained, rounding) = (highest - after, ROUNDING * before.abs().max(f.abs()));
             let hidden = gained.abs() <= rounding && (alpha * slope).abs() <= rounding;
             if hidden || gained >= -options.sufficient_decrease * alpha * slope {
@@ -97,8 +97,8 @@ impl End {
             let f = longer.evaluate(problem, state, &step.x, alpha)?;
             let merit = match f.is_finite() {
                 true => {
-                    longer.take(state, alpha, options);
-                    longer.merit(f, problem.measure(&longer.x))
+                    longer.take(problem, state, alpha, options);
+                    longer.merit(problem, f)
                 }
                 false => f64::INFINITY,
             };
@@ -158,14 +158,14 @@ impl Trial {
     }
 
     /// The barrier function for an objective.
-    fn merit(&self, f: f64, measure: f64) -> f64 {
-        f + measure * self.iterate.barrier_terms(&self.h)
+    fn merit<P: Nlp>(&self, problem: &P, f: f64) -> f64 {
+        f + self.iterate.barrier_terms(problem, &self.x, &self.h)
     }
 
     /// Takes this fraction of the steps of the rows, whose values at its end are known. Returns the difference between
-    /// the slope of the barrier function along the step and that of the condensed equations, without the measure.
-    fn take(&mut self, state: &State, alpha: f64, options: &Options) -> f64 {
-        let (from, mut slope) = (&state.iterate, 0.0);
+    /// the slope of the barrier function along the step and that of the condensed equations.
+    fn take<P: Nlp>(&mut self, problem: &P, state: &State, alpha: f64, options: &Options) -> f64 {
+        let (from, mut slope) = (&state.iterate, MeasuredSum::default());
         let rows = from.working.iter().zip(&mut self.iterate.working);
         for ((before, after), tangent) in rows.zip(&self.tangent) {
             let at = before.row.at;
@@ -177,11 +177,12 @@ impl Trial {
                 ..from.step(before, state.h[at], change)
             };
             let [bend, condensed] = from.bend(before, &step, change);
-            slope += before.row.weight * (condensed - bend);
+            let measure = problem.measure_of(&state.x, at);
+            slope.add(measure, before.row.weight * (condensed - bend));
             *after = before.take(&step, alpha, options.fraction_to_boundary);
             after.meet(self.h[at]);
         }
-        slope
+        slope.total()
     }
 }
 
@@ -224,7 +225,7 @@ pub(super) fn leave_saddle<P: Nlp>(
             for row in &mut trial.iterate.working {
                 row.meet(trial.h[row.row.at]);
             }
-            if trial.merit(f, problem.measure(&trial.x)) < before {
+            if trial.merit(problem, f) < before {
                 state.move_to(problem, f, trial, options);
                 return Ok(true);
             }

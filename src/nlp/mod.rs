@@ -65,6 +65,11 @@ pub trait Nlp {
     /// The factor of the weights of all rows at `x`: the horizon.
     fn measure(&self, x: &DVector<f64>) -> f64;
 
+    /// The factor of the weight of one row: that of all, unless parts of the horizon have lengths of their own.
+    fn measure_of(&self, x: &DVector<f64>, _row: usize) -> f64 {
+        self.measure(x)
+    }
+
     /// The equalities, with their first penalties for an objective of this density.
     fn equalities(&self, density: f64) -> Vec<Equality>;
 

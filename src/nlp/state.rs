@@ -360,6 +360,6 @@ impl State {
 
     /// The barrier function.
     pub(super) fn merit<P: Nlp>(&self, problem: &P) -> f64 {
-        self.f + problem.measure(&self.x) * self.iterate.barrier_terms(&self.h)
+        self.f + self.iterate.barrier_terms(problem, &self.x, &self.h)
     }
 }

@@ -17,6 +17,17 @@ pub struct HorizonDerivatives<S: Scalar> {
     pub mixed: DVector<S>,
 }
 
+impl<S: Scalar> HorizonDerivatives<S> {
+    /// Zeros for this number of unknown coefficients.
+    pub(super) fn zeros(unknowns: usize) -> Self {
+        Self {
+            first: S::zero(),
+            second: S::zero(),
+            mixed: DVector::zeros(unknowns),
+        }
+    }
+}
+
 /// A curve whose horizon is an unknown.
 pub(super) struct Moving<'g, S: Scalar> {
     pub grid: &'g Grid<S>,

@@ -3,6 +3,7 @@
 
 mod grid;
 mod horizon;
+mod horizons;
 mod near;
 mod objective;
 mod place;
@@ -14,6 +15,8 @@ mod state_rows;
 pub use grid::Grid;
 pub(crate) use grid::Grids;
 pub use horizon::HorizonDerivatives;
+pub use horizons::Horizons;
+pub(crate) use horizons::functions_in_part;
 use near::Near;
 pub use objective::{Derivatives, Objective};
 pub(crate) use place::{place, points};

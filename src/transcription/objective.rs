@@ -2,8 +2,9 @@
 
 use super::grid::jerk_products;
 use super::horizon::{Moved, Moving};
-use super::place::{place, points, scale};
-use super::{Grid, HorizonDerivatives, Shared};
+use super::horizons::{place_in, rates_of_slopes, slopes, slopes_alone, stretch};
+use super::place::{points, scale};
+use super::{Grid, HorizonDerivatives, Horizons, Shared};
 use crate::cost::{PackedHessian, PointCost, PointsDerivatives};
 use crate::error::{Result, check_length};
 use crate::linalg::{BlockTridiagonal, multiply};
@@ -25,8 +26,8 @@ pub struct Objective<'g, S: Scalar, P> {
     grid: Shared<'g, Grid<S>>,
     cost: P,
     dof: usize,
-    /// The factor from the time of the grid to time, and if it is an unknown the rates of the coefficients in it.
-    horizon: S,
+    /// The factors from the time of the grid to time, and if they are unknown the rates of the coefficients in them.
+    horizons: Horizons<S>,
     rates: Option<DMatrix<S>>,
     times: Vec<S>,
     /// $q, v, a$ at the points of a segment, one column each.
@@ -58,8 +59,9 @@ pub struct Derivatives<S: Scalar> {
     pub hessian: BlockTridiagonal<S>,
     /// The Gauss-Newton metric.
     pub metric: BlockTridiagonal<S>,
-    /// The derivatives in the horizon: the first, the second, and the mixed ones with the coefficients.
-    pub horizon: HorizonDerivatives<S>,
+    /// The derivatives in the horizon, or in that of each part: the first, the second, and the mixed ones with the
+    /// coefficients. Mixed ones in two parts are zero.
+    pub horizons: Vec<HorizonDerivatives<S>>,
 }
 
 impl<S: Scalar> Derivatives<S> {
@@ -74,11 +76,7 @@ impl<S: Scalar> Derivatives<S> {
             gradient: DVector::zeros(grid.free.len() * dof),
             hessian: matrix.clone(),
             metric: matrix,
-            horizon: HorizonDerivatives {
-                first: S::zero(),
-                second: S::zero(),
-                mixed: DVector::zeros(grid.free.len() * dof),
-            },
+            horizons: vec![HorizonDerivatives::zeros(grid.free.len() * dof)],
         }
     }
 }
@@ -93,7 +91,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             jerks: cost.needs_jerk().then(|| DMatrix::zeros(dof, points)),
             cost,
             dof,
-            horizon: S::one(),
+            horizons: Horizons::one(S::one()),
             rates: None,
             times: grid.times.clone(),
             states: DMatrix::zeros(dof, 3 * points),
@@ -106,13 +104,22 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     /// Sets the factor `T` from the time of the grid to time: with $\tau$ the time of the grid, the integral is
     /// $T \sum_g w_g\\, l(q, q' / T, q'' / T^2)$.
     pub fn set_horizon(&mut self, horizon: S) {
-        self.horizon = horizon;
-        for (time, normalised) in self.times.iter_mut().zip(&self.grid.times) {
-            *time = horizon * *normalised;
+        self.set_horizons(&Horizons::one(horizon));
+    }
+
+    /// Sets the horizons of all parts.
+    pub fn set_horizons(&mut self, horizons: &Horizons<S>) {
+        self.horizons.assign(horizons);
+        let (points, segments) = (self.grid.points(), self.grid.segments);
+        let times = self.times.iter_mut().zip(&self.grid.times);
+        for (g, (time, normalised)) in times.enumerate() {
+            let part = horizons.part(g / points, segments);
+            *time = horizons.time(part, *normalised);
         }
     }
 
-    /// Makes the horizon an unknown, in which the coefficients change at these rates, `N` by the number of functions.
+    /// Makes the horizon an unknown, in which the coefficients change at these rates, `N` by the number of functions;
+    /// or those of parts, in which the slopes change by themselves.
     pub fn free_horizon(&mut self, rates: DMatrix<S>) {
         self.rates = Some(rates);
     }
@@ -152,7 +159,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     /// `coefficients` is not `N` by the number of functions of the grid.
     pub fn value(&mut self, coefficients: &DMatrix<S>) -> Result<S> {
         self.check(coefficients)?;
-        let mut sum = S::zero();
+        let [mut sum, mut whole] = [S::zero(); 2];
         for e in 0..self.grid.segments {
             self.place(coefficients, e);
             let phase = self.phase(e);
@@ -167,8 +174,9 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             for (weight, cost) in self.grid.weights.iter().zip(&self.costs) {
                 sum += *weight * *cost;
             }
+            self.end_segment(e, &mut sum, &mut whole);
         }
-        Ok(self.horizon * sum)
+        Ok(whole)
     }
 
     /// Computes the integral, and its derivatives into `out`.
@@ -202,15 +210,15 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         out: &mut Derivatives<S>,
     ) -> Result<S> {
         self.check(coefficients)?;
-        out.gradient.fill(S::zero());
-        (out.horizon.first, out.horizon.second) = (S::zero(), S::zero());
-        out.horizon.mixed.fill(S::zero());
-        let (shared, dof, horizon) = (self.grid.clone(), self.dof, self.horizon);
+        let (shared, dof) = (self.grid.clone(), self.dof);
         let grid = &*shared;
-        let mut sum = S::zero();
+        self.begin(coefficients, out);
+        let [mut sum, mut whole] = [S::zero(); 2];
         for e in 0..grid.segments {
             self.place(coefficients, e);
             let phase = self.phase(e);
+            let part = self.horizons.part(e, grid.segments);
+            let (horizon, factor) = (self.horizons.parts()[part], self.horizons.stretch(part));
             let here = points(grid, &self.times, (&self.states, &self.jerks), e, phase);
             let Workspace {
                 at_points,
@@ -232,18 +240,24 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
                     horizon,
                     rates,
                 };
-                let mixed = moving.integrate(e, here, at_points, moved, &mut out.horizon);
-                for (g, weight) in grid.weights.iter().enumerate() {
-                    let late = self.cost.time_rate(here.point(g))?;
-                    out.horizon.first += *weight * here.times[g] * late;
-                }
+                let own = &mut out.horizons[part];
+                let mixed = moving.integrate(e, here, at_points, moved, own);
                 multiply(mixed, &grid.transposed, gradient);
-                add_gradient(grid, gradient, e, &mut out.horizon.mixed);
+                stretch(gradient, grid.shared, factor);
+                add_gradient(grid, gradient, e, &mut own.mixed);
                 if let Some(jerks) = here.jerks {
-                    let mixed =
-                        moving.integrate_jerk(e, jerks, at_points, moved_jerks, &mut out.horizon);
+                    let mixed = moving.integrate_jerk(e, jerks, at_points, moved_jerks, own);
                     multiply(mixed, &grid.thirds[1], gradient);
-                    add_gradient(grid, gradient, e, &mut out.horizon.mixed);
+                    stretch(gradient, grid.shared, factor);
+                    add_gradient(grid, gradient, e, &mut own.mixed);
+                }
+                for (g, weight) in grid.weights.iter().enumerate() {
+                    let late = *weight * self.cost.time_rate(here.point(g))?;
+                    let begin = self.horizons.begin(part);
+                    out.horizons[part].first += late * (here.times[g] - begin);
+                    for earlier in &mut out.horizons[..part] {
+                        earlier.first += late * horizon * self.horizons.share();
+                    }
                 }
             }
             for (g, weight) in grid.weights.iter().enumerate() {
@@ -251,12 +265,19 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
                 gradients *= *weight * horizon;
             }
             scale(&mut at_points.gradients, horizon);
-            multiply(&at_points.gradients, &grid.transposed, gradient);
-            add_gradient(grid, gradient, e, &mut out.gradient);
             let with_jerk = here.jerks.is_some();
             if with_jerk {
                 jerk_products(grid, horizon, &mut at_points.by_jerk, squares);
-                multiply(&at_points.by_jerk[0], &grid.thirds[1], gradient);
+            }
+            let of_jerk = with_jerk.then_some((&at_points.by_jerk[0], &grid.thirds[1]));
+            let of_states = [(&at_points.gradients, &grid.transposed)];
+            for (by_points, table) in of_states.into_iter().chain(of_jerk) {
+                multiply(by_points, table, gradient);
+                if let (Some(reference), Some(_)) = (self.horizons.reference(), &self.rates) {
+                    let by_factor = slopes_alone(gradient, grid.shared, reference);
+                    add_gradient(grid, &by_factor, e, &mut out.horizons[part].mixed);
+                }
+                stretch(gradient, grid.shared, factor);
                 add_gradient(grid, gradient, e, &mut out.gradient);
             }
             at_points
@@ -267,17 +288,41 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
                             block[(i, i)] += squares[(i, pair)];
                         }
                     }
-                    put_block(grid, block, e, pair, &mut out.hessian);
+                    put_block(grid, (block, factor), e, pair, &mut out.hessian);
                 });
             if with_metric {
                 at_points
                     .metrics
                     .integrate(grid.products(), horizon, sums, |pair, block| {
-                        put_block(grid, block, e, pair, &mut out.metric);
+                        put_block(grid, (block, factor), e, pair, &mut out.metric);
                     });
             }
+            self.end_segment(e, &mut sum, &mut whole);
         }
-        Ok(horizon * sum)
+        Ok(whole)
+    }
+
+    /// Begins derivatives: with zeros, and in parts with the rates of the slopes.
+    fn begin(&mut self, coefficients: &DMatrix<S>, out: &mut Derivatives<S>) {
+        out.gradient.fill(S::zero());
+        let (unknowns, parts) = (out.gradient.len(), self.horizons.parts().len());
+        out.horizons
+            .resize_with(parts, || HorizonDerivatives::zeros(unknowns));
+        for of in &mut out.horizons {
+            (of.first, of.second) = (S::zero(), S::zero());
+            of.mixed.fill(S::zero());
+        }
+        if let (Some(rates), Some(reference)) = (&mut self.rates, self.horizons.reference()) {
+            rates_of_slopes(coefficients, &self.grid, reference, rates);
+        }
+    }
+
+    /// Adds the sum over the segments of a part, times its horizon, to the whole after the last one.
+    fn end_segment(&self, e: usize, sum: &mut S, whole: &mut S) {
+        let [part, next] = [e, e + 1].map(|e| self.horizons.part(e, self.grid.segments));
+        if next != part {
+            *whole += self.horizons.parts()[part] * std::mem::replace(sum, S::zero());
+        }
     }
 
     /// Computes the Gram matrix of the velocities: the square of the norm is $\tfrac{T}{\pi^2} \int |\delta v|^2 dt$,
@@ -299,7 +344,8 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         let squares: Vec<S> = squares.collect();
         for e in 0..grid.segments {
             for (pair, square) in squares.iter().enumerate() {
-                put_block(grid, &(&identity * (*square * scale)), e, pair, &mut gram);
+                let mut block = &identity * (*square * scale);
+                put_block(grid, (&mut block, None), e, pair, &mut gram);
             }
         }
         gram
@@ -313,11 +359,14 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     /// Computes the curve at the points of segment `e`.
     fn place(&mut self, coefficients: &DMatrix<S>, e: usize) {
         let (grid, first) = (&self.grid, self.grid.first(e));
-        place(coefficients, first, &grid.table, &mut self.states);
-        scale(&mut self.states, self.horizon);
+        let part = self.horizons.part(e, grid.segments);
+        let horizon = self.horizons.parts()[part];
+        let factor = (grid.shared, self.horizons.stretch(part));
+        place_in(coefficients, first, &grid.table, factor, &mut self.states);
+        scale(&mut self.states, horizon);
         if let Some(jerks) = &mut self.jerks {
-            place(coefficients, first, &grid.thirds[0], jerks);
-            *jerks *= S::one() / (self.horizon * self.horizon * self.horizon);
+            place_in(coefficients, first, &grid.thirds[0], factor, jerks);
+            *jerks *= S::one() / (horizon * horizon * horizon);
         }
     }
 
@@ -350,21 +399,27 @@ fn add_gradient<S: Scalar>(grid: &Grid<S>, gradient: &DMatrix<S>, e: usize, out:
     }
 }
 
-/// Writes the block of a pair of functions of segment `e`, added to the contribution of the previous segment, which
-/// must have been written before.
+/// Writes the block of a pair of functions of segment `e`, in a part with this factor of slopes, added to the
+/// contribution of the previous segment, which must have been written before.
 fn put_block<S: Scalar>(
     grid: &Grid<S>,
-    block: &DMatrix<S>,
+    (block, factor): (&mut DMatrix<S>, Option<S>),
     e: usize,
     pair: usize,
     out: &mut BlockTridiagonal<S>,
 ) {
     let (a, b) = grid.pairs[pair];
+    if let Some(factor) = factor {
+        let slopes = slopes(grid.table.nrows(), grid.shared);
+        for _ in [a, b].iter().filter(|of| slopes.contains(of)) {
+            *block *= factor;
+        }
+    }
     if let Some(mut target) = grid.block_mut(e, (a, b), block.nrows(), out) {
         if e > 0 && a < grid.shared {
-            target += block;
+            target += &*block;
         } else {
-            target.copy_from(block);
+            target.copy_from(&*block);
         }
     }
 }

@@ -1,7 +1,8 @@
 //! The maxima of the constraint rows along a curve, between the quadrature points.
 
-use super::place::{place, scale};
-use super::{Rows, Which};
+use super::horizons::place_in;
+use super::place::scale;
+use super::{Horizons, Rows, Which};
 use crate::constraint::Constraint;
 use crate::cost::{CostWithControl, Points};
 use crate::curve::{Basis, Functions};
@@ -110,7 +111,7 @@ impl Scan {
         &self,
         rows: &mut Rows<'_, K, P>,
         coefficients: &DMatrix<f64>,
-        horizon: f64,
+        horizons: &Horizons<f64>,
         floor: f64,
         look: &mut Look,
     ) -> Result<f64> {
@@ -122,10 +123,12 @@ impl Scan {
         let mut deviation = 0.0_f64;
         for segment in 0..segments {
             let first = self.basis.first(segment);
-            place(coefficients, first, &self.table, &mut look.states);
+            let part = horizons.part(segment, segments);
+            let (horizon, factor) = (horizons.parts()[part], self.factor(horizons, part));
+            place_in(coefficients, first, &self.table, factor, &mut look.states);
             scale(&mut look.states, horizon);
             if let Some(jerks) = &mut look.jerks {
-                place(coefficients, first, &self.thirds, jerks);
+                place_in(coefficients, first, &self.thirds, factor, jerks);
                 *jerks *= horizon.powi(-3);
             }
             let phase = segment * rows.cost.phases() / segments;
@@ -137,7 +140,7 @@ impl Scan {
                     group,
                     middles,
                 };
-                self.evaluate(rows, &part, (horizon, floor), look)?;
+                self.evaluate(rows, &part, (horizons, floor), look)?;
                 for (row, unit) in rows.equalities_of_state() {
                     let values = look.h.iter().skip(row).step_by(count);
                     deviation = values.fold(deviation, |most, h| most.max(h.abs() * unit));
@@ -146,7 +149,7 @@ impl Scan {
             }
         }
         for _ in 0..Bracket::REFINEMENTS {
-            self.refine(rows, coefficients, horizon, look)?;
+            self.refine(rows, coefficients, horizons, look)?;
         }
         Ok(deviation)
     }
@@ -157,7 +160,7 @@ impl Scan {
         &self,
         rows: &mut Rows<'_, K, P>,
         part: &Part,
-        (horizon, floor): (f64, f64),
+        (horizons, floor): (&Horizons<f64>, f64),
         look: &mut Look,
     ) -> Result<()> {
         let (first, segments) = (part.segment * self.intervals, self.basis.segments());
@@ -170,7 +173,9 @@ impl Scan {
         }
         let (times, parts) = (&mut look.times, &mut look.parts);
         times.clear();
-        times.extend(own.clone().map(|k| (first + k) as f64 * interval * horizon));
+        let of_horizon = horizons.part(part.segment, segments);
+        let normalised = own.clone().map(|k| (first + k) as f64 * interval);
+        times.extend(normalised.map(|time| horizons.time(of_horizon, time)));
         parts.clear();
         parts.extend(own.map(|k| k as f64 / self.intervals as f64));
         let points = Points {
@@ -239,12 +244,17 @@ impl Scan {
         }
     }
 
+    /// The number of functions per breakpoint, and the factor of slopes in a part.
+    fn factor(&self, horizons: &Horizons<f64>, part: usize) -> (usize, Option<f64>) {
+        (self.basis.continuity().order(), horizons.stretch(part))
+    }
+
     /// Evaluates the rows at the estimated times of maxima, side by side in one phase, and estimates them again.
     fn refine<K: Constraint, P: CostWithControl>(
         &self,
         rows: &mut Rows<'_, K, P>,
         coefficients: &DMatrix<f64>,
-        horizon: f64,
+        horizons: &Horizons<f64>,
         look: &mut Look,
     ) -> Result<()> {
         let (count, segments) = (rows.count(), self.basis.segments());
@@ -268,15 +278,18 @@ impl Scan {
                 let local = 2.0 * (time * segments as f64 - segment as f64) - 1.0;
                 self.basis.functions_in(local, functions);
                 let first = self.basis.first(segment);
-                place(coefficients, first, &functions.transposed, one);
+                let part = horizons.part(segment, segments);
+                let factor = self.factor(horizons, part);
+                place_in(coefficients, first, &functions.transposed, factor, one);
+                let horizon = horizons.parts()[part];
+                scale(one, horizon);
                 states.columns_mut(3 * k, 3).copy_from(&one.columns(0, 3));
                 let factor = horizon.powi(-3);
                 jerks
                     .column_mut(k)
                     .zip_apply(&one.column(3), |to, x| *to = x * factor);
-                times.push(time * horizon);
+                times.push(horizons.time(part, time));
             }
-            scale(states, horizon);
             let points = Points {
                 first: 0,
                 phase: few_maxima[0].1,

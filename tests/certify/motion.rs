@@ -91,7 +91,7 @@ fn torques_are_enclosed_and_close() {
     let model = robot("kinova_gen3");
     let n = model.dof();
     let curve = curve(n);
-    let motion = Motion::of_curve(&curve);
+    let motion = Motion::of_curve(&curve).expect("one part");
     assert_eq!(
         (motion.segments(), motion.degree(), motion.horizon()),
         (3, 12, 2.0)
@@ -148,7 +148,7 @@ fn halves_meet_and_ends_are_accurate() {
         assert_eq!([parts[0].ends()[0], parts[1].ends()[1]], short.ends());
         short = parts[1];
     }
-    let motion = Motion::of_curve(&curve(2));
+    let motion = Motion::of_curve(&curve(2)).expect("one part");
     let end = motion.piece(Part::about(2, 1.0));
     let middle = end.v[1].middle();
     assert!(

@@ -35,7 +35,7 @@ fn three_parts() -> (Curve, impl Fn(usize, f64) -> [f64; 3]) {
 fn a_curve_of_parts_is_each_of_its_parts() {
     let (curve, cubic) = three_parts();
     assert_eq!((curve.segments(), curve.dof()), (3, 1));
-    assert_eq!((curve.horizon(), curve.chebyshev().degree()), (HORIZON, 4));
+    assert_eq!((curve.horizon(), curve.degree()), (HORIZON, 4));
     assert_eq!(curve.x().column(4), curve.x().column(5));
     for i in 0..=60 {
         let t = HORIZON * f64::from(i) / 60.0;

@@ -133,7 +133,7 @@ fn a_free_horizon_is_the_best_one() {
     let exact = (36.0 * md2 / weight).powf(0.25);
     for begin in [0.3, exact, 1.0, 9.0] {
         let solution = solved(&problem(begin), &horizon(0.1, 10.0, weight));
-        let found = solution.curve.chebyshev().horizon();
+        let found = solution.curve.chebyshev(0).horizon();
         // The barrier functions of the two bounds shift it by about their last parameter.
         assert!(
             solution.converged && (found - exact).abs() < 1e-7,
@@ -147,7 +147,7 @@ fn a_free_horizon_is_the_best_one() {
         free_final_velocity: true,
         ..horizon(0.1, 10.0, weight)
     };
-    let found = solved(&problem(1.0), &anyhow).curve.chebyshev().horizon();
+    let found = solved(&problem(1.0), &anyhow).curve.chebyshev(0).horizon();
     assert!((found - (9.0 * md2 / weight).powf(0.25)).abs() < 1e-7);
     // A bound holds it, to the slack that its multiplier leaves, and without a weight the horizon is the longest one.
     for (shortest, longest, weight, expected) in [
@@ -157,7 +157,7 @@ fn a_free_horizon_is_the_best_one() {
     ] {
         let begin = 0.5 * (shortest + longest);
         let solution = solved(&problem(begin), &horizon(shortest, longest, weight));
-        let found = solution.curve.chebyshev().horizon();
+        let found = solution.curve.chebyshev(0).horizon();
         assert!(
             solution.converged && (found - expected).abs() < 1e-6,
             "{found} {expected}"
@@ -189,7 +189,7 @@ fn the_neighbours_of_a_free_horizon_cost_more() {
         found.unwrap_or_else(|e| panic!("{e}"))
     };
     let found = run(&problem(1.0), &settings);
-    let best = found.curve.chebyshev().horizon();
+    let best = found.curve.chebyshev(0).horizon();
     assert!(found.converged && best > 0.21 && best < 4.9, "{best}");
     let at = |t: f64| {
         let fixed = DirectSettings {
@@ -233,7 +233,7 @@ fn a_free_horizon_within_constraints() {
     // Without a longer horizon the second start would have no motion within the limit.
     for begin in [2.0, 0.75] {
         let found = run(begin, &free);
-        let best = found.curve.chebyshev().horizon();
+        let best = found.curve.chebyshev(0).horizon();
         assert!(found.converged && found.largest_violation <= DirectSettings::FEASIBLE);
         // Without the limit it would be (36 / w)^(1/4) = 0.77, which is too short by far.
         assert!(best > 0.82 && best < 1.0, "{best}");

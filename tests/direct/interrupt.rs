@@ -96,7 +96,7 @@ fn a_search_that_is_stopped_on_the_way_ends_at_its_degree() {
         |_| true,
     );
     assert!(!solution.converged);
-    assert_eq!(solution.curve.chebyshev().degree(), 16);
+    assert_eq!(solution.curve.degree(), 16);
     let after: Vec<_> = solution
         .iterations
         .iter()

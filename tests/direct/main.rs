@@ -12,8 +12,8 @@ mod interrupt;
 mod minima;
 mod multistart;
 mod options;
+mod parts;
 mod period;
-
 mod running_cost;
 mod segments;
 mod stage;
@@ -36,6 +36,7 @@ mod linalg {
 
 #[path = "../transcription"]
 mod transcription {
+    mod horizons;
     mod near;
     mod objective;
 }

@@ -134,7 +134,7 @@ fn the_flow_of_the_optimum_vanishes_on_the_basis() {
         ..degree(12)
     };
     let curve = solved(&problem, &fine).curve;
-    let (chebyshev, k) = (curve.chebyshev(), 10.0);
+    let (chebyshev, k) = (curve.chebyshev(0), 10.0);
     let xddot = Curve::new(chebyshev.clone(), curve.x() * chebyshev.d().transpose())
         .expect("as many nodes");
     let (nodes, weights) = gauss_legendre(200);

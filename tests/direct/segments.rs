@@ -217,7 +217,7 @@ fn an_adaptive_degree_ends_where_it_is_enough() {
     let solution = solved(&problem, &settings);
     let adapted = solution.adapted.expect("it was asked for");
     assert!(adapted.converged && solution.converged && adapted.tolerance == 0.01);
-    let reached = solution.curve.chebyshev().degree();
+    let reached = solution.curve.degree();
     assert!(adapted.degrees.first() == Some(&9) && adapted.degrees.last() == Some(&reached));
     assert!((16..64).contains(&reached), "{adapted:?}");
     assert_eq!(adapted.costs.last(), Some(&solution.cost));

@@ -85,7 +85,7 @@ fn a_long_flow_comes_to_rest() {
     let curve = run(&problem, &tight).curve;
     let size = |x: &DMatrix<f64>| {
         let mut collocation =
-            Collocation::<f64, f64>::new(curve.chebyshev(), problem.start(), problem.goal())
+            Collocation::<f64, f64>::new(curve.chebyshev(0), problem.start(), problem.goal())
                 .expect("valid");
         let inner: Vec<f64> = x.columns_range(1..8).iter().copied().collect();
         collocation.set(&inner).expect("valid");
@@ -102,7 +102,7 @@ fn a_long_flow_comes_to_rest() {
     };
     let (rest, guess) = (
         size(curve.x()),
-        size(&problem.guess(Guess::LineConfiguration, curve.chebyshev())),
+        size(&problem.guess(Guess::LineConfiguration, curve.chebyshev(0))),
     );
     assert!(rest < 1e-6 * guess, "{rest:e} {guess:e}");
 }
@@ -282,7 +282,7 @@ fn a_flow_stops_at_its_time_limit_and_says_so() {
     assert_eq!(stopped.statistics.steps, 0);
     let words = "the flow stopped at s = 0e0: time limit of 0 s reached";
     assert_eq!(stopped.failure.as_deref(), Some(words));
-    let guess = problem.guess(Default::default(), stopped.curve.chebyshev());
+    let guess = problem.guess(Default::default(), stopped.curve.chebyshev(0));
     assert_eq!(stopped.curve.x(), &guess, "nothing moved");
 
     let long = run(&problem, &limited(Duration::from_secs(3600)));
@@ -311,6 +311,6 @@ fn a_flow_that_is_interrupted_keeps_its_curve() {
     assert!(s > 1e-3 && s < 10.0, "{s}");
     let words = format!("the flow stopped at s = {s:e}: interrupted");
     assert_eq!(stopped.failure, Some(words));
-    let guess = problem.guess(Default::default(), stopped.curve.chebyshev());
+    let guess = problem.guess(Default::default(), stopped.curve.chebyshev(0));
     assert_ne!(stopped.curve.x(), &guess);
 }

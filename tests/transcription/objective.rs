@@ -11,12 +11,12 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-fn random(rng: &mut ChaCha8Rng, rows: usize, columns: usize) -> DMatrix<f64> {
+pub fn random(rng: &mut ChaCha8Rng, rows: usize, columns: usize) -> DMatrix<f64> {
     DMatrix::from_fn(rows, columns, |_, _| rng.random_range(-1.0..1.0))
 }
 
 /// The effort with squared jerks.
-fn effort_and_jerk<S: AlgebraOver<f64>>(model: &Model) -> ControlEffort<'_, f64, S> {
+pub fn effort_and_jerk<S: AlgebraOver<f64>>(model: &Model) -> ControlEffort<'_, f64, S> {
     let weights: Vec<S> = (0..model.dof()).map(|i| S::lift(0.3 + i as f64)).collect();
     let cost = ControlEffort::new(model).with_jerk(&weights);
     cost.expect("a weight for each joint")
@@ -42,7 +42,7 @@ fn second_order(
 }
 
 /// Continuous velocities, or accelerations as well, with rest at the start and a given or a free final state.
-fn ends(acceleration: bool, free_end: bool) -> Continuity {
+pub fn ends(acceleration: bool, free_end: bool) -> Continuity {
     Continuity {
         acceleration,
         rest: [acceleration, false],
@@ -116,7 +116,7 @@ fn on_a_linear_robot_metric_and_hessian_are_one() {
 }
 
 /// The cost $q^2 + \dddot q^4$ of each joint.
-struct OfJerk;
+pub struct OfJerk;
 
 impl<S: Scalar> PointCost<S> for OfJerk {
     fn value(&mut self, _: Point<'_, S>) -> Result<S> {
@@ -226,11 +226,14 @@ fn derivatives_in_the_jerk_are_those_of_duals() {
                 assert!((hessian[(i, j)] - second).abs() <= 1e-11 * scale);
             }
             let mixed = second_order([i, unknowns]).eps[0].eps[0];
-            let found = derivatives.horizon.mixed[i];
+            let found = derivatives.horizons[0].mixed[i];
             assert!((found - mixed).abs() <= 1e-10 * mixed.abs().max(1.0));
         }
         let own = second_order([unknowns, unknowns]);
-        let found = [derivatives.horizon.first, derivatives.horizon.second];
+        let found = [
+            derivatives.horizons[0].first,
+            derivatives.horizons[0].second,
+        ];
         assert_close!(&found, &[own.re.eps[0], own.eps[0].eps[0]], 1e-11);
     }
 }

@@ -33,15 +33,16 @@ impl CurveFile {
     /// The file form of a curve of a robot with these joints.
     pub(super) fn new(curve: &Curve, joints: Vec<String>) -> Self {
         let begins = curve.breakpoints().iter().take(curve.segments());
-        let nodes = curve.chebyshev().times();
+        let nodes = |segment| curve.chebyshev(segment).times().iter();
         let coefficients = |segment| rows(&curve.coefficients(segment));
         Self {
             horizon_s: curve.horizon(),
             segments: curve.segments(),
-            degree: curve.chebyshev().degree(),
+            degree: curve.degree(),
             joints,
             nodes_s: begins
-                .flat_map(|begin| nodes.iter().map(move |t| begin + t))
+                .enumerate()
+                .flat_map(|(segment, begin)| nodes(segment).map(move |t| begin + t))
                 .collect(),
             states: rows(&curve.x().transpose()),
             coefficients: (0..curve.segments()).map(coefficients).collect(),

@@ -253,7 +253,7 @@ pub(super) fn report_of(
         scenario: scenario.name.clone(),
         robot: scenario.file.robot.clone(),
         method,
-        degree: curve.chebyshev().degree(),
+        degree: curve.degree(),
         segments: curve.segments(),
         verdict,
         success,

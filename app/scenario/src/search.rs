@@ -298,7 +298,7 @@ impl<'s, 'o> Search<'s, 'o> {
         let mut settings = DirectSettings {
             waypoints,
             // The basis of a planned start is its own.
-            degree: curve.chebyshev().degree(),
+            degree: curve.degree(),
             segments: curve.segments(),
             start: Some(Curve::piecewise(horizon, curve.segments(), x)?),
             multipliers,

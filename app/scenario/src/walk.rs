@@ -81,7 +81,7 @@ impl Solve<'_> {
         for (phase, curve) in scenario.split(&found.curve)? {
             let part = part(&phase, own, (&found, curve), &whole)?;
             let of_phase = DirectOptions {
-                degree: Some(part.curve.chebyshev().degree()),
+                degree: Some(part.curve.degree()),
                 segments: Some(part.curve.segments()),
                 ..own.clone()
             };
@@ -136,7 +136,7 @@ impl Scenario {
             return Err(Error::input(&self.name, "phases", condition));
         }
         let (segments, horizon) = (curve.segments() / count, curve.horizon() / count as f64);
-        let columns = segments * (curve.chebyshev().degree() + 1);
+        let columns = segments * (curve.degree() + 1);
         let mut all = Vec::new();
         for (k, (phase, terms)) in self.file.phases.iter().zip(&self.phases).enumerate() {
             let at = |i: usize| i - i % n + terms.order[i % n];

@@ -21,9 +21,10 @@ pub(super) struct LinearRow {
 }
 
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
-    /// The number of unknowns of the border: the horizon if it is free, then the unknown times of waypoints.
+    /// The number of unknowns of the border: the horizon if it is free, or those of parts, then the unknown times of
+    /// waypoints.
     pub(super) fn border(&self) -> usize {
-        usize::from(self.free_horizon.is_some()) + self.moving.len()
+        self.free.parts.len() + self.moving.len()
     }
 
     /// The mean square of the slope of the curve in normalised time.
@@ -50,7 +51,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// The index of an unknown time in the border, if it is one.
     fn unknown_time(&self, waypoint: usize) -> Option<usize> {
         let at = self.moving.iter().position(|k| *k == waypoint)?;
-        Some(usize::from(self.free_horizon.is_some()) + at)
+        Some(self.free.parts.len() + at)
     }
 
     /// The rows that keep the times of waypoints between those of their neighbours.
@@ -67,34 +68,36 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             slopes.iter().any(Option::is_some).then_some(LinearRow {
                 value: earlier - later,
                 slopes,
-                unit: self.horizon,
+                unit: self.horizons.whole(),
             })
         })
     }
 
-    /// The rows that are linear in the unknowns of the border: those of times, then the two bounds of a free horizon.
+    /// The rows that are linear in the unknowns of the border: those of times, then the two bounds of each free horizon.
     pub(super) fn linear_rows(&self) -> impl Iterator<Item = LinearRow> {
-        let of_horizon = self.free_horizon.into_iter().flat_map(|free| {
-            let unit = free.longest;
+        let horizons = self.horizons.parts();
+        let of_horizons = self.free.parts.iter().enumerate();
+        let of_horizons = of_horizons.flat_map(|(k, (part, [shortest, longest]))| {
+            let (horizon, unit) = (horizons[*part], *longest);
             let bounds = [
-                ((free.shortest - self.horizon) / unit, -1.0 / unit),
-                ((self.horizon - unit) / unit, 1.0 / unit),
+                ((shortest - horizon) / unit, -1.0 / unit),
+                ((horizon - unit) / unit, 1.0 / unit),
             ];
             bounds.map(|(value, slope)| LinearRow {
                 value,
-                slopes: [Some((0, slope)), None],
+                slopes: [Some((k, slope)), None],
                 unit,
             })
         });
-        self.time_rows().chain(of_horizon)
+        self.time_rows().chain(of_horizons)
     }
 
-    /// The largest fraction of a step that halves neither the horizon nor the time between two waypoints.
+    /// The largest fraction of a step that halves neither a horizon nor the time between two waypoints.
     pub(super) fn longest_on_border(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64 {
         let own = self.own();
         let mut most: f64 = 1.0;
-        if self.free_horizon.is_some() {
-            most = most.min(0.5 * x[own] / step[own].abs());
+        for k in own..own + self.free.parts.len() {
+            most = most.min(0.5 * x[k] / step[k].abs());
         }
         for row in self.time_rows() {
             let slopes = row.slopes.iter().flatten();
@@ -109,13 +112,13 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 
     /// Adds the derivatives of the rows that are linear in the unknowns of the border, from row `first` on.
     pub(super) fn add_linear_rows(&self, iterate: &Iterate, first: usize, out: &mut Kkt) {
-        let (horizon, own) = (self.horizon, out.gradient.len() - self.border());
+        let (horizon, own) = (self.horizons.whole(), out.gradient.len() - self.border());
         // All of them are in the working set, at its end.
         let begin = iterate.working.partition_point(|of| of.row.at < first);
         for (state, row) in iterate.working[begin..].iter().zip(self.linear_rows()) {
             let term = self.term(iterate, state, row.value).times(state.row.weight);
-            if self.free_horizon.is_some() {
-                out.gradient[own] += term.cost;
+            for k in 0..self.free.parts.len() {
+                out.gradient[own + k] += term.cost * self.horizons.share();
             }
             for (i, slope) in row.slopes.iter().flatten() {
                 out.gradient[own + i] += horizon * term.slope * slope;
@@ -151,7 +154,12 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     fn place_of_point(&self, point: usize, coefficients: &DMatrix<f64>) -> Place {
         let rows = &self.points[point];
         let time = rows.time.or(self.times.get(point).copied());
-        Place::new(&self.basis, coefficients, time.unwrap_or(1.0))
+        Place::new(
+            &self.basis,
+            coefficients,
+            time.unwrap_or(1.0),
+            &self.horizons,
+        )
     }
 
     /// Evaluates the rows of all points at the current unknowns.
@@ -200,7 +208,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 
     /// Adds the derivatives of the rows of points to gradient and condensed matrix.
     pub(super) fn add_points(&mut self, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
-        let (grid, measure) = (self.grid.clone(), self.horizon);
+        let (grid, measure) = (self.grid.clone(), self.horizons.whole());
         for (point, (place, of)) in self.of_points(iterate)?.into_iter().enumerate() {
             place.add_hessian(&grid, &of, measure, &mut out.hessian.matrix);
             place.scatter(&grid, &of.gradient, 0, measure, out.gradient.as_mut_slice());
@@ -213,12 +221,22 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     ///
     /// The configuration $q = \sum_m \phi_m(\tau) c_m$ and its slope are bilinear in functions and coefficients: their
     /// second derivatives in a coefficient and the time are $\phi_m'$ and $\phi_m''$. The horizon moves the coefficients
-    /// of the boundary velocities, and is the measure of the rows.
+    /// of the boundary velocities, and is the measure of the rows; that of a part moves its slopes, and the measure is
+    /// the mean of all.
     fn add_border_of(&self, point: usize, (place, of): (&Place, &PointDerivatives), out: &mut Kkt) {
-        let (grid, measure) = (&self.grid, self.horizon);
+        let (grid, measure) = (&self.grid, self.horizons.whole());
         let own = out.gradient.len() - self.border();
-        let horizon = self.free_horizon.map(|_| 0);
-        let rates = self.place_of_point(point, &self.rates).q;
+        let part = self.horizons.part(place.segment, grid.segments);
+        let mut parts = self.free.parts.iter();
+        let horizon = parts.position(|(of, _)| *of == part);
+        let rates = match &place.in_part {
+            None => self.place_of_point(point, &self.rates).q,
+            Some(in_part) => {
+                let first = grid.first(place.segment);
+                let own = self.coefficients.columns(first, in_part.ncols());
+                own * in_part.transpose()
+            }
+        };
         // The unknown, with the derivatives of configuration and slope in it.
         // Two neighbouring columns, one below the other.
         let pair = |of: &DMatrix<f64>, first: usize| {
@@ -245,11 +263,28 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             place.scatter(grid, &of.of_multipliers, 1, measure, column.as_mut_slice());
             hessian.corner[(k, k)] += measure * of.of_multipliers.dot(&pair(&place.q, 2));
         }
-        if let Some((k, by)) = in_horizon {
-            gradient[own + k] += of.cost;
+        let share = self.horizons.share();
+        for k in 0..self.free.parts.len() {
+            gradient[own + k] += share * of.cost;
             let mut column = hessian.border.column_mut(k);
-            place.scatter(grid, &of.gradient, 0, 1.0, column.as_mut_slice());
-            hessian.corner[(k, k)] += 2.0 * of.gradient.dot(&by);
+            place.scatter(grid, &of.gradient, 0, share, column.as_mut_slice());
+            if let Some((j, by)) = &in_horizon {
+                let both = share * of.gradient.dot(by);
+                hessian.corner[(k, *j)] += both;
+                hessian.corner[(*j, k)] += both;
+            }
+        }
+        if let Some((k, _)) = in_horizon {
+            if let Some(in_part) = &place.in_part {
+                let mut column = hessian.border.column_mut(k);
+                place.scatter_functions(
+                    grid,
+                    (in_part, 0),
+                    &of.of_multipliers,
+                    measure,
+                    column.as_mut_slice(),
+                );
+            }
             if let Some((j, by)) = in_time {
                 let late = pair(&rates, 1);
                 let both = measure * of.of_multipliers.dot(&late) + of.gradient.dot(&by);
@@ -264,9 +299,21 @@ impl Place {
     /// Adds `factor` times the derivatives in the unknown coefficients of a function of $q$ and $q'$, or, with `d` one,
     /// those of its derivative in time where the functions themselves change.
     fn scatter(&self, grid: &Grid<f64>, of: &DVector<f64>, d: usize, factor: f64, out: &mut [f64]) {
+        self.scatter_functions(grid, (&self.functions, d), of, factor, out);
+    }
+
+    /// Does the same with other functions.
+    fn scatter_functions(
+        &self,
+        grid: &Grid<f64>,
+        (functions, d): (&DMatrix<f64>, usize),
+        of: &DVector<f64>,
+        factor: f64,
+        out: &mut [f64],
+    ) {
         let n = of.len() / 2;
         for (m, unknown) in self.unknowns(grid) {
-            let [value, slope] = [d, d + 1].map(|d| factor * self.functions[(d, m)]);
+            let [value, slope] = [d, d + 1].map(|d| factor * functions[(d, m)]);
             for (i, out) in out[unknown * n..(unknown + 1) * n].iter_mut().enumerate() {
                 *out += value * of[i] + slope * of[n + i];
             }

@@ -1,18 +1,19 @@
 //! A curve with its multipliers.
 
+use super::point_rows::Place;
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
-use crate::curve::Curve;
+use crate::curve::{Basis, Chebyshev, Curve};
 use crate::error::{Error, Result};
 use crate::motion::{Path, Problem, curve_of};
-use crate::transcription::Grid;
-use crate::transcription::Rows;
+use crate::transcription::{Grid, Horizons, Rows};
+use nalgebra::DMatrix;
 
 /// The start or the end of a minimisation.
 #[derive(Clone, Debug)]
 pub(crate) struct Candidate {
     pub path: Path,
-    pub horizon: f64,
+    pub horizons: Horizons<f64>,
     /// The alternative of a [goal](crate::direct::GoalSet) that is a set.
     pub alternative: usize,
     /// The normalised times of the waypoints.
@@ -47,6 +48,56 @@ pub(crate) struct Candidate {
     pub kept: bool,
 }
 
+/// The polynomials of a curve in parts through Chebyshev nodes, with $v = \dot q$.
+fn curve_in_parts(path: &Path, horizons: &Horizons<f64>) -> Result<Curve> {
+    let (n, (segments, p)) = (
+        path.coefficients.nrows(),
+        (path.basis.segments(), path.basis.degree()),
+    );
+    let chebyshev = Chebyshev::new(p, 1.0)?;
+    let mut x = DMatrix::zeros(2 * n, segments * (p + 1));
+    for e in 0..segments {
+        for (node, time) in chebyshev.times().iter().enumerate() {
+            // The same number, and so the same state, for both segments at a shared breakpoint.
+            let time = (e as f64 + time) / segments as f64;
+            let place = Place::new(&path.basis, &path.coefficients, time, horizons);
+            let horizon = horizons.parts()[horizons.part(place.segment, segments)];
+            let column = e * (p + 1) + node;
+            x.view_mut((0, column), (n, 1))
+                .copy_from(&place.q.column(0));
+            x.view_mut((n, column), (n, 1))
+                .copy_from(&(place.q.column(1) / horizon));
+        }
+    }
+    let lengths: Vec<_> = horizons
+        .parts()
+        .iter()
+        .map(|part| part * horizons.share())
+        .collect();
+    Curve::in_parts(&lengths, segments, x)
+}
+
+/// A curve in parts in another basis, whose breakpoints are among its own.
+fn in_parts(path: &Path, horizons: &Horizons<f64>, basis: Basis) -> Path {
+    let (dof, segments) = (path.coefficients.nrows(), basis.segments());
+    let coefficients = basis.fit(dof, |time| {
+        let place = Place::new(&path.basis, &path.coefficients, time, horizons);
+        [0, 1, 2].map(|d| place.q.column(d).into_owned())
+    });
+    let mut path = Path {
+        basis,
+        coefficients,
+    };
+    // The slopes at breakpoints are those in the time of the reference.
+    for breakpoint in 0..=path.basis.segments() {
+        let (segment, _) = path.basis.functions_at(breakpoint as f64 / segments as f64);
+        let part = horizons.part(segment, segments);
+        let mut slope = path.coefficients.column_mut(path.basis.slope(breakpoint));
+        slope /= horizons.stretch(part).unwrap_or(1.0);
+    }
+    path
+}
+
 /// Multipliers of all rows at given normalised times, with which a search can begin.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Multipliers {
@@ -60,14 +111,35 @@ pub struct Multipliers {
 impl Candidate {
     /// The motion.
     pub fn curve(&self, problem: &Problem<'_>) -> Result<Curve> {
-        curve_of(&problem.with_horizon(self.horizon)?, &self.path)
+        let problem = problem.with_horizon(self.horizons.whole())?;
+        match self.horizons.reference() {
+            None => curve_of(&problem, &self.path),
+            Some(_) => curve_in_parts(&self.path, &self.horizons),
+        }
+    }
+
+    /// The time at a normalised one, s.
+    pub fn time(&self, normalised: f64) -> f64 {
+        let basis = &self.path.basis;
+        let (segment, _) = basis.functions_at(normalised);
+        let part = self.horizons.part(segment, basis.segments());
+        self.horizons.time(part, normalised)
+    }
+
+    /// Changes to the same curve, or its best approximation, in another basis.
+    pub fn change_basis(&mut self, basis: Basis) {
+        let path = &self.path;
+        self.path = match self.horizons.reference() {
+            None => path.in_basis(basis),
+            Some(_) => in_parts(path, &self.horizons, basis),
+        };
     }
 
     /// An untested curve.
     pub fn new(path: Path, horizon: f64) -> Self {
         Self {
             path,
-            horizon,
+            horizons: Horizons::one(horizon),
             alternative: 0,
             times: Vec::new(),
             multipliers: Multipliers::default(),

@@ -17,7 +17,12 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         self.objective
             .derivatives(&self.coefficients, &mut self.derivatives)?;
         for (place, of) in self.of_points(iterate)? {
-            place.add_hessian(&self.grid, &of, self.horizon, &mut self.derivatives.hessian);
+            place.add_hessian(
+                &self.grid,
+                &of,
+                self.horizons.whole(),
+                &mut self.derivatives.hessian,
+            );
         }
         let of_unknowns = |matrix: &BlockTridiagonal<f64>| {
             let full = Bordered::with_border(matrix.clone(), 0);

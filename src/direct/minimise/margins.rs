@@ -23,7 +23,7 @@ fn beside(grid: &Grid<f64>, maximum: &Maximum) -> [Option<usize>; 2] {
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// Finds the local maxima of the rows between the points; returns the largest violation, in its unit.
     pub(super) fn maxima(&mut self, end: bool) -> Result<f64> {
-        let (scan, horizon) = (self.scans[usize::from(end)].clone(), self.horizon);
+        let scan = self.scans[usize::from(end)].clone();
         self.evaluate_points()?;
         let of_border = self.linear_rows().map(|row| row.unit * row.value);
         let of_points = self.points.iter().map(PointRows::violation);
@@ -31,7 +31,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let integrand = self.objective.cost_mut();
         let floor = -self.search.scan_depth;
         let (rows, look) = (&mut integrand.rows, &mut self.look);
-        self.deviation = scan.maxima(rows, &self.coefficients, horizon, floor, look)?;
+        let (horizons, coefficients) = (&self.horizons, &self.coefficients);
+        self.deviation = scan.maxima(rows, coefficients, horizons, floor, look)?;
         self.evaluate_beside()?;
         let integrand = self.objective.cost();
         let attributes = integrand.rows.attributes();
@@ -69,7 +70,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let Some(finer) = &mut self.finer else {
             return Ok(false);
         };
-        finer.set_horizon(self.horizon);
+        finer.set_horizons(&self.horizons);
         let exact = finer.value(&self.coefficients)?;
         let error = (exact - cost).abs() / exact.abs().max(SMALLEST_COST);
         self.finer_cost = [exact, error];

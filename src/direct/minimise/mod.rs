@@ -13,6 +13,7 @@ mod curvature;
 mod end_rows;
 mod ends;
 mod foot_terms;
+mod free;
 mod integrand;
 mod margins;
 mod point_rows;
@@ -34,7 +35,7 @@ use crate::cost::CostWithControl;
 use crate::cost::check_integral;
 use crate::curve::Basis;
 use crate::error::{Error, Result};
-use crate::motion::{Problem, Watch, curve_of, passive_share};
+use crate::motion::{Problem, Watch, passive_share};
 use crate::nlp::{Equality, Nlp, Options, Progress, Status, solve};
 use crate::transcription::{Grid, Grids, Rows};
 use program::Program;
@@ -89,6 +90,11 @@ pub(super) fn minimise<K: Constraint, P: CostWithControl>(
         1 => search.points,
         _ => search.points_of_segments,
     };
+    if let Some(parts) = &context.settings.parts
+        && candidate.horizons.reference().is_none()
+    {
+        candidate.horizons = parts.horizons(candidate.horizons.whole());
+    }
     candidate.points = (per_degree * basis.degree() as f64) as usize + 4;
     loop {
         let status = on_grid(context, &mut candidate, stage, observe)?;
@@ -208,9 +214,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         rows.count() > 0 && !candidate.converged && violation <= stage.feasible && !rough;
     program.put(&x, candidate);
     [candidate.cost, candidate.quadrature_error] = program.finer_cost;
-    let time = context
-        .free_horizon
-        .map_or(0.0, |free| free.weight * candidate.horizon);
+    let time = program.free.weight * candidate.horizons.whole();
     candidate.objective = candidate.cost + time;
     candidate.gradient_norm = end.progress.stationarity;
     candidate.complementarity = end.progress.complementarity;
@@ -261,8 +265,7 @@ fn look_at_passive_joints<K: Constraint, P: CostWithControl>(
     let search = &context.settings.search;
     let limits = &context.rows.constraints.torque;
     if limits.has_passive() {
-        let problem = context.problem.with_horizon(candidate.horizon)?;
-        let curve = curve_of(&problem, &candidate.path)?;
+        let curve = candidate.curve(context.problem)?;
         let times = search.last_scan.div_ceil(curve.segments());
         let model = context.problem.model();
         candidate.passive_share = passive_share(model, &curve, limits, times)?;

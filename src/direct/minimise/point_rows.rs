@@ -7,6 +7,7 @@ use crate::direct::Waypoint;
 use crate::error::Result;
 use crate::model::Model;
 use crate::nlp::Term;
+use crate::transcription::{Horizons, functions_in_part};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -39,6 +40,8 @@ pub(super) struct Place {
     /// The segment, and value and first three derivatives of its functions, one column each.
     pub segment: usize,
     pub functions: DMatrix<f64>,
+    /// The derivatives of the functions in the horizon of a part, if slopes have factors.
+    pub in_part: Option<DMatrix<f64>>,
     /// The configuration and its first three derivatives, one column each.
     pub q: DMatrix<f64>,
 }
@@ -56,13 +59,26 @@ pub(super) struct PointDerivatives {
 
 impl Place {
     /// The curve of these coefficients at a normalised time in `[0, 1]`.
-    pub fn new(basis: &Basis, coefficients: &DMatrix<f64>, time: f64) -> Self {
-        let (segment, functions) = basis.functions_at(time);
+    pub fn new(
+        basis: &Basis,
+        coefficients: &DMatrix<f64>,
+        time: f64,
+        horizons: &Horizons<f64>,
+    ) -> Self {
+        let (segment, mut functions) = basis.functions_at(time);
         let own = coefficients.columns(basis.first(segment), functions.ncols());
+        let in_part = horizons.reference().map(|reference| {
+            let horizon = horizons.parts()[horizons.part(segment, basis.segments())];
+            let shared = basis.continuity().order();
+            let [stretched, rates] = functions_in_part(&functions, shared, (horizon, reference));
+            functions = stretched;
+            rates
+        });
         let q = own * functions.transpose();
         Self {
             segment,
             functions,
+            in_part,
             q,
         }
     }

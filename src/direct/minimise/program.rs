@@ -1,6 +1,7 @@
 //! The nonlinear program of a curve in a basis.
 
 use super::ends::PeriodicEnds;
+use super::free::Free;
 use super::integrand::Integrand;
 use super::point_rows::PointRows;
 use super::working_set::{WorkingSet, equalities};
@@ -8,12 +9,12 @@ use super::{Candidate, Context, Stage};
 use crate::constraint::{AnyConstraint, Constraint};
 use crate::cost::CostWithControl;
 use crate::curve::Basis;
-use crate::direct::{FreeHorizon, Period, SearchOptions, Waypoint};
+use crate::direct::{Period, SearchOptions, Waypoint};
 use crate::error::Result;
 use crate::model::Model;
 use crate::motion::{Problem, Watch};
 use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, RowState, Term, Tightened};
-use crate::transcription::{Derivatives, Grid, Look, Objective, Scan};
+use crate::transcription::{Derivatives, Grid, Horizons, Look, Objective, Scan};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
@@ -29,9 +30,9 @@ pub(in crate::direct) struct Program<'g, 'a, K, P> {
     /// The times between the points at which rows are evaluated, during the search and at its end.
     pub(super) scans: [Arc<Scan>; 2],
     pub(super) objective: Objective<'g, f64, Integrand<'a, K, P>>,
-    /// The coefficients at which the objective and the rows were evaluated last, with the horizon and the cost.
-    evaluated_at: DMatrix<f64>,
-    pub(super) evaluated: Option<(f64, f64)>,
+    /// The coefficients and the horizons at which the objective and the rows were evaluated last, and the cost.
+    evaluated_at: (DMatrix<f64>, Horizons<f64>),
+    pub(super) evaluated: Option<f64>,
     /// The cost alone by a finer quadrature if there is one, with the cost of the last evaluation and its relative
     /// difference.
     pub(super) finer: Option<Objective<'g, f64, P>>,
@@ -43,8 +44,8 @@ pub(in crate::direct) struct Program<'g, 'a, K, P> {
     pub(super) coefficients: DMatrix<f64>,
     pub(super) basis: Basis,
     pub(super) rates: DMatrix<f64>,
-    pub(super) horizon: f64,
-    pub(super) free_horizon: Option<FreeHorizon>,
+    pub(super) horizons: Horizons<f64>,
+    pub(super) free: Free,
     /// The rows of the waypoints, those of a goal and those of ends, and the index of the first one among all rows.
     pub(super) points: Vec<PointRows<'g>>,
     pub(super) first_of_points: usize,
@@ -88,12 +89,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     where
         'a: 'g,
     {
-        let Context {
-            problem,
-            rows,
-            free_horizon,
-            ..
-        } = context;
+        let Context { problem, rows, .. } = context;
         let (search, path) = (context.settings.search.clone(), &candidate.path);
         let (n, basis) = (problem.model().dof(), &path.basis);
         let looks = search.scan * grid.points();
@@ -107,15 +103,15 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             scans: [looks, last].map(|times| context.grids.scan(basis, times)),
             finer: finer.map(|finer| Objective::new(finer, rows.cost.clone(), n)),
             finer_cost: [f64::NAN; 2],
-            evaluated_at: path.coefficients.clone(),
+            evaluated_at: (path.coefficients.clone(), candidate.horizons.clone()),
             deviation: 0.0,
             evaluated: None,
             derivatives: Derivatives::new(&grid, n),
             coefficients: path.coefficients.clone(),
             rates: path.rates(problem),
             basis: basis.clone(),
-            horizon: candidate.horizon,
-            free_horizon,
+            horizons: candidate.horizons.clone(),
+            free: Free::new(context.free_horizon, context.settings.parts.as_ref()),
             points: Vec::new(),
             first_of_points: points * rows.count(),
             rows_of_ends: Default::default(),
@@ -138,7 +134,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             equality_penalty: 1.0,
             watch: context.watch.clone(),
         };
-        if free_horizon.is_some() {
+        if !program.free.parts.is_empty() {
             program.objective.free_horizon(program.rates.clone());
         }
         program.count_margins();
@@ -181,7 +177,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         self.evaluated = None;
         self.coefficients.copy_from(&path.coefficients);
         path.rates_in(problem, &mut self.rates);
-        self.horizon = candidate.horizon;
+        self.horizons.assign(&candidate.horizons);
         self.objective.set_rates(&self.rates);
         let rows = &mut self.objective.cost_mut().rows;
         rows.near.release();
@@ -200,14 +196,16 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
 
     /// Evaluates the cost and the rows at the coefficients, unless these were the last ones.
     pub(super) fn cost(&mut self) -> Result<f64> {
-        if let Some((horizon, cost)) = self.evaluated
-            && (&self.evaluated_at, horizon) == (&self.coefficients, self.horizon)
+        let (coefficients, horizons) = &mut self.evaluated_at;
+        if let Some(cost) = self.evaluated
+            && (&*coefficients, &*horizons) == (&self.coefficients, &self.horizons)
         {
             return Ok(cost);
         }
         let cost = self.objective.value(&self.coefficients)?;
-        self.evaluated_at.copy_from(&self.coefficients);
-        self.evaluated = Some((self.horizon, cost));
+        coefficients.copy_from(&self.coefficients);
+        horizons.assign(&self.horizons);
+        self.evaluated = Some(cost);
         Ok(cost)
     }
 
@@ -273,11 +271,11 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         out.hessian.border.fill(0.0);
         out.hessian.corner.fill(0.0);
         out.gradient.rows_mut(own, self.border()).fill(0.0);
-        if let Some(free) = self.free_horizon {
-            let of = &self.derivatives.horizon;
-            out.hessian.border.set_column(0, &of.mixed);
-            out.gradient[own] = of.first + free.weight;
-            out.hessian.corner[(0, 0)] = of.second;
+        for (k, (part, _)) in self.free.parts.iter().enumerate() {
+            let of = &self.derivatives.horizons[*part];
+            out.hessian.border.set_column(k, &of.mixed);
+            out.gradient[own + k] = of.first + self.free.weight * self.horizons.share();
+            out.hessian.corner[(k, k)] = of.second;
         }
         self.add_linear_rows(iterate, self.first_of_border(), out);
         self.add_points(iterate, out)
@@ -294,13 +292,13 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let of_points = self.points.iter().flat_map(|point| &point.h);
         h.extend(of_points.zip(beside).map(|(h, margin)| h + margin));
         h.extend(self.linear_rows().map(|row| row.value));
-        let mut objective = cost;
-        if let Some(free) = self.free_horizon {
-            if self.horizon <= 0.0 {
-                return Ok(f64::INFINITY);
-            }
-            objective += free.weight * self.horizon;
+        if self.horizons.parts().iter().any(|horizon| *horizon <= 0.0) {
+            return Ok(f64::INFINITY);
         }
+        let objective = match self.free.parts.is_empty() {
+            true => cost,
+            false => cost + self.free.weight * self.horizons.whole(),
+        };
         let rows = &self.objective.cost().rows;
         Ok(
             match self.working.is_left(rows, &h[..self.first_of_points]) {
@@ -324,10 +322,25 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
     }
 
     fn measure(&self, x: &DVector<f64>) -> f64 {
-        match self.free_horizon {
-            Some(_) => x[self.own()],
-            None => self.horizon,
+        let parts = self.horizons.parts();
+        match &self.free.parts[..] {
+            [] => self.horizons.whole(),
+            [_] if parts.len() == 1 => x[self.own()],
+            _ => {
+                (0..parts.len())
+                    .map(|part| self.horizon_at(x, part))
+                    .sum::<f64>()
+                    * self.horizons.share()
+            }
         }
+    }
+
+    fn measure_of(&self, x: &DVector<f64>, row: usize) -> f64 {
+        if self.horizons.parts().len() == 1 || row >= self.first_of_points {
+            return self.measure(x);
+        }
+        let segment = row / self.objective.cost().rows.count() / self.grid.points();
+        self.horizon_at(x, self.horizons.part(segment, self.grid.segments))
     }
 
     fn longest(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64 {

@@ -37,8 +37,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         candidate.multipliers.put(&self.grid, rows, all);
     }
 
-    /// The norm of steps: the mean square of the velocities in normalised time, the relative change of the horizon,
-    /// the mean way of the curve in the change of the time of a waypoint, and the square of the change of the
+    /// The norm of steps: the mean square of the velocities in normalised time, the relative change of the horizon, in
+    /// its mean over all parts, the mean way of the curve in the change of the time of a waypoint, and the square of the change of the
     /// configuration at the ends of a periodic motion.
     pub fn kkt(&self) -> Option<Kkt> {
         let mut norm = Bordered::with_border(self.objective.gram(), self.border());
@@ -63,8 +63,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         if !self.moving.is_empty() {
             corner.fill_diagonal(self.mean_square_slope());
         }
-        if self.free_horizon.is_some() {
-            corner[(0, 0)] = self.horizon.powi(-2);
+        for (k, (part, _)) in self.free.parts.iter().enumerate() {
+            corner[(k, k)] = self.horizons.share() * self.horizons.parts()[*part].powi(-2);
         }
     }
 
@@ -81,21 +81,22 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let [ends, own, _] = parts(&self.grid.free, self.period.is_some());
         let coefficients = &of.path.coefficients;
         let column = |function: &usize| coefficients.column(*function).into_iter().copied();
-        let horizon = self.free_horizon.map(|_| of.horizon);
+        let parts = self.free.parts.iter();
+        let horizons = parts.map(|(part, _)| of.horizons.parts()[*part]);
         let times = self.moving.iter().map(|k| of.times[*k]);
         let values = own.iter().flat_map(column);
-        let values = values.chain(horizon).chain(times);
+        let values = values.chain(horizons).chain(times);
         let values = values.chain(ends.iter().flat_map(column));
         for (x, value) in x.iter_mut().zip(values) {
             *x = value;
         }
     }
 
-    /// Sets path, horizon and times of waypoints of a candidate to those of unknowns.
+    /// Sets path, horizons and times of waypoints of a candidate to those of unknowns.
     pub fn put(&mut self, x: &DVector<f64>, candidate: &mut Candidate) {
         self.place(x);
         candidate.path.coefficients.copy_from(&self.coefficients);
-        candidate.horizon = self.horizon;
+        candidate.horizons.assign(&self.horizons);
         candidate.times.clone_from(&self.times);
     }
 
@@ -105,7 +106,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         self.derivatives.gradient.len() - 2 * ends
     }
 
-    /// Sets coefficients, horizon and times.
+    /// Sets coefficients, horizons and times.
     pub(super) fn place(&mut self, x: &DVector<f64>) {
         let (grid, n, own) = (self.grid.clone(), self.objective.dof(), self.own());
         let [start, between, end] = parts(&grid.free, self.period.is_some());
@@ -123,15 +124,17 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
                 set(&[*function], &period.end_of(values));
             }
         }
-        if self.free_horizon.is_some() {
-            self.horizon = x[own];
+        for (k, (part, _)) in self.free.parts.iter().enumerate() {
+            self.horizons.set(*part, x[own + k]);
+        }
+        if self.free.is_whole(&self.horizons) {
             for (column, _) in self.basis.fixed_slopes() {
                 let mut slope = self.coefficients.column_mut(column);
                 slope.copy_from(&self.rates.column(column));
-                slope *= self.horizon;
+                slope *= self.horizons.whole();
             }
         }
         self.set_times(x);
-        self.objective.set_horizon(self.horizon);
+        self.objective.set_horizons(&self.horizons);
     }
 }

@@ -128,7 +128,7 @@ pub(crate) fn multistart<K: Constraint + Send + Sync, P: CostWithControl>(
                 }
                 let mut candidate = run.candidate.clone();
                 if run.first < index {
-                    candidate.path = candidate.path.in_basis(level.basis.clone());
+                    candidate.change_basis(level.basis.clone());
                 }
                 let mut iterations = Vec::new();
                 let mut log = |iteration| iterations.push(iteration);

@@ -131,7 +131,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
             .cost(cost.clone())
             .constraints(&constraints);
         let found = direct.settings(options.settings.clone()).solve()?;
-        options.settings.degree = found.curve.chebyshev().degree();
+        options.settings.degree = found.curve.degree();
         (options.settings.start, options.settings.multipliers) = (None, None);
         (options.settings.time_limit, options.settings.interrupt) = (None, Interrupt::default());
         options.settings.search.scan = SCAN;
@@ -209,7 +209,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
         };
         self.goal[..q.len()].copy_from_slice(q);
         (self.asked, self.aims) = (Some(horizon), false);
-        self.others[2].motion.horizon = horizon;
+        self.others[2].motion.horizons.set(0, horizon);
         Ok(())
     }
 

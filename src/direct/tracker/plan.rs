@@ -19,23 +19,24 @@ pub(super) struct Plan {
 impl Plan {
     /// The time that is left, s, at least zero.
     pub fn left(&self, now: f64) -> f64 {
-        (self.began + self.motion.horizon - now).max(0.0)
+        (self.began + self.motion.horizons.whole() - now).max(0.0)
     }
 
     /// Sets `rest` to the rest of the motion with its multipliers, the same polynomial; of the last `shortest` seconds
     /// all of them.
     pub fn rest_in(&self, now: f64, shortest: f64, memory: &mut Memory, rest: &mut Self) {
         let (from, to) = (&self.motion, &mut rest.motion);
-        let left = self.left(now).max(shortest).min(from.horizon);
+        let left = self.left(now).max(shortest).min(from.horizons.whole());
         to.multipliers.set(&from.multipliers);
-        if left < from.horizon {
-            let share = 1.0 - left / from.horizon;
+        if left < from.horizons.whole() {
+            let share = 1.0 - left / from.horizons.whole();
             from.path.after_in(share, memory, &mut to.path.coefficients);
             to.multipliers.begin_after(share);
         } else {
             to.path.coefficients.copy_from(&from.path.coefficients);
         }
-        (to.horizon, rest.began) = (left, now);
+        to.horizons.set(0, left);
+        rest.began = now;
     }
 
     /// The rest of the motion; see [`rest_in`](Self::rest_in).
@@ -50,7 +51,8 @@ impl Plan {
         let (from, to) = (&other.motion, &mut self.motion);
         to.multipliers.set(&from.multipliers);
         to.path.coefficients.copy_from(&from.path.coefficients);
-        (to.horizon, self.began) = (from.horizon, other.began);
+        to.horizons.assign(&from.horizons);
+        self.began = other.began;
     }
 
     /// The configuration, velocity and acceleration at a time; after the end those of rest there.
@@ -64,7 +66,7 @@ impl Plan {
 
     /// Computes configuration, velocity and acceleration at a time; see [`at`](Self::at).
     fn at_in(&self, now: f64, memory: &mut Memory, out: [&mut [f64]; 3]) {
-        let (path, horizon) = (&self.motion.path, self.motion.horizon);
+        let (path, horizon) = (&self.motion.path, self.motion.horizons.whole());
         let left = self.left(now);
         let local = memory.evaluate(path, 1.0 - left / horizon);
         let moving = f64::from(u8::from(left > 0.0));

@@ -49,11 +49,12 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
             attempt.rest_in(now, shortest, &mut self.memory, tried);
             if !is_current {
                 // The horizon begins when the plan does.
-                tried.motion.horizon = attempt.motion.horizon;
+                tried.motion.horizons.assign(&attempt.motion.horizons);
             }
         } else {
             tried.set(reference);
-            tried.motion.horizon = self.asked.unwrap_or(tried.motion.horizon);
+            let horizon = self.asked.unwrap_or(tried.motion.horizons.whole());
+            tried.motion.horizons.set(0, horizon);
         }
         let most = self.options.iterations_per_step;
         let found = self.improve(begin, most)?;
@@ -84,7 +85,8 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
         let mut since = Instant::now();
         let [reference, tried, _] = &mut self.others;
         let motion = &mut tried.motion;
-        self.problem.set(begin, &self.goal, motion.horizon)?;
+        self.problem
+            .set(begin, &self.goal, motion.horizons.whole())?;
         motion.path.set_ends(&self.problem);
         let pace = &mut self.pace;
         let mut goes_on = |count: usize| {
@@ -103,7 +105,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
     /// The motion of a plan.
     pub(super) fn curve(&self, plan: &Plan) -> Result<Curve> {
         let path = &plan.motion.path;
-        let horizon = plan.motion.horizon;
+        let horizon = plan.motion.horizons.whole();
         let states = [plan.began, plan.began + horizon].map(|time| {
             let [q, v, _] = plan.at(time);
             [q, v].concat()

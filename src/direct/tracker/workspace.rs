@@ -105,13 +105,13 @@ impl Motion for (&mut OnPlan, &Plan) {
         0.0
     }
 
-    fn length(&self) -> f64 {
-        self.1.motion.horizon
+    fn length(&self, _: usize) -> f64 {
+        self.1.motion.horizons.whole()
     }
 
     fn states(&mut self, _: usize, times: &[f64], regular: bool) -> &[f64] {
         let (own, motion) = (&mut *self.0, &self.1.motion);
-        let (coefficients, horizon) = (&motion.path.coefficients, motion.horizon);
+        let (coefficients, horizon) = (&motion.path.coefficients, motion.horizons.whole());
         let n = coefficients.nrows();
         if regular {
             multiply(coefficients, &own.table, &mut own.regular);

@@ -130,7 +130,7 @@ fn weak_form(model: &Model, path: &Path, k: f64) -> Result<DMatrix<f64>> {
         [q.as_slice(), v.as_slice()].concat()
     };
     let curve = curve_of(&Problem::new(model, end(0.0), end(1.0), 1.0)?, path)?;
-    let chebyshev = curve.chebyshev();
+    let chebyshev = curve.chebyshev(0);
     let (mut data, mut flow) = (Data::new(model), ControlForm::new(model));
     let (mut h, mut omega) = (DMatrix::zeros(n, n), DVector::zeros(2 * n));
     let mut interpolation = DVector::zeros(basis.degree() + 1);

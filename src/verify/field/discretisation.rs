@@ -76,6 +76,22 @@ impl Discretisation {
         (grid, self.coefficients.zip_map(&self.rates, affine))
     }
 
+    /// The grid of one segment alone on a horizon, whose normalised time zero is at a time.
+    pub fn segment<S: AlgebraOver<Gf>>(&self, e: usize, horizon: S, begin: S) -> Grid<S> {
+        let (of_all, _) = self.on(horizon);
+        let own = e * Self::POINTS..(e + 1) * Self::POINTS;
+        let times = of_all.times[own].iter().map(|time| begin + *time);
+        let functions = of_all.table.nrows();
+        Grid::from_table(
+            1,
+            2,
+            (0..functions).collect(),
+            times.collect(),
+            of_all.weights.clone(),
+            of_all.table.clone(),
+        )
+    }
+
     /// Adds numbers to the unknown coefficients.
     pub fn add_to_unknowns<S: AlgebraOver<Gf>>(coefficients: &mut DMatrix<S>, numbers: &[S]) {
         let first = Self::FREE.start * coefficients.nrows();

@@ -7,7 +7,7 @@ use crate::cost::{
 };
 use crate::error::Result;
 use crate::scalar::AlgebraOver;
-use crate::transcription::{Derivatives, HorizonDerivatives, Objective};
+use crate::transcription::{Derivatives, HorizonDerivatives, Horizons, Objective};
 use crate::verify::reference::{gradient, inverse_dynamics, jacobian, rate, unit, vector};
 use nalgebra::{DMatrix, DVector};
 use num_traits::Zero;
@@ -26,6 +26,12 @@ pub(super) fn identities() -> Vec<Identity> {
             statement: "the derivatives of J in T are those by duals, nested ones for the second and mixed ones",
             convention: "l = t |u|^2 and |u|^2; any functions, weights and coefficients that are affine in T",
             claims: horizon,
+        },
+        Identity {
+            label: "transcription parts",
+            statement: "the derivatives of J in unknown coefficients and horizons of parts are those by duals of a sum of parts",
+            convention: "l = |u|^2, and t |u|^2 for the slopes; any functions, weights, coefficients and reference",
+            claims: parts,
         },
     ]
 }
@@ -115,7 +121,89 @@ fn at_a_horizon<P: PointCost<Gf>>(
     objective.free_horizon(example.rates.clone());
     let mut derivatives = Derivatives::new(&grid, p.dof());
     objective.derivatives(&curve, &mut derivatives)?;
-    Ok(derivatives.horizon)
+    Ok(derivatives.horizons.swap_remove(0))
+}
+
+/// The derivatives of a cost in the coefficients of an example and in the horizons of its two parts.
+fn in_parts<P: PointCost<Gf>>(
+    p: &RandomInstance,
+    example: &Discretisation,
+    (horizons, cost): (Horizons<Gf>, P),
+) -> Result<Derivatives<Gf>> {
+    let grid = example.grid();
+    let mut objective = Objective::new(&grid, cost, p.dof());
+    objective.set_horizons(&horizons);
+    objective.free_horizon(DMatrix::zeros(p.dof(), grid.count()));
+    let mut derivatives = Derivatives::new(&grid, p.dof());
+    objective.derivatives(&example.coefficients, &mut derivatives)?;
+    Ok(derivatives)
+}
+
+/// The cost of an example as the sum of two curves of one segment each, on horizons of their own.
+fn sum_of_parts<S: AlgebraOver<Gf>, P: PointCost<S>>(
+    example: &Discretisation,
+    curve: &DMatrix<S>,
+    (horizons, reference): (&[S], Gf),
+    cost: impl Fn() -> P,
+) -> Result<S> {
+    let mut sum = S::zero();
+    for (part, horizon) in horizons.iter().enumerate() {
+        let begin = match part {
+            0 => S::zero(),
+            _ => horizons[0] - *horizon,
+        };
+        // Slopes are the first function and the last but one.
+        let mut own = curve.columns(3 * part, 5).into_owned();
+        for slope in [0, 3] {
+            let mut column = own.column_mut(slope);
+            column *= *horizon / S::lift(reference);
+        }
+        let half = S::one() / S::from_f64(2.0);
+        let grid = example.segment(part, *horizon, begin * half);
+        sum += Objective::new(&grid, cost(), curve.nrows()).value(&own)?;
+    }
+    Ok(sum)
+}
+
+fn parts(p: &RandomInstance) -> Result<Vec<Equality>> {
+    let (example, mut number) = (Discretisation::new(p), numbers(p));
+    let [other, reference] = [number() + p.k, number() + p.k + p.k];
+    let horizons = || Horizons::of_parts(vec![p.k, other], reference);
+    let late = LateEffort(ControlEffort::new(&p.model));
+    let late = in_parts(p, &example, (horizons(), late))?.horizons;
+    let slopes = gradient(&[p.k, other], |horizons| {
+        let curve = example.coefficients.map(AlgebraOver::lift);
+        sum_of_parts(&example, &curve, (horizons, reference), || {
+            LateEffort(ControlEffort::new(&p.model))
+        })
+    })?;
+
+    let found = in_parts(p, &example, (horizons(), ControlEffort::new(&p.model)))?;
+    let count = example.unknowns().len();
+    let unknowns = [example.unknowns(), &[p.k, other]].concat();
+    let by_unknowns = |unknowns: &[Gf]| vector(unknowns);
+    let directions = [number(), number()];
+    let direction = [example.direction.as_slice(), &directions].concat();
+    let image = rate(&unknowns, &direction, |unknowns| {
+        gradient(unknowns, |unknowns| {
+            let curve = example.with_unknowns(&unknowns[..count]);
+            sum_of_parts(&example, &curve, (&unknowns[count..], reference), || {
+                ControlEffort::new(&p.model)
+            })
+        })
+    })?;
+    let mut own = found.hessian.to_dense() * &example.direction;
+    let mut of_horizons = Vec::new();
+    for (of, by) in found.horizons.iter().zip(directions) {
+        own += &of.mixed * by;
+        of_horizons.push(of.mixed.dot(&example.direction) + of.second * by);
+    }
+    let all = [own.as_slice(), &of_horizons].concat();
+    let late: Vec<Gf> = late.iter().map(|of| of.first).collect();
+    Ok(vec![
+        Equality::vectors("slopes", &vector(&late), &slopes),
+        Equality::vectors("second derivatives", &by_unknowns(&all), &image),
+    ])
 }
 
 fn horizon(p: &RandomInstance) -> Result<Vec<Equality>> {

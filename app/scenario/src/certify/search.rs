@@ -68,7 +68,7 @@ pub(super) fn certification(
     times: &[f64],
     tracking_error: f64,
 ) -> Result<Certification> {
-    let (motion, limits) = (Motion::of_curve(curve), limits(scenario));
+    let (motion, limits) = (Motion::of_curve(curve)?, limits(scenario));
     let rows = Rows::new(scenario, &limits, &motion)?;
     let mut search = Search::new(scenario, &motion, rows, tracking_error)?;
     let deviations = deviations(scenario, &motion);

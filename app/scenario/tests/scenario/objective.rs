@@ -161,7 +161,7 @@ fn what_was_found_is_told() {
         json!({ "free_horizon": bounds, "objective": timed }),
     );
     let horizon = details.horizon_s;
-    assert_eq!(horizon, found.curve.chebyshev().horizon());
+    assert_eq!(horizon, found.curve.chebyshev(0).horizon());
     assert!(horizon > 0.4 && horizon < 1.5, "{horizon}");
     let total = found.summary.control_effort + 600.0 * horizon;
     assert!((details.cost - total).abs() < 2e-3 * total);
