@@ -129,6 +129,33 @@ impl Curve {
         self.parts[0].degree()
     }
 
+    /// The time of the whole curve if all parts were as long as one, s.
+    ///
+    /// # Panics
+    /// `part` is out of range.
+    #[must_use]
+    pub fn horizon_of(&self, part: usize) -> f64 {
+        let (parts, own) = (self.parts.len(), self.segments() / self.parts.len());
+        let [begin, end] = [part, part + 1].map(|k| self.breakpoints[k * own]);
+        parts as f64 * (end - begin)
+    }
+
+    /// The same shape in another time.
+    ///
+    /// # Errors
+    /// The horizon is not positive and finite.
+    pub fn stretched(&self, horizon: f64) -> Result<Self> {
+        let (n, mut x) = (self.dof(), self.x.clone());
+        x.rows_mut(n, n).scale_mut(self.horizon() / horizon);
+        let parts = self.parts();
+        if parts == 1 {
+            return Self::piecewise(horizon, self.segments(), x);
+        }
+        let factor = horizon / self.horizon() / parts as f64;
+        let lengths: Vec<_> = (0..parts).map(|k| factor * self.horizon_of(k)).collect();
+        Self::in_parts(&lengths, self.segments(), x)
+    }
+
     /// The number of parts whose lengths may differ.
     #[must_use]
     pub fn parts(&self) -> usize {

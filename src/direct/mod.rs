@@ -26,6 +26,7 @@
 mod goal;
 mod minimise;
 mod options;
+mod parts;
 mod period;
 mod settings;
 mod solution;
@@ -38,7 +39,7 @@ pub use options::SearchOptions;
 pub use period::Period;
 pub use settings::{DirectSettings, PlannedStarts};
 pub use solution::{DirectSolution, Iteration};
-pub use strategy::{DegreeRefinement, FreeHorizon, FreeParts, LocalMinimum};
+pub use strategy::{DegreeRefinement, FreeHorizon, LocalMinimum};
 pub use tracker::{Command, Outcome, Safety, Step, Tracker, TrackerOptions};
 pub use waypoint::Waypoint;
 
@@ -46,7 +47,7 @@ use crate::constraint::{Constraint, Constraints, NONE};
 use crate::cost::{ControlEffort, CostWithControl};
 use crate::curve::Curve;
 use crate::error::{Error, Result};
-use crate::motion::{Problem, Watch, curve_of, path_of};
+use crate::motion::{Problem, Watch};
 use crate::transcription::{Grids, Rows};
 pub use minimise::Multipliers;
 pub(crate) use minimise::working_set::{WorkingSet, equalities};
@@ -153,8 +154,8 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
             let condition = "accelerations jump where the foot changes".to_owned();
             return refuse("continuous_acceleration", condition);
         }
-        let parts = self.settings.parts.as_ref().map(|parts| parts.bounds.len());
-        if phases > 1 && parts.is_some_and(|parts| parts != phases) {
+        let parts = self.settings.parts.len();
+        if phases > 1 && parts > 0 && parts != phases {
             let condition = format!("there are {phases} phases");
             return refuse("parts", condition);
         }
@@ -215,29 +216,29 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
         };
         let highest = settings.highest();
         let passive = self.constraints.torque.has_passive();
-        let parts = settings
-            .parts
-            .as_ref()
-            .map_or(1, |parts| parts.bounds.len());
         let (mut starts, mut minima, mut minima_curves) = (Vec::new(), Vec::new(), Vec::new());
         let mut best_start = None;
         let first_guess;
         let found = if let Some(curve) = &settings.start {
-            let path = path_of(curve, settings.basis(&problem)).between_ends_of(&problem);
-            first_guess = curve_of(&problem, &path)?;
+            let start = Candidate::of_curve(curve, &problem, settings);
             let start = Candidate {
-                times: nearest_times(&path, &problem, &settings.waypoints),
+                times: nearest_times(&start.path, &problem, &settings.waypoints),
                 multipliers: settings.multipliers.clone().unwrap_or_default(),
                 penalty: Some(settings.search.planned_penalty),
                 alternative: settings.goal.as_ref().map_or(0, |goal| goal.nearest(curve)),
-                ..Candidate::new(path, problem.horizon())
+                ..start
             };
+            first_guess = start.curve(&problem)?;
             minimise_to_the_end(context, start, highest, f64::INFINITY, &mut log)?
         } else {
             let outcome = multistart(
                 context,
                 settings,
-                &settings.levels(settings.continuity(&problem), passive, phases.max(parts)),
+                &settings.levels(
+                    settings.continuity(&problem),
+                    passive,
+                    phases.max(settings.parts.len()),
+                ),
                 &planned,
                 &mut log,
             )?;

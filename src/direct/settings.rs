@@ -2,7 +2,7 @@
 
 use super::minimise::Stage;
 use super::waypoint;
-use super::{FreeHorizon, FreeParts, GoalSet, Multipliers, Period, SearchOptions, Waypoint};
+use super::{FreeHorizon, GoalSet, Multipliers, Period, SearchOptions, Waypoint};
 use crate::curve::{Basis, Continuity, Curve};
 use crate::error::{Error, Result, check_count, check_positive};
 use crate::motion::{Interrupt, Problem};
@@ -62,9 +62,10 @@ pub struct DirectSettings {
     pub continuous_acceleration: bool,
     /// The bounds and the weight of a free horizon; the search then starts from that of the problem.
     pub free_horizon: Option<FreeHorizon>,
-    /// The bounds of the lengths of parts of the motion, in place of a free horizon: each part then has a length of its
-    /// own, from the start on that which it would have if all were alike.
-    pub parts: Option<FreeParts>,
+    /// The shortest and the longest length of each of at least two parts of the motion with equal numbers of segments, s.
+    /// If the horizon is free, each length is an unknown and the horizon their sum; otherwise each is as near as it may
+    /// be to that of equal parts. Without any, all are alike.
+    pub parts: Vec<[f64; 2]>,
     /// A goal that is a set: the final configuration is an unknown within it, and that of the problem has no effect.
     pub goal: Option<GoalSet>,
     /// The points on the way, in their order.
@@ -114,7 +115,7 @@ impl Default for DirectSettings {
             free_final_velocity: false,
             continuous_acceleration: false,
             free_horizon: None,
-            parts: None,
+            parts: Vec::new(),
             goal: None,
             waypoints: Vec::new(),
             period: None,
@@ -277,7 +278,7 @@ impl DirectSettings {
         if let Some(free) = &self.free_horizon {
             free.check(problem.horizon())?;
         }
-        self.check_parts()?;
+        super::parts::check(self)?;
         if let Some(goal) = &self.goal {
             goal.check(problem)?;
         }
@@ -300,40 +301,6 @@ impl DirectSettings {
             }
             (None, None) => Ok(()),
         }
-    }
-}
-
-impl DirectSettings {
-    /// Refuses parts beside settings that do not go with them.
-    fn check_parts(&self) -> Result<()> {
-        let Some(parts) = &self.parts else {
-            return Ok(());
-        };
-        parts.check(self.segments)?;
-        let unknown_time = self
-            .waypoints
-            .iter()
-            .any(|waypoint| waypoint.share.is_none());
-        for (given, condition) in [
-            (
-                self.free_horizon.is_some(),
-                "the whole horizon is free beside them",
-            ),
-            (
-                self.continuous_acceleration,
-                "accelerations jump where two of them meet",
-            ),
-            (unknown_time, "a waypoint has an unknown time"),
-            (
-                parts.bounds.len() < 2,
-                "there is one: a free horizon does the same",
-            ),
-        ] {
-            if given {
-                return Err(Error::input("settings", "parts", condition));
-            }
-        }
-        Ok(())
     }
 }
 

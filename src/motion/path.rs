@@ -248,18 +248,21 @@ pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
 
 /// The configuration of a curve in a basis.
 pub(crate) fn path_of(curve: &Curve, basis: Basis) -> Path {
-    let (n, horizon) = (curve.dof(), curve.horizon());
+    let (n, parts) = (curve.dof(), curve.parts());
     let second: Vec<_> = (0..curve.segments())
         .map(|e| curve.segment(e) * curve.chebyshev(e).d2().transpose())
         .collect();
     let mut weights = DVector::zeros(curve.degree() + 1);
     let coefficients = basis.fit(n, |time| {
-        let time = time * horizon;
-        let part = curve.segment_at(time);
-        let (x, xdot) = curve.at_in(part, time);
-        let chebyshev = curve.chebyshev(part);
-        chebyshev.interpolation(time - curve.breakpoints()[part], &mut weights);
-        let a = second[part].rows(0, n) * &weights;
+        let part = ((time * parts as f64) as usize).min(parts - 1);
+        let horizon = curve.horizon_of(part);
+        let begin = curve.breakpoints()[part * curve.segments() / parts];
+        let time = begin + horizon * (time - part as f64 / parts as f64);
+        let segment = curve.segment_at(time);
+        let (x, xdot) = curve.at_in(segment, time);
+        let chebyshev = curve.chebyshev(segment);
+        chebyshev.interpolation(time - curve.breakpoints()[segment], &mut weights);
+        let a = second[segment].rows(0, n) * &weights;
         let of_q = |x: &DVector<f64>, scale: f64| x.rows(0, n) * scale;
         [of_q(&x, 1.0), of_q(&xdot, horizon), a * horizon * horizon]
     });

@@ -2,7 +2,7 @@
 
 use crate::common::direct::solved;
 use crate::common::{assert_refused, point_mass, tree};
-use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, FreeParts, Waypoint};
+use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, Waypoint};
 use aghf::flow::effort_of;
 use aghf::model::Model;
 use aghf::motion::Problem;
@@ -22,11 +22,21 @@ fn through(q: &[f64], bounds: [[f64; 2]; 2], weight: f64) -> DirectSettings {
         degree: 6,
         segments: 2,
         starts: 1,
-        parts: Some(FreeParts {
-            bounds: bounds.to_vec(),
+        parts: bounds.to_vec(),
+        free_horizon: Some(FreeHorizon {
+            shortest: 0.1,
+            longest: 20.0,
             weight,
         }),
         ..DirectSettings::constrained()
+    }
+}
+
+/// The same with lengths that are as near as they may be to those of equal parts.
+fn fixed(settings: DirectSettings) -> DirectSettings {
+    DirectSettings {
+        free_horizon: None,
+        ..settings
     }
 }
 
@@ -55,19 +65,23 @@ fn effort(lengths: [f64; 2], [first, second]: [f64; 2]) -> f64 {
 #[test]
 fn given_lengths_are_kept() {
     let (model, far) = (mass(), 0.3);
-    let settings = through(&[far], [[0.4; 2], [0.9; 2]], 0.0);
-    let solution = solved(&problem(&model), &settings);
-    assert!(solution.converged);
-    let [first, second] = lengths(&solution);
-    assert!((first - 0.4).abs() + (second - 0.9).abs() < 1e-12);
     let expected = effort([0.4, 0.9], [far, 1.0 - far]);
-    assert!(
-        (solution.cost / expected - 1.0).abs() < 1e-6,
-        "{} {expected}",
-        solution.cost
-    );
-    let again = effort_of(&model, &solution.curve, 1.0).expect("its joints");
-    assert!((again.control_effort / solution.cost - 1.0).abs() < 1e-9);
+    for settings in [
+        through(&[far], [[0.4; 2], [0.9; 2]], 0.0),
+        fixed(through(&[far], [[0.1, 0.4], [0.9, 7.0]], 0.0)),
+    ] {
+        let solution = solved(&problem(&model), &settings);
+        assert!(solution.converged);
+        let [first, second] = lengths(&solution);
+        assert!((first - 0.4).abs() + (second - 0.9).abs() < 1e-12);
+        assert!(
+            (solution.cost / expected - 1.0).abs() < 1e-6,
+            "{} {expected}",
+            solution.cost
+        );
+        let again = effort_of(&model, &solution.curve, 1.0).expect("its joints");
+        assert!((again.control_effort / solution.cost - 1.0).abs() < 1e-9);
+    }
 }
 
 /// With free lengths cost and weight of time are at a minimum: that of the cubics over both lengths.
@@ -114,6 +128,64 @@ fn bounds_of_lengths_are_kept() {
     assert!(all(own[1]) <= all(own[1] + 1e-3) && all(own[1]) <= all(own[1] - 1e-3));
 }
 
+/// The whole has bounds of its own: at its bound one part gains where the other loses.
+#[test]
+fn the_sum_of_lengths_has_bounds() {
+    let (model, far) = (mass(), 0.2);
+    for (bound, weight) in [([1.6, 20.0], 30.0), ([0.1, 1.1], 1.0)] {
+        let mut settings = through(&[far], [[0.1, 5.0]; 2], weight);
+        let [shortest, longest] = bound;
+        settings.free_horizon = Some(FreeHorizon {
+            shortest,
+            longest,
+            weight,
+        });
+        let problem = problem(&model)
+            .with_horizon(bound[0].max(1.0))
+            .expect("positive");
+        let solution = solved(&problem, &settings);
+        assert!(solution.converged, "{bound:?}");
+        let own = lengths(&solution);
+        let whole = own[0] + own[1];
+        assert!(
+            (whole - shortest).abs().min((whole - longest).abs()) < 1e-5,
+            "{own:?}"
+        );
+        let all = |first: f64| effort([first, whole - first], [far, 1.0 - far]);
+        assert!(all(own[0]) < all(own[0] + 1e-3) && all(own[0]) < all(own[0] - 1e-3));
+    }
+}
+
+/// A search goes on from a motion in parts: from the best one it ends there at once, also in more segments.
+#[test]
+fn a_motion_in_parts_is_a_start() {
+    let (model, problem) = (mass(), problem(&mass()).goal().to_vec());
+    let problem = Problem::new(&model, vec![0.0; 2], problem, 1.0).expect("valid");
+    let settings = through(&[0.2], [[0.1, 5.0]; 2], 30.0);
+    let first = solved(&problem, &settings);
+    for segments in [2, 4] {
+        let again = DirectSettings {
+            start: Some(first.curve.clone()),
+            segments,
+            ..settings.clone()
+        };
+        let again = solved(&problem, &again);
+        assert!(again.converged);
+        assert!((again.first_guess.horizon() - first.curve.horizon()).abs() < 1e-12);
+        for time in [0.1, 0.4, 0.7] {
+            let [a, b] = [&again.first_guess, &first.curve].map(|curve| curve.at(time).0);
+            assert!((a - b).amax() < 1e-9, "{segments} {time}");
+        }
+        assert!((again.cost / first.cost - 1.0).abs() < 1e-6);
+        let slower = first
+            .curve
+            .stretched(2.0 * first.curve.horizon())
+            .expect("positive");
+        let [a, b] = [slower.at(0.5).0, first.curve.at(0.25).0];
+        assert!((a[0] - b[0]).abs() + (2.0 * a[1] - b[1]).abs() < 1e-12);
+    }
+}
+
 /// A robot whose joints depend on each other, with limits and a velocity at the start, at several degrees.
 #[test]
 fn robots_have_parts_too() {
@@ -148,47 +220,21 @@ fn parts_that_cannot_be_meant_are_refused() {
     let model = mass();
     let problem = problem(&model);
     let good = || through(&[0.2], [[0.1, 5.0]; 2], 1.0);
-    let with = |parts: FreeParts| DirectSettings {
-        parts: Some(parts),
+    let bounds = |parts: &[[f64; 2]]| DirectSettings {
+        parts: parts.to_vec(),
         ..good()
-    };
-    let bounds = |bounds: &[[f64; 2]]| {
-        with(FreeParts {
-            bounds: bounds.to_vec(),
-            weight: 1.0,
-        })
-    };
-    let free = FreeHorizon {
-        shortest: 0.5,
-        longest: 2.0,
-        weight: 1.0,
     };
     for (settings, words) in [
         (
             bounds(&[[0.1, 1.0]; 3]),
-            "parts.bounds: there are 3 for 2 segments",
+            "parts: there are 3 for 2 segments",
         ),
-        (bounds(&[]), "parts.bounds: there are 0"),
-        (bounds(&[[0.1, 1.0]]), "parts: there is one"),
+        (bounds(&[[0.1, 1.0]]), "parts: there are 1 for 2 segments"),
         (
             bounds(&[[0.1, 1.0], [2.0, 1.0]]),
-            "parts.bounds[1]: the shortest length 2 is above the longest one 1",
+            "parts[1]: the shortest length 2 is above the longest one 1",
         ),
-        (bounds(&[[0.0, 1.0]; 2]), "parts.bounds[0]"),
-        (
-            with(FreeParts {
-                bounds: vec![[0.1, 1.0]; 2],
-                weight: -1.0,
-            }),
-            "parts.weight: it is -1",
-        ),
-        (
-            DirectSettings {
-                free_horizon: Some(free),
-                ..good()
-            },
-            "parts: the whole horizon is free beside them",
-        ),
+        (bounds(&[[0.0, 1.0]; 2]), "parts[0]: it is 0"),
         (
             DirectSettings {
                 continuous_acceleration: true,

@@ -2,7 +2,6 @@
 
 use super::{Preset, Scenario};
 use aghf::constraint::{AnyConstraint, Constraints};
-use aghf::curve::Curve;
 use aghf::direct::{
     Direct, DirectSettings, DirectSolution, FreeHorizon, GoalEnd, GoalSet, Iteration, Multipliers,
 };
@@ -279,13 +278,12 @@ impl<'s, 'o> Search<'s, 'o> {
             None => horizon,
         };
         let (curve, alternative) = (&from.curve, from.alternative);
-        let (dof, mut x) = (curve.dof(), curve.x().clone());
-        x.rows_mut(dof, dof).scale_mut(curve.horizon() / horizon);
+        let dof = curve.dof();
         let limit = self.settings.time_limit;
         let goal = self.settings.goal.as_ref().map(|goal| GoalSet {
             alternatives: vec![goal.alternatives[alternative].clone()],
             ends: vec![GoalEnd {
-                q: curve.x().column(x.ncols() - 1).as_slice()[..dof].to_vec(),
+                q: curve.x().column(curve.x().ncols() - 1).as_slice()[..dof].to_vec(),
                 alternative: 0,
             }],
         });
@@ -300,7 +298,7 @@ impl<'s, 'o> Search<'s, 'o> {
             // The basis of a planned start is its own.
             degree: curve.degree(),
             segments: curve.segments(),
-            start: Some(Curve::piecewise(horizon, curve.segments(), x)?),
+            start: Some(curve.stretched(horizon)?),
             multipliers,
             free_horizon,
             goal,

@@ -14,8 +14,9 @@ use std::ops::Range;
 /// A row that is linear in the unknowns of the border.
 pub(super) struct LinearRow {
     pub value: f64,
-    /// The slopes by the index of the unknown in the border, at most two.
+    /// The slopes by the index of the unknown in the border, at most two, and that in each free horizon.
     slopes: [Option<(usize, f64)>; 2],
+    of_whole: f64,
     /// The unit of the row: s, or the horizon.
     pub unit: f64,
 }
@@ -68,12 +69,14 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             slopes.iter().any(Option::is_some).then_some(LinearRow {
                 value: earlier - later,
                 slopes,
+                of_whole: 0.0,
                 unit: self.horizons.whole(),
             })
         })
     }
 
-    /// The rows that are linear in the unknowns of the border: those of times, then the two bounds of each free horizon.
+    /// The rows that are linear in the unknowns of the border: those of times, then the two bounds of each free horizon,
+    /// then those of the whole one.
     pub(super) fn linear_rows(&self) -> impl Iterator<Item = LinearRow> {
         let horizons = self.horizons.parts();
         let of_horizons = self.free.parts.iter().enumerate();
@@ -86,10 +89,18 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             bounds.map(|(value, slope)| LinearRow {
                 value,
                 slopes: [Some((k, slope)), None],
+                of_whole: 0.0,
                 unit,
             })
         });
-        self.time_rows().chain(of_horizons)
+        let (horizon, share) = (self.horizons.whole(), self.horizons.share());
+        let of_whole = self.free.whole.iter().map(move |(bound, sign)| LinearRow {
+            value: sign * (horizon - bound) / bound,
+            slopes: [None; 2],
+            of_whole: sign * share / bound,
+            unit: *bound,
+        });
+        self.time_rows().chain(of_horizons).chain(of_whole)
     }
 
     /// The largest fraction of a step that halves neither a horizon nor the time between two waypoints.
@@ -120,10 +131,15 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             for k in 0..self.free.parts.len() {
                 out.gradient[own + k] += term.cost * self.horizons.share();
             }
-            for (i, slope) in row.slopes.iter().flatten() {
+            let slopes = || {
+                let whole = (0..self.free.parts.len()).filter(|_| row.of_whole != 0.0);
+                let whole = whole.map(|k| (k, row.of_whole));
+                row.slopes.iter().flatten().copied().chain(whole)
+            };
+            for (i, slope) in slopes() {
                 out.gradient[own + i] += horizon * term.slope * slope;
-                for (j, other) in row.slopes.iter().flatten() {
-                    out.hessian.corner[(*i, *j)] += horizon * term.curvature * slope * other;
+                for (j, other) in slopes() {
+                    out.hessian.corner[(i, j)] += horizon * term.curvature * slope * other;
                 }
             }
         }

@@ -4,8 +4,9 @@ use super::point_rows::Place;
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::curve::{Basis, Chebyshev, Curve};
+use crate::direct::DirectSettings;
 use crate::error::{Error, Result};
-use crate::motion::{Path, Problem, curve_of};
+use crate::motion::{Path, Problem, curve_of, path_of};
 use crate::transcription::{Grid, Horizons, Rows};
 use nalgebra::DMatrix;
 
@@ -79,7 +80,7 @@ fn curve_in_parts(path: &Path, horizons: &Horizons<f64>) -> Result<Curve> {
 
 /// A curve in parts in another basis, whose breakpoints are among its own.
 fn in_parts(path: &Path, horizons: &Horizons<f64>, basis: Basis) -> Path {
-    let (dof, segments) = (path.coefficients.nrows(), basis.segments());
+    let dof = path.coefficients.nrows();
     let coefficients = basis.fit(dof, |time| {
         let place = Place::new(&path.basis, &path.coefficients, time, horizons);
         [0, 1, 2].map(|d| place.q.column(d).into_owned())
@@ -88,14 +89,20 @@ fn in_parts(path: &Path, horizons: &Horizons<f64>, basis: Basis) -> Path {
         basis,
         coefficients,
     };
-    // The slopes at breakpoints are those in the time of the reference.
-    for breakpoint in 0..=path.basis.segments() {
+    unstretch(&mut path, horizons);
+    path
+}
+
+/// Divides the slopes at breakpoints, in normalised time, by the factors of their parts: then they are those in the time
+/// of the reference.
+fn unstretch(path: &mut Path, horizons: &Horizons<f64>) {
+    let segments = path.basis.segments();
+    for breakpoint in 0..=segments {
         let (segment, _) = path.basis.functions_at(breakpoint as f64 / segments as f64);
         let part = horizons.part(segment, segments);
         let mut slope = path.coefficients.column_mut(path.basis.slope(breakpoint));
         slope /= horizons.stretch(part).unwrap_or(1.0);
     }
-    path
 }
 
 /// Multipliers of all rows at given normalised times, with which a search can begin.
@@ -116,6 +123,28 @@ impl Candidate {
             None => curve_of(&problem, &self.path),
             Some(_) => curve_in_parts(&self.path, &self.horizons),
         }
+    }
+
+    /// The start along a curve: its shape between the ends of a problem, in the basis of the settings.
+    pub fn of_curve(curve: &Curve, problem: &Problem<'_>, settings: &DirectSettings) -> Self {
+        let basis = settings.basis(problem);
+        if curve.parts() == 1 || curve.parts() != settings.parts.len() {
+            let path = path_of(curve, basis).between_ends_of(problem);
+            return Self::new(path, problem.horizon());
+        }
+        let (count, horizon) = (curve.parts(), problem.horizon());
+        let horizons = (0..count).map(|part| curve.horizon_of(part)).collect();
+        let horizons = Horizons::of_parts(horizons, horizon);
+        let mut path = path_of(curve, basis);
+        unstretch(&mut path, &horizons);
+        let mut candidate = Self::new(path.between_ends_of(problem), horizon);
+        candidate.horizons = horizons;
+        for (part, [shortest, longest]) in settings.parts.iter().enumerate() {
+            let [shortest, longest] = [shortest, longest].map(|length| count as f64 * length);
+            let within = candidate.horizons.parts()[part].clamp(shortest, longest);
+            candidate.horizons.set(part, within);
+        }
+        candidate
     }
 
     /// The time at a normalised one, s.

@@ -3,7 +3,7 @@
 use super::program::Program;
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
-use crate::direct::{FreeHorizon, FreeParts};
+use crate::direct::FreeHorizon;
 use crate::transcription::Horizons;
 use nalgebra::DVector;
 
@@ -13,27 +13,39 @@ pub(super) struct Free {
     pub parts: Vec<(usize, [f64; 2])>,
     /// The weight of the whole horizon per second.
     pub weight: f64,
+    /// The bounds of the whole horizon, with their signs, that do not follow from those of parts.
+    pub whole: Vec<(f64, f64)>,
 }
 
 impl Free {
-    pub fn new(whole: Option<FreeHorizon>, parts: Option<&FreeParts>) -> Self {
-        if let Some(parts) = parts {
-            let count = parts.bounds.len() as f64;
-            let all = parts.bounds.iter().enumerate();
-            let free = all.filter(|(_, [shortest, longest])| shortest < longest);
-            return Self {
-                parts: free
-                    .map(|(part, bounds)| (part, bounds.map(|length| count * length)))
-                    .collect(),
-                weight: parts.weight,
-            };
-        }
-        Self {
-            parts: whole
+    /// The unknowns for the bounds of a free horizon and of the lengths of parts, if there are any.
+    pub fn new(free: Option<FreeHorizon>, parts: &[[f64; 2]]) -> Self {
+        let all = match parts {
+            [] => free
                 .iter()
-                .map(|free| (0, [free.shortest, free.longest]))
+                .map(|free| [free.shortest, free.longest])
                 .collect(),
-            weight: whole.map_or(0.0, |free| free.weight),
+            _ => parts.to_vec(),
+        };
+        let count = all.len() as f64;
+        let is_free =
+            |(_, [shortest, longest]): &(usize, [f64; 2])| parts.is_empty() || shortest < longest;
+        let own = all.iter().copied().enumerate().filter(is_free);
+        let own = own.map(|(part, bounds)| (part, bounds.map(|length| count * length)));
+        let [shortest, longest] = [0, 1].map(|end| all.iter().map(|of| of[end]).sum::<f64>());
+        let whole = free.iter().flat_map(|free| {
+            [
+                (free.shortest, -1.0, free.shortest > shortest),
+                (free.longest, 1.0, free.longest < longest),
+            ]
+        });
+        Self {
+            parts: own.filter(|_| free.is_some()).collect(),
+            weight: free.map_or(0.0, |free| free.weight),
+            whole: whole
+                .filter(|of| of.2)
+                .map(|(bound, sign, _)| (bound, sign))
+                .collect(),
         }
     }
 

@@ -29,7 +29,7 @@ pub use candidate::Multipliers;
 pub(crate) use integrand::Integrand;
 pub(super) use real_time::{Iterations, RealTime};
 
-use super::{DirectSettings, FreeHorizon, GoalSet, Iteration};
+use super::{DirectSettings, FreeHorizon, GoalSet, Iteration, parts};
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::cost::check_integral;
@@ -90,10 +90,9 @@ pub(super) fn minimise<K: Constraint, P: CostWithControl>(
         1 => search.points,
         _ => search.points_of_segments,
     };
-    if let Some(parts) = &context.settings.parts
-        && candidate.horizons.reference().is_none()
-    {
-        candidate.horizons = parts.horizons(candidate.horizons.whole());
+    let parts = &context.settings.parts;
+    if !parts.is_empty() && candidate.horizons.reference().is_none() {
+        candidate.horizons = parts::horizons(parts, candidate.horizons.whole());
     }
     candidate.points = (per_degree * basis.degree() as f64) as usize + 4;
     loop {

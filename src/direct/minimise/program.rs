@@ -111,7 +111,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             rates: path.rates(problem),
             basis: basis.clone(),
             horizons: candidate.horizons.clone(),
-            free: Free::new(context.free_horizon, context.settings.parts.as_ref()),
+            free: Free::new(context.free_horizon, &context.settings.parts),
             points: Vec::new(),
             first_of_points: points * rows.count(),
             rows_of_ends: Default::default(),

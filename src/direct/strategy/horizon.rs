@@ -1,8 +1,7 @@
-//! A free horizon, and free lengths of its parts.
+//! A free horizon.
 
 use crate::error::{Error, Result, plain};
 use crate::motion::Problem;
-use crate::transcription::Horizons;
 
 /// The bounds and the weight of a free horizon `T`: $\int l\\, dt + w T$ is minimised over `T` as well.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,62 +12,6 @@ pub struct FreeHorizon {
     pub longest: f64,
     /// The weight $w$ per second.
     pub weight: f64,
-}
-
-/// The bounds of the lengths of parts of a motion, which are unknowns, and the weight of their sum `T`:
-/// $\int l\\, dt + w T$ is minimised over the lengths as well.
-///
-/// The segments of the motion belong to as many parts as there are bounds, each with as many segments as any other.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FreeParts {
-    /// The shortest and the longest length of each part, s; equal ones for a part of given length.
-    pub bounds: Vec<[f64; 2]>,
-    /// The weight $w$ per second.
-    pub weight: f64,
-}
-
-impl FreeParts {
-    /// Checks the bounds and the weight, and that the parts share the segments of a motion.
-    ///
-    /// # Errors
-    /// Names the first invalid number.
-    pub fn check(&self, segments: usize) -> Result<()> {
-        let refuse = |element: String, condition: String| {
-            let element = format!("parts.{element}");
-            Err(Error::input("settings", element, condition))
-        };
-        let count = self.bounds.len();
-        if count == 0 || !segments.is_multiple_of(count) {
-            let condition = format!("there are {count} for {segments} segments");
-            return refuse("bounds".to_owned(), condition);
-        }
-        for (k, [shortest, longest]) in self.bounds.iter().enumerate() {
-            for length in [shortest, longest] {
-                if let Err(condition) = Problem::check_horizon(*length) {
-                    return refuse(format!("bounds[{k}]"), condition);
-                }
-            }
-            if shortest > longest {
-                let condition =
-                    format!("the shortest length {shortest} is above the longest one {longest}");
-                return refuse(format!("bounds[{k}]"), condition);
-            }
-        }
-        if !(self.weight.is_finite() && self.weight >= 0.0) {
-            let condition = format!("it is {}, a weight is not negative", plain(self.weight));
-            return refuse("weight".to_owned(), condition);
-        }
-        Ok(())
-    }
-
-    /// The horizons of parts that would all last as long as one, within their bounds, with the slopes of that.
-    pub(crate) fn horizons(&self, horizon: f64) -> Horizons<f64> {
-        let count = self.bounds.len() as f64;
-        let bounds = self.bounds.iter();
-        let parts =
-            bounds.map(|[shortest, longest]| horizon.clamp(count * shortest, count * longest));
-        Horizons::of_parts(parts.collect(), horizon)
-    }
 }
 
 impl FreeHorizon {

@@ -9,7 +9,7 @@ mod through;
 
 pub use degree::DegreeRefinement;
 pub(super) use degree::refine;
-pub use horizon::{FreeHorizon, FreeParts};
+pub use horizon::FreeHorizon;
 pub use multistart::LocalMinimum;
 pub(super) use multistart::multistart;
 pub(super) use passive::minimise_to_the_end;
