@@ -100,7 +100,11 @@ impl<'s, 'o> Search<'s, 'o> {
         };
         let before = self.solve(&problem, fixed)?;
         if self.goes_on(&before) {
-            let found = self.from(&before, problem.horizon(), Some(free), None, false)?;
+            let horizon = match self.settings.parts.is_empty() {
+                true => problem.horizon(),
+                false => before.curve.horizon(),
+            };
+            let found = self.from(&before, horizon, Some(free), None, false)?;
             if is_valid(&found) {
                 return Ok(joined(before, found));
             }

@@ -1,6 +1,7 @@
 //! The weights of an objective in SI units, the cost that they make, and the bounds of the horizon.
 
 use super::own_terms::ScenarioCost;
+use super::phases::sum_of;
 use super::{HorizonBounds, Objective, ObjectiveWeights, Scenario, Units};
 use aghf::cost::{ControlEffort, CostWithControl, InPhases, Point, WeightedSquares};
 use aghf::direct::FreeHorizon;
@@ -138,11 +139,20 @@ impl Scenario {
         Ok(ScenarioCost::Squares(Box::new(cost)))
     }
 
-    /// The bounds of the horizon if it is an unknown: those of `free_horizon`. Without, if the objective weighs time,
+    /// The bounds of the horizon if it is an unknown: those of `free_horizon`, or those of the phases of a walk. Without, if the objective weighs time,
     /// from the least horizon, or `horizon_s` if that is shorter, to ten times the longer one of both.
     #[must_use]
     pub fn horizon_bounds(&self) -> Option<HorizonBounds> {
         let file = &self.file;
+        let durations = file.durations();
+        if file.free_horizon.is_none() && !durations.is_empty() {
+            let [shortest_s, longest_s] = sum_of(&durations);
+            let bounds = HorizonBounds {
+                shortest_s: shortest_s.min(file.horizon_s),
+                longest_s: longest_s.max(file.horizon_s),
+            };
+            return durations.iter().any(|of| of[0] < of[1]).then_some(bounds);
+        }
         if file.free_horizon.is_some() || !file.objective.weighs_time() {
             return file.free_horizon;
         }

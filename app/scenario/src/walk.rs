@@ -135,13 +135,18 @@ impl Scenario {
             );
             return Err(Error::input(&self.name, "phases", condition));
         }
-        let (segments, horizon) = (curve.segments() / count, curve.horizon() / count as f64);
+        let segments = curve.segments() / count;
         let columns = segments * (curve.degree() + 1);
         let mut all = Vec::new();
         for (k, (phase, terms)) in self.file.phases.iter().zip(&self.phases).enumerate() {
             let at = |i: usize| i - i % n + terms.order[i % n];
             let own = |i: usize, j: usize| curve.x()[(at(i), k * columns + j)];
             let x = DMatrix::from_fn(2 * n, columns, own);
+            let [begin, end] = [k, k + 1].map(|k| curve.breakpoints()[k * segments]);
+            let horizon = match curve.parts() {
+                1 => curve.horizon() / count as f64,
+                _ => end - begin,
+            };
             let part = |j: usize, first: usize| x.column(j).as_slice()[first..first + n].to_vec();
             let [[q_start, v_start], [q_goal, v_goal]] =
                 [0, columns - 1].map(|j| [part(j, 0), part(j, n)]);
@@ -167,7 +172,7 @@ impl Scenario {
         let landings = self.waypoints.iter().filter(|point| point.lands);
         let phases = self.file.phases.iter().zip(landings);
         for (k, (phase, waypoint)) in phases.enumerate() {
-            let time_s = (k + 1) as f64 * curve.horizon() / self.phases.len() as f64;
+            let time_s = curve.breakpoints()[(k + 1) * curve.segments() / self.phases.len()];
             let (x, _) = curve.at(time_s);
             let (q, v) = x.as_slice().split_at(n);
             let (rows, still) = (&waypoint.constraints[..], [q, &vec![0.0; n]].concat());

@@ -113,6 +113,7 @@ impl DirectOptions {
             free_final_velocity: scenario.file.free_final_velocity,
             continuous_acceleration: scenario.file.continuity() == Continuous::Acceleration,
             free_horizon: scenario.free_horizon()?,
+            parts: scenario.file.durations(),
             goal: scenario.goal.clone(),
             period: scenario.period.clone(),
             ..default

@@ -74,6 +74,26 @@ fn walks_that_cannot_be_meant_are_refused() {
             "root: phases: it is not the foot of the first phase",
         ),
         (
+            "half_an_interval",
+            in_phase(1, json!({ "shortest_s": 0.5 })),
+            "phases[1].longest_s: it is missing beside shortest_s",
+        ),
+        (
+            "no_interval",
+            in_phase(1, json!({ "shortest_s": 0.5, "longest_s": 0.4 })),
+            "phases[1].longest_s: it is 0.4, below shortest_s, 0.5",
+        ),
+        (
+            "no_duration",
+            in_phase(0, json!({ "shortest_s": 0.0, "longest_s": 0.4 })),
+            "phases[0].shortest_s: it is 0",
+        ),
+        (
+            "other_horizon",
+            in_phase(0, json!({ "shortest_s": 0.1, "longest_s": 0.4 })),
+            "horizon_s: it is 2, the phases last from 1.1 to 1.4 s",
+        ),
+        (
             "no_landing",
             in_phase(0, json!({ "land": null, "lift_m": null })),
             "phases[0].land: it is missing",
