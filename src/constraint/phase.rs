@@ -10,8 +10,8 @@ use std::ops::Range;
 /// A phase of a motion: the robot hangs on the foot on which it stands, as the root of its tree.
 ///
 /// Another root changes neither the joints nor their positions, only their order
-/// ([`reroot`](crate::urdf::reroot())), so phases share positions and velocities. A phase has a share of the horizon
-/// as long as that of any other.
+/// ([`reroot`](crate::urdf::reroot())), so phases share positions and velocities. A phase has as many segments as any
+/// other, and a duration of its own where the motion has [parts](crate::direct::DirectSettings::parts).
 #[derive(Clone, Debug)]
 pub struct Phase {
     /// The robot with the foot as its root.

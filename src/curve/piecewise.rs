@@ -4,8 +4,8 @@ use super::Chebyshev;
 use crate::error::{Error, Result};
 use nalgebra::{DMatrix, DMatrixView, DVector};
 
-/// A curve $x(t)$ of one polynomial, or of several of the same degree on equal segments of the horizon or of each of its
-/// parts, through given states at Chebyshev nodes.
+/// A curve $x(t)$ of one polynomial, or of several of the same degree on equal segments of the horizon or of each of
+/// its parts, through given states at Chebyshev nodes.
 ///
 /// From one segment to the next the state $[q; v]$ is continuous; its derivative, and with it acceleration and control,
 /// may jump.
@@ -49,8 +49,8 @@ impl Curve {
         Self::of_segments(vec![chebyshev], breakpoints.collect(), x)?.continuous()
     }
 
-    /// Interpolates by as many polynomials on equal segments of each part of the horizon, whose lengths may differ, in s;
-    /// `x` as in [`piecewise`](Self::piecewise).
+    /// Interpolates by as many polynomials on equal segments of each part of the horizon, whose lengths may differ, in
+    /// s; `x` as in [`piecewise`](Self::piecewise).
     ///
     /// # Errors
     /// The parts do not share the segments, or as [`piecewise`](Self::piecewise).

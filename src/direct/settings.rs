@@ -62,9 +62,9 @@ pub struct DirectSettings {
     pub continuous_acceleration: bool,
     /// The bounds and the weight of a free horizon; the search then starts from that of the problem.
     pub free_horizon: Option<FreeHorizon>,
-    /// The shortest and the longest length of each of at least two parts of the motion with equal numbers of segments, s.
-    /// If the horizon is free, each length is an unknown and the horizon their sum; otherwise each is as near as it may
-    /// be to that of equal parts. Without any, all are alike.
+    /// The shortest and the longest length of each of at least two parts of the motion with equal numbers of segments,
+    /// s. If the horizon is free, each length is an unknown and the horizon their sum; otherwise each is as near as it
+    /// may be to that of equal parts. Without any, all are alike.
     pub parts: Vec<[f64; 2]>,
     /// A goal that is a set: the final configuration is an unknown within it, and that of the problem has no effect.
     pub goal: Option<GoalSet>,

@@ -158,8 +158,8 @@ pub(super) fn rates_of_slopes<S: Scalar>(
     }
 }
 
-/// The derivatives in the horizon of a part of the factors of the slopes of a segment, times `gradient`, the derivatives
-/// in its stretched coefficients, one column per function.
+/// The derivatives in the horizon of a part of the factors of the slopes of a segment, times `gradient`, the
+/// derivatives in its stretched coefficients, one column per function.
 pub(super) fn slopes_alone<S: Scalar>(
     gradient: &DMatrix<S>,
     shared: usize,

@@ -115,7 +115,7 @@ pub struct ScenarioFile {
     /// For the direct method: the foot on which the robot stands; by default the base holds anything.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stand: Option<Stand>,
-    /// For the direct method: the phases of a walk, each as long as any other. The first foot is the root of the robot,
+    /// For the direct method: the phases of a walk. The first foot is the root of the robot,
     /// which gives the order of the joints.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub phases: Vec<WalkPhase>,

@@ -139,7 +139,8 @@ impl Scenario {
         Ok(ScenarioCost::Squares(Box::new(cost)))
     }
 
-    /// The bounds of the horizon if it is an unknown: those of `free_horizon`, or those of the phases of a walk. Without, if the objective weighs time,
+    /// The bounds of the horizon if it is an unknown: those of `free_horizon`, or the sums of those of the phases of a
+    /// walk. Without, if the objective weighs time,
     /// from the least horizon, or `horizon_s` if that is shorter, to ten times the longer one of both.
     #[must_use]
     pub fn horizon_bounds(&self) -> Option<HorizonBounds> {

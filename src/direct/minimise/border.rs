@@ -75,8 +75,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         })
     }
 
-    /// The rows that are linear in the unknowns of the border: those of times, then the two bounds of each free horizon,
-    /// then those of the whole one.
+    /// The rows that are linear in the unknowns of the border: those of times, then the two bounds of each free
+    /// horizon, then those of the whole one.
     pub(super) fn linear_rows(&self) -> impl Iterator<Item = LinearRow> {
         let horizons = self.horizons.parts();
         let of_horizons = self.free.parts.iter().enumerate();

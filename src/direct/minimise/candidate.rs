@@ -93,8 +93,8 @@ fn in_parts(path: &Path, horizons: &Horizons<f64>, basis: Basis) -> Path {
     path
 }
 
-/// Divides the slopes at breakpoints, in normalised time, by the factors of their parts: then they are those in the time
-/// of the reference.
+/// Divides the slopes at breakpoints, in normalised time, by the factors of their parts: then they are those in the
+/// time of the reference.
 fn unstretch(path: &mut Path, horizons: &Horizons<f64>) {
     let segments = path.basis.segments();
     for breakpoint in 0..=segments {

@@ -8,8 +8,8 @@ use crate::cost::CostWithControl;
 use crate::nlp::{Bordered, Iterate, Kkt};
 use nalgebra::{DMatrix, DVector};
 
-/// The functions with free coefficients: slope and value at the start of a periodic motion, those whose coefficients are
-/// the first unknowns, and slope and value at the end, which follow from those at the start.
+/// The functions with free coefficients: slope and value at the start of a periodic motion, those whose coefficients
+/// are the first unknowns, and slope and value at the end, which follow from those at the start.
 fn parts(free: &[usize], is_periodic: bool) -> [&[usize]; 3] {
     let ends = 2 * usize::from(is_periodic);
     let (start, rest) = free.split_at(ends);
@@ -38,8 +38,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     }
 
     /// The norm of steps: the mean square of the velocities in normalised time, the relative change of the horizon, in
-    /// its mean over all parts, the mean way of the curve in the change of the time of a waypoint, and the square of the change of the
-    /// configuration at the ends of a periodic motion.
+    /// its mean over all parts, the mean way of the curve in the change of the time of a waypoint, and the square of
+    /// the change of the configuration at the ends of a periodic motion.
     pub fn kkt(&self) -> Option<Kkt> {
         let mut norm = Bordered::with_border(self.objective.gram(), self.border());
         self.norm_of_border(&mut norm.corner);

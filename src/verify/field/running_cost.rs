@@ -29,7 +29,7 @@ pub(super) fn identities() -> Vec<Identity> {
         },
         Identity {
             label: "transcription parts",
-            statement: "the derivatives of J in unknown coefficients and horizons of parts are those by duals of a sum of parts",
+            statement: "the derivatives of J in coefficients and in horizons of parts are those by duals of a sum",
             convention: "l = |u|^2, and t |u|^2 for the slopes; any functions, weights, coefficients and reference",
             claims: parts,
         },
