@@ -355,13 +355,15 @@ impl StageConstraints {
         }
     }
 
-    /// Refuses any row: a flow keeps rows of the state and the torque alone.
-    pub(crate) fn refuse_in_a_flow(&self, robot: &str) -> Result<()> {
-        if self.dim() == 0 {
+    /// Refuses any row but those of a foot where it may stand: a flow keeps rows of the state and the torque alone, the
+    /// published one those of a foot too.
+    pub(crate) fn refuse_in_a_flow(&self, robot: &str, may_stand: bool) -> Result<()> {
+        let foot = self.foot.as_ref().filter(|_| may_stand);
+        if self.dim() == foot.map_or(0, StandingFoot::dim) {
             return Ok(());
         }
-        let condition =
-            "a flow keeps limits of position, velocity and torque, the direct method these as well";
+        let condition = "a flow keeps limits of position, velocity and torque, the published one also a foot that \
+                         stands, the direct method all";
         Err(Error::input(
             robot,
             "limits of acceleration and jerk, a foot that stands, rows in (t, q, v, a, u)",

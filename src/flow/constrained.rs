@@ -17,7 +17,7 @@ use nalgebra::DMatrix;
 pub struct PenaltyWeights<C: Scalar = f64> {
     /// The penalty of each row in the state.
     pub state: Penalty<C>,
-    /// The penalty of each limit on the control.
+    /// The penalty of each limit on the control, and of each row of a standing foot.
     pub torque: Penalty<C>,
 }
 
@@ -83,9 +83,11 @@ where
         )
     }
 
-    /// Refuses equalities in the state, which a penalty would treat as inequalities.
+    /// Refuses equalities in the state, which a penalty would treat as inequalities, and rows beside those of state,
+    /// torque and a standing foot.
     pub(super) fn refuse_equalities(&self, model: &Model<C>) -> Result<()> {
-        self.constraints.stage.refuse_in_a_flow(model.name())?;
+        let stage = &self.constraints.stage;
+        stage.refuse_in_a_flow(model.name(), stage.phases.is_empty())?;
         let state = &self.constraints.state;
         match (0..state.dim()).find(|row| state.is_equality(*row)) {
             None => Ok(()),

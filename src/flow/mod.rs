@@ -10,6 +10,7 @@ mod collocation;
 mod constrained;
 mod control_penalty;
 mod dual_trajectory;
+mod foot_penalty;
 pub mod jacobian;
 mod lagrangian;
 mod lagrangian_flow;
@@ -32,6 +33,7 @@ pub use constrained::{
 };
 pub use control_penalty::{ControlCost, ControlDual, TorquePenalty};
 pub use dual_trajectory::DualTrajectory;
+pub use foot_penalty::FootPenalty;
 pub use lagrangian::{
     AghfLagrangian, ControlLagrangian, Lagrangian, lagrangian, lagrangian_of_control,
 };

@@ -2,8 +2,8 @@
 
 use super::jacobian::{ForwardDual, NodeBlocks, NodeJacobian};
 use super::{
-    Collocation, ControlForm, FlowSettings, Lagrangian, LagrangianFlow, Metric, Penalised,
-    RightHandSide, assemble_jacobian, lagrangian_of_control,
+    Collocation, ControlForm, FlowSettings, FootPenalty, Lagrangian, LagrangianFlow, Metric,
+    Penalised, RightHandSide, Sum, assemble_jacobian, lagrangian_of_control,
 };
 use crate::constraint::Constraint;
 use crate::curve::{Chebyshev, Curve};
@@ -92,9 +92,17 @@ impl<'a> Flow<'a> {
     #[must_use]
     pub fn constraints<K: Constraint>(self, constraints: &'a Penalised<K>) -> Self {
         let (model, kind) = (self.problem.model(), self.settings.jacobian);
-        let form = constraints.refuse_equalities(model).map(|()| Form {
-            rhs: Box::new(constraints.right_hand_side(model)),
-            jacobian: kind.build_constrained(model, constraints),
+        let form = constraints.refuse_equalities(model).map(|()| {
+            let own = constraints.right_hand_side(model);
+            let rhs: Box<dyn RightHandSide + 'a> = match &constraints.constraints.stage.foot {
+                None => Box::new(own),
+                Some(foot) => {
+                    let penalty = constraints.weights.torque;
+                    Box::new(Sum::new(own, FootPenalty::new(model, foot, penalty)))
+                }
+            };
+            let jacobian = kind.build_constrained(model, constraints);
+            Form { rhs, jacobian }
         });
         Self { form, ..self }
     }

@@ -1,7 +1,6 @@
 //! Slacks, elastic variables and multipliers of the rows.
 
-use super::{Barrier, Nlp, Options, Row, RowState, RowStep, Term};
-use nalgebra::DVector;
+use super::{Barrier, Options, Row, RowState, RowStep, Term};
 
 /// The fraction of its violation that an equality may keep from one update to the next before its penalty grows: 1/4 as
 /// in NW, framework 17.3.
@@ -347,17 +346,17 @@ impl Iterate {
         }
     }
 
-    /// The terms of all rows in the barrier function at the unknowns of a problem.
-    pub fn barrier_terms<P: Nlp>(&self, problem: &P, x: &DVector<f64>, h: &[f64]) -> f64 {
+    /// The terms of all rows in the barrier function for these measures of rows.
+    pub fn barrier_terms(&self, h: &[f64], measure: impl Fn(usize) -> f64) -> f64 {
         let (mut sum, mu) = (MeasuredSum::default(), self.barrier.mu);
         for of in &self.working {
             let term = of.penalty * of.elastic - mu * (of.slack * of.elastic).ln();
-            sum.add(problem.measure_of(x, of.row.at), of.row.weight * term);
+            sum.add(measure(of.row.at), of.row.weight * term);
         }
         for equality in &self.equalities {
             let row = equality.row;
             let term = self.equality_term(equality, h[row.at]).cost;
-            sum.add(problem.measure_of(x, row.at), row.weight * term);
+            sum.add(measure(row.at), row.weight * term);
         }
         sum.total()
     }

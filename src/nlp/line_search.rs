@@ -159,7 +159,8 @@ impl Trial {
 
     /// The barrier function for an objective.
     fn merit<P: Nlp>(&self, problem: &P, f: f64) -> f64 {
-        f + self.iterate.barrier_terms(problem, &self.x, &self.h)
+        let measure = |row| problem.measure_of(&self.x, row);
+        f + self.iterate.barrier_terms(&self.h, measure)
     }
 
     /// Takes this fraction of the steps of the rows, whose values at its end are known. Returns the difference between

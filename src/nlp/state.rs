@@ -360,6 +360,7 @@ impl State {
 
     /// The barrier function.
     pub(super) fn merit<P: Nlp>(&self, problem: &P) -> f64 {
-        self.f + self.iterate.barrier_terms(problem, &self.x, &self.h)
+        let measure = |row| problem.measure_of(&self.x, row);
+        self.f + self.iterate.barrier_terms(&self.h, measure)
     }
 }

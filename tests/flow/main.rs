@@ -8,6 +8,7 @@ mod collocation;
 mod constrained;
 mod constrained_run;
 mod dual_trajectory;
+mod foot_penalty;
 mod jacobian;
 mod lagrangian_flow;
 mod omega;

@@ -88,7 +88,7 @@ proptest! {
         let [own, condensed] = iterate.bend(&iterate.working[0], &step, change);
         let term = iterate.term(&iterate.working[0], h);
         let value = nu * t - mu * (s.ln() + t.ln());
-        assert_close!(&[term.cost, iterate.barrier_terms(&[h])], &[value; 2], 1e-12);
+        assert_close!(&[term.cost, iterate.barrier_terms(&[h], |_| 1.0)], &[value; 2], 1e-12);
         let found = term.slope * change + condensed - own;
         let size = 1.0 + own + nu * (step.slack.abs() + step.elastic.abs());
         prop_assert!((found - exact).abs() <= 1e-9 * size, "{found} {exact}");
@@ -255,7 +255,9 @@ fn equalities_have_the_terms_of_an_augmented_lagrangian() {
         [term.cost, term.slope, term.multiplier, term.curvature],
         [-0.5, -1.0, -1.0, 8.0]
     );
-    assert_eq!(iterate.barrier_terms(&[0.0, h]), -0.25);
+    assert_eq!(iterate.barrier_terms(&[0.0, h], |_| 1.0), -0.25);
+    let measure = |row| if row == 1 { 3.0 } else { 1.0 };
+    assert_eq!(iterate.barrier_terms(&[0.0, h], measure), -0.75);
     // The first update has nothing to compare with.
     iterate.update_equalities(&[0.0, h], 10.0, 100.0, 1e-6);
     assert_eq!(

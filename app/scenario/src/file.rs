@@ -112,7 +112,8 @@ pub struct ScenarioFile {
     /// For the direct method: points on the way, in their order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub waypoints: Vec<PointOnTheWay>,
-    /// For the direct method: the foot on which the robot stands; by default the base holds anything.
+    /// For the direct method and the published flow: the foot on which the robot stands; by default the base holds
+    /// anything.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stand: Option<Stand>,
     /// For the direct method: the phases of a walk. The first foot is the root of the robot,

@@ -145,7 +145,9 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
             // With the barrier of the search and the best slacks.
             other.iterate.restart(barrier, Vec::new());
             other.iterate.set_working(rows, h);
-            *f += other.iterate.barrier_terms(program, x, h);
+            *f += other
+                .iterate
+                .barrier_terms(h, |row| program.measure_of(x, row));
         }
         program.put(&state.x, candidate);
         Ok(Iterations {

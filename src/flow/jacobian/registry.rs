@@ -3,7 +3,7 @@
 use super::{CentralDifference, ControlFormJacobian, ForwardDual, NodeJacobian, TheoremB4};
 use crate::constraint::Constraint;
 use crate::error::{Error, Result};
-use crate::flow::{Penalised, Sum};
+use crate::flow::{Penalised, Sum, foot_penalty};
 use crate::model::Model;
 use crate::names::none_of;
 use std::fmt;
@@ -36,7 +36,8 @@ impl JacobianKind {
 
     /// Builds the implementation for `model` with constraints, (A4). Dual numbers and differences act on the whole
     /// right-hand side; the control form includes the torque terms, and the state terms are added to it; Theorem B4
-    /// applies only to the paper's Lagrangian, and both are added as [`Penalised::with_penalties`] does.
+    /// applies only to the paper's Lagrangian, and both are added as [`Penalised::with_penalties`] does. Those of a
+    /// standing foot are added to each, by dual numbers or differences.
     #[must_use]
     pub fn build_constrained<'a, K: Constraint>(
         self,
@@ -44,7 +45,7 @@ impl JacobianKind {
         constraints: &'a Penalised<K>,
     ) -> Box<dyn NodeJacobian + 'a> {
         let n = model.dof();
-        match self {
+        let own: Box<dyn NodeJacobian + 'a> = match self {
             Self::ControlForm => Box::new(Sum::new(
                 ControlFormJacobian::with_cost(model, constraints.torque_penalty()),
                 constraints.state_penalty(model),
@@ -55,6 +56,13 @@ impl JacobianKind {
             Self::Dual => Box::new(ForwardDual::of(constraints.right_hand_side(model), n)),
             Self::Difference => {
                 Box::new(CentralDifference::of(constraints.right_hand_side(model), n))
+            }
+        };
+        match &constraints.constraints.stage.foot {
+            None => own,
+            Some(foot) => {
+                let of_foot = (foot, constraints.weights.torque);
+                Box::new(Sum::new(own, foot_penalty::jacobian(self, model, of_foot)))
             }
         }
     }

@@ -303,7 +303,9 @@ impl<'a, K: Constraint, P: CostWithControl> FlowToRest<'a, K, P> {
         } = self;
         settings.check(problem)?;
         check_positive("flow", "k", k)?;
-        constraints.stage.refuse_in_a_flow(problem.model().name())?;
+        constraints
+            .stage
+            .refuse_in_a_flow(problem.model().name(), false)?;
         let watch = Watch::start(settings.time_limit, &settings.interrupt);
         let grids = Grids::default();
         let rows = Rows::new(problem.model(), constraints, cost)?;

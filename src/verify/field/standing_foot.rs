@@ -1,22 +1,56 @@
 //! The rows of a standing foot.
 
+use super::constraint_kinds::pair;
+use super::reference::{Reference, effort};
+use super::theorem_b3::omega_of;
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::constraint::{FootDerivatives, FootWeights, StandingFoot};
 use crate::dynamics::{Data, root_wrench};
 use crate::error::Result;
-use crate::scalar::AlgebraOver;
-use crate::verify::reference::{jacobian, vector};
+use crate::flow::{FootPenalty, Penalty, constrained_lagrangian};
+use crate::scalar::{AlgebraOver, Tanh};
+use crate::verify::reference::{jacobian, omega_by_theorem_b3, variation, vector};
 use nalgebra::{DMatrix, DVector};
 use num_traits::One;
 
-/// The identity of this file.
+/// The identities of this file.
 pub(super) fn identities() -> Vec<Identity> {
-    vec![Identity {
-        label: "standing foot",
-        statement: "value and contractions",
-        convention: "g <= 0 is feasible; s weighs gradients, w second derivatives, c products of gradients",
-        claims: foot,
-    }]
+    vec![
+        Identity {
+            label: "standing foot",
+            statement: "value and contractions",
+            convention: "g <= 0 is feasible; s weighs gradients, w second derivatives, c products of gradients",
+            claims: foot,
+        },
+        Identity {
+            label: "standing foot in the flow",
+            statement: "the flow of L + sum b(g_j) is Omega and the terms of the rows",
+            convention: "g <= 0 is feasible; tanh is formal, its derivative is 1 - tanh^2",
+            claims: flow,
+        },
+    ]
+}
+
+/// The paper's Lagrangian with the penalties of the rows.
+fn constrained<S: AlgebraOver<Gf> + Tanh>(p: &RandomInstance, x: &[S], xdot: &[S]) -> Result<S> {
+    let Penalty { k_cons, c_cons } = pair(p);
+    let rows = rows(p, &[x, &xdot[p.dof()..]].concat())?;
+    let own = effort(p, x, xdot)?;
+    Ok(constrained_lagrangian(
+        own,
+        rows.iter().copied(),
+        k_cons,
+        c_cons,
+    ))
+}
+
+fn flow(p: &RandomInstance) -> Result<Vec<Equality>> {
+    let v = variation(p.node(), |_, x, xdot| constrained(p, x, xdot))?;
+    let left = Reference::at(p)?.raise(&(v.momentum_rate - v.by_x));
+    let foot = sole(p);
+    let terms = omega_of(p, FootPenalty::new(&p.model, &foot, pair(p)))?;
+    let right = omega_by_theorem_b3(&p.at())? + terms;
+    Ok(vec![Equality::vectors("flow", &left, &right)])
 }
 
 /// A sole anywhere on the base, whose axes are those of a joint.

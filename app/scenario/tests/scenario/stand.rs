@@ -3,7 +3,7 @@
 use crate::written::{load, solved_once, with};
 use aghf::motion::sample;
 use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge};
-use aghf_scenario::{Feasibility, FlowOptions, Solve};
+use aghf_scenario::{Feasibility, FlowOptions, RestOptions, Solve, SolveOptions};
 use serde_json::{Value, json};
 
 /// An arm that is not screwed to the ground but stands on a plate.
@@ -106,10 +106,41 @@ fn a_foot_needs_a_link_of_the_base_a_size_and_a_weight_above_it() {
         "{error}"
     );
     let flow = load("flow", &with(arm(), plate(json!({})))).expect("it is good");
-    let error = Solve::new(&flow).options(FlowOptions::default()).run();
+    let error = Solve::new(&flow)
+        .options(SolveOptions::Rest(RestOptions::default()))
+        .run();
     let error = error.err().map(|e| e.to_string()).unwrap_or_default();
     assert!(
-        error.contains("stand: the method 'flow' does not know it"),
+        error.contains("stand: the method 'rest' does not know it"),
         "{error}"
+    );
+}
+
+/// The published flow keeps the centre of pressure nearer to a small plate than without one, by penalties.
+#[test]
+fn the_published_flow_has_penalties_for_a_foot() {
+    let small =
+        json!({ "half_length_m": 0.04, "half_width_m": 0.3, "friction": 9.0, "torsion": 9.0 });
+    let standing = load("standing", &with(arm(), plate(small))).expect("it is good");
+    let farthest = |k_cons: f64| {
+        let options = FlowOptions {
+            degree: Some(9),
+            k: Some(1e4),
+            s_max: Some(10.0),
+            k_cons: Some(k_cons),
+            c_cons: Some(100.0),
+            ..FlowOptions::default()
+        };
+        let found = Solve::new(&standing)
+            .options(options)
+            .run()
+            .expect("it is good");
+        let load = found.summary.feasibility.foot.expect("it stands");
+        load.along_m.into_iter().map(f64::abs).fold(0.0, f64::max)
+    };
+    let [without, with] = [1e-6, 1e5].map(farthest);
+    assert!(
+        without > 0.2 && with < 0.85 * without,
+        "{without} and {with}"
     );
 }
