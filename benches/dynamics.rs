@@ -4,18 +4,33 @@
 
 mod common;
 
+use aghf::constraint::{FootDerivatives, FootWeights, StandingFoot};
 use aghf::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, InverseDynamicsSecondDerivatives,
     RneaWeightedHessian, aba, aba_derivatives, crba, mass_matrix_and_rate,
     mass_matrix_product_derivative, rnea, rnea_derivatives, rnea_second_derivatives,
     rnea_weighted_hessian,
 };
+use aghf::spatial::Placement;
 use common::{Times, criterion, measure, models, report, wave};
 use nalgebra::DMatrix;
 use std::hint::black_box;
 
 /// Explicit tensors of third order take too much memory on larger robots to be of use.
 const LARGEST_FOR_TENSORS: usize = 32;
+
+/// A sole below the base.
+fn sole() -> StandingFoot {
+    StandingFoot {
+        name: "foot".to_owned(),
+        sole: Placement::identity(),
+        half_length: 0.1,
+        half_width: 0.05,
+        friction: 0.7,
+        torsion: Some(0.05),
+        weight: 100.0,
+    }
+}
 
 fn main() {
     let mut criterion = criterion();
@@ -56,6 +71,20 @@ fn main() {
         });
         time("rnea_weighted_hessian", &mut || {
             rnea_weighted_hessian(model, &mut data, black_box(&q), &v, &a, &w, &mut hessian)
+        });
+        let (foot, mut by_z) = (sole(), FootDerivatives::new(n));
+        let mut g = vec![0.0; foot.dim()];
+        time("standing_foot", &mut || {
+            foot.value(model, &mut data, [black_box(&q), &v, &a], &mut g)
+        });
+        let weights = FootWeights {
+            slopes: &[1.0; 8],
+            multipliers: &[0.5; 8],
+            curvatures: &[2.0; 8],
+        };
+        time("standing_foot_derivatives", &mut || {
+            let z = [black_box(&q[..]), &v, &a];
+            foot.weighted_derivatives(model, &mut data, z, weights, &mut by_z)
         });
         if n <= LARGEST_FOR_TENSORS {
             let mut second = InverseDynamicsSecondDerivatives::new(n);

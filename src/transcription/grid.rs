@@ -1,11 +1,12 @@
 //! The functions of a basis at the points of a quadrature.
 
 use super::Scan;
+use super::horizons::slopes;
 use crate::cost::products;
 use crate::curve::{Basis, gauss_legendre, gauss_lobatto};
 use crate::linalg::{BlockTridiagonal, multiply};
 use crate::scalar::Scalar;
-use nalgebra::{DMatrix, DMatrixViewMut};
+use nalgebra::{DMatrix, DMatrixViewMut, DVector};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -332,4 +333,45 @@ pub(super) fn jerk_products<S: Scalar>(
         column *= *weight * horizon * rate * rate;
     }
     multiply(second, grid.products_of_thirds(), squares);
+}
+
+/// Adds the gradient in the functions of segment `e`, one column each, to the full gradient.
+pub(super) fn add_gradient<S: Scalar>(
+    grid: &Grid<S>,
+    gradient: &DMatrix<S>,
+    e: usize,
+    out: &mut DVector<S>,
+) {
+    let (n, first) = (gradient.nrows(), grid.first(e));
+    for (m, column) in gradient.column_iter().enumerate() {
+        if let Some(unknown) = grid.unknown[first + m] {
+            let mut target = out.rows_mut(unknown * n, n);
+            target += column;
+        }
+    }
+}
+
+/// Writes the block of a pair of functions of segment `e`, in a part with this factor of slopes, added to the
+/// contribution of the previous segment, which must have been written before.
+pub(super) fn put_block<S: Scalar>(
+    grid: &Grid<S>,
+    (block, factor): (&mut DMatrix<S>, Option<S>),
+    e: usize,
+    pair: usize,
+    out: &mut BlockTridiagonal<S>,
+) {
+    let (a, b) = grid.pairs[pair];
+    if let Some(factor) = factor {
+        let slopes = slopes(grid.table.nrows(), grid.shared);
+        for _ in [a, b].iter().filter(|of| slopes.contains(of)) {
+            *block *= factor;
+        }
+    }
+    if let Some(mut target) = grid.block_mut(e, (a, b), block.nrows(), out) {
+        if e > 0 && a < grid.shared {
+            target += &*block;
+        } else {
+            target.copy_from(&*block);
+        }
+    }
 }

@@ -1,8 +1,8 @@
 //! The integral of a running cost along a curve of a basis, with its derivatives in the coefficients.
 
-use super::grid::jerk_products;
+use super::grid::{add_gradient, jerk_products, put_block};
 use super::horizon::{Moved, Moving};
-use super::horizons::{place_in, rates_of_slopes, slopes, slopes_alone, stretch};
+use super::horizons::{place_in, rates_of_slopes, slopes_alone, stretch};
 use super::place::{points, scale};
 use super::{Grid, HorizonDerivatives, Horizons, Shared};
 use crate::cost::{PackedHessian, PointCost, PointsDerivatives};
@@ -384,42 +384,6 @@ impl<S: Scalar> Workspace<S> {
             gradient: DMatrix::zeros(dof, grid.table.nrows()),
             moved: Default::default(),
             squares: DMatrix::zeros(dof, grid.pairs.len()),
-        }
-    }
-}
-
-/// Adds the gradient in the functions of segment `e`, one column each, to the full gradient.
-fn add_gradient<S: Scalar>(grid: &Grid<S>, gradient: &DMatrix<S>, e: usize, out: &mut DVector<S>) {
-    let (n, first) = (gradient.nrows(), grid.first(e));
-    for (m, column) in gradient.column_iter().enumerate() {
-        if let Some(unknown) = grid.unknown[first + m] {
-            let mut target = out.rows_mut(unknown * n, n);
-            target += column;
-        }
-    }
-}
-
-/// Writes the block of a pair of functions of segment `e`, in a part with this factor of slopes, added to the
-/// contribution of the previous segment, which must have been written before.
-fn put_block<S: Scalar>(
-    grid: &Grid<S>,
-    (block, factor): (&mut DMatrix<S>, Option<S>),
-    e: usize,
-    pair: usize,
-    out: &mut BlockTridiagonal<S>,
-) {
-    let (a, b) = grid.pairs[pair];
-    if let Some(factor) = factor {
-        let slopes = slopes(grid.table.nrows(), grid.shared);
-        for _ in [a, b].iter().filter(|of| slopes.contains(of)) {
-            *block *= factor;
-        }
-    }
-    if let Some(mut target) = grid.block_mut(e, (a, b), block.nrows(), out) {
-        if e > 0 && a < grid.shared {
-            target += &*block;
-        } else {
-            target.copy_from(&*block);
         }
     }
 }

@@ -172,3 +172,18 @@ fn coefficients_that_are_no_motion_are_refused() {
     }
     assert!(Motion::new(0.0, &[vec![row]]).is_err());
 }
+
+/// A certificate is of one part: its intervals are shares of equal segments.
+#[test]
+fn a_curve_in_parts_is_refused() {
+    let x = DMatrix::from_fn(2, 6, |i, j| {
+        if i == 0 {
+            [0.0, 0.5, 1.0, 1.0, 1.5, 2.0][j]
+        } else {
+            1.0
+        }
+    });
+    let curve = Curve::in_parts(&[1.0, 2.0], 2, x).expect("it is continuous");
+    let error = Motion::of_curve(&curve).expect_err("two parts").to_string();
+    assert!(error.contains("it has 2 parts"), "{error}");
+}

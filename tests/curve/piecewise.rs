@@ -2,7 +2,7 @@
 
 use super::chebyshev::{HORIZON, chebyshev};
 use crate::common::assert_refused;
-use aghf::curve::Curve;
+use aghf::curve::{Chebyshev, Curve};
 use nalgebra::{DMatrix, DVector};
 
 /// Three parts of degree 4 on [0, 2]: `q` is a cubic on each, with the same value and slope where two meet, and `v` its
@@ -108,5 +108,44 @@ fn the_coefficients_are_those_of_the_curve() {
             let (x, _) = curve.at_in(segment, begin + share * (end - begin));
             assert_close!(&sum, &x, 1e-14);
         }
+    }
+}
+
+/// Parts of different lengths have segments of their own: state and rate are those of each polynomial in its own time.
+#[test]
+fn parts_have_lengths_of_their_own() {
+    // x = [t, t^2 / 2; 1, t] in the first part, and on with the velocity of its end in the second one.
+    let lengths = [0.5, 2.0];
+    let nodes = |length: f64| Chebyshev::new(3, length).expect("valid").times().to_vec();
+    let mut x = DMatrix::zeros(2, 16);
+    for (segment, begin) in [0.0, 0.25, 0.5, 1.5].into_iter().enumerate() {
+        let length = lengths[segment / 2] / 2.0;
+        for (node, time) in nodes(length).into_iter().enumerate() {
+            let t: f64 = begin + time;
+            x.set_column(4 * segment + node, &nalgebra::vector![t * t / 2.0, t]);
+        }
+    }
+    let curve = Curve::in_parts(&lengths, 4, x.clone()).expect("it is continuous");
+    assert_eq!((curve.parts(), curve.segments(), curve.degree()), (2, 4, 3));
+    assert_eq!(curve.breakpoints(), [0.0, 0.25, 0.5, 1.5, 2.5]);
+    assert_eq!([0, 1].map(|part| curve.horizon_of(part)), [1.0, 4.0]);
+    assert_eq!([1, 2].map(|e| curve.chebyshev(e).horizon()), [0.25, 1.0]);
+    for time in [0.0, 0.1, 0.25, 0.4, 0.5, 1.1, 2.0, 2.5] {
+        let (state, rate) = curve.at(time);
+        assert_close!(&state, &[time * time / 2.0, time], 1e-14);
+        assert_close!(&rate, &[time, 1.0], 1e-12);
+    }
+    let slower = curve.stretched(5.0).expect("positive");
+    assert_eq!(slower.breakpoints(), [0.0, 0.5, 1.0, 3.0, 5.0]);
+    let (state, rate) = slower.at(2.0);
+    assert_close!(&state, &[0.5, 0.5], 1e-14);
+    assert_close!(&rate, &[0.5, 0.25], 1e-12);
+    for (lengths, segments) in [
+        (&[][..], 4),
+        (&[1.0, 1.0, 1.0], 4),
+        (&[1.0, 1.0], 0),
+        (&[1.0, -1.0], 4),
+    ] {
+        assert!(Curve::in_parts(lengths, segments, x.clone()).is_err());
     }
 }

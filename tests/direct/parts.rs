@@ -5,7 +5,7 @@ use crate::common::{assert_refused, point_mass, tree};
 use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, Waypoint};
 use aghf::flow::effort_of;
 use aghf::model::Model;
-use aghf::motion::Problem;
+use aghf::motion::{Problem, largest_torques, sample};
 use nalgebra::Vector3;
 
 fn mass() -> Model {
@@ -211,6 +211,16 @@ fn robots_have_parts_too() {
     }
     let again = effort_of(&model, &free.curve, 1.0).expect("its joints");
     assert!((again.control_effort / free.cost - 1.0).abs() < 1e-6);
+    let largest = largest_torques(&model, &free.curve, 50).expect("its joints");
+    let samples = sample(&model, &free.curve, 4000).expect("its joints");
+    for (joint, largest) in largest.iter().enumerate() {
+        let dense = samples
+            .iter()
+            .fold(0.0, |most: f64, at| most.max(at.u[joint].abs()));
+        // At a breakpoint samples are those of the later segment.
+        let ratio = largest / dense;
+        assert!((1.0 - 1e-6..1.001).contains(&ratio), "{joint}: {ratio}");
+    }
     let (state, _) = free.curve.at(0.0);
     assert!((state[3] - 0.4).abs() + (state[5] + 0.3).abs() < 1e-12);
 }

@@ -72,8 +72,8 @@ fn worst(model: &Model, foot: &StandingFoot, curve: &Curve) -> f64 {
     largest.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// A mass that starts fast pushes the centre of pressure off its sole; with the rows as penalties it starts slower, with
-/// any Jacobian.
+/// A mass that starts fast pushes the centre of pressure off its sole; with the rows as penalties it starts slower,
+/// with any Jacobian.
 #[test]
 fn a_mass_stays_on_its_sole() {
     let model = point_mass(&[Vector3::x()]).with_gravity(Vector3::new(0.0, 0.0, -10.0));

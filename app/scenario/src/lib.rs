@@ -12,6 +12,7 @@ mod by_flow;
 pub mod certify;
 mod clearance;
 mod curve_file;
+mod durations;
 mod feasibility;
 mod file;
 mod flow_parameters;

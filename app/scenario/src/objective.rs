@@ -369,7 +369,6 @@ impl Scenario {
             ("keep", !file.keep.is_empty()),
             ("waypoints", !file.waypoints.is_empty()),
             ("stand", file.stand.is_some() && method != Method::Flow),
-            ("phases", !file.phases.is_empty()),
             ("free_horizon", file.free_horizon.is_some()),
             (
                 "enforced_limits.acceleration",

@@ -1,7 +1,7 @@
 //! The weights of an objective in SI units, the cost that they make, and the bounds of the horizon.
 
+use super::durations::sum_of;
 use super::own_terms::ScenarioCost;
-use super::phases::sum_of;
 use super::{HorizonBounds, Objective, ObjectiveWeights, Scenario, Units};
 use aghf::cost::{ControlEffort, CostWithControl, InPhases, Point, WeightedSquares};
 use aghf::direct::FreeHorizon;

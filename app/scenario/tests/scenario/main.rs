@@ -8,6 +8,7 @@ mod builtin;
 mod by_flow;
 mod clearance;
 mod direct;
+mod durations;
 mod feasibility;
 mod file;
 mod goal;
