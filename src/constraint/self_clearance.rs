@@ -78,9 +78,10 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         g: &mut [S],
     ) -> Result<()> {
         for row in rows.iter() {
-            let balls = self.pair(self.pairs[row])?;
-            let [p, q] = balls.map(|ball| at.point(ball.body, &ball.centre));
-            g[row] = row_of(balls, [&p?, &q?]);
+            let [first, second] = self.pair(self.pairs[row])?;
+            let p = at.point(first.body, &first.centre)?;
+            let q = at.point(second.body, &second.centre)?;
+            g[row] = row_of([first, second], [&p, &q]);
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use super::iterate::MeasuredSum;
 use super::kkt::Step;
-use super::{Iterate, Nlp, Options, RowStep, State};
+use super::{Iterate, Nlp, Options, RowStep, State, measures};
 use crate::error::Result;
 use crate::linalg::assign;
 use nalgebra::DVector;
@@ -159,7 +159,7 @@ impl Trial {
 
     /// The barrier function for an objective.
     fn merit<P: Nlp>(&self, problem: &P, f: f64) -> f64 {
-        let measure = |row| problem.measure_of(&self.x, row);
+        let measure = measures(problem, &self.x);
         f + self.iterate.barrier_terms(&self.h, measure)
     }
 
@@ -167,6 +167,7 @@ impl Trial {
     /// the slope of the barrier function along the step and that of the condensed equations.
     fn take<P: Nlp>(&mut self, problem: &P, state: &State, alpha: f64, options: &Options) -> f64 {
         let (from, mut slope) = (&state.iterate, MeasuredSum::default());
+        let measure = measures(problem, &state.x);
         let rows = from.working.iter().zip(&mut self.iterate.working);
         for ((before, after), tangent) in rows.zip(&self.tangent) {
             let at = before.row.at;
@@ -178,8 +179,7 @@ impl Trial {
                 ..from.step(before, state.h[at], change)
             };
             let [bend, condensed] = from.bend(before, &step, change);
-            let measure = problem.measure_of(&state.x, at);
-            slope.add(measure, before.row.weight * (condensed - bend));
+            slope.add(measure(at), before.row.weight * (condensed - bend));
             *after = before.take(&step, alpha, options.fraction_to_boundary);
             after.meet(self.h[at]);
         }

@@ -65,7 +65,12 @@ pub trait Nlp {
     /// The factor of the weights of all rows at `x`: the horizon.
     fn measure(&self, x: &DVector<f64>) -> f64;
 
-    /// The factor of the weight of one row: that of all, unless parts of the horizon have lengths of their own.
+    /// Returns true if rows have factors of their own, as where parts of the horizon differ in length.
+    fn has_parts(&self) -> bool {
+        false
+    }
+
+    /// The factor of the weight of one row.
     fn measure_of(&self, x: &DVector<f64>, _row: usize) -> f64 {
         self.measure(x)
     }
@@ -96,6 +101,12 @@ pub trait Nlp {
 
     /// Returns true if the search is to stop.
     fn is_stopped(&self) -> bool;
+}
+
+/// The factors of the weights of rows at `x`.
+pub(crate) fn measures<P: Nlp>(problem: &P, x: &DVector<f64>) -> impl Fn(usize) -> f64 {
+    let all = (!problem.has_parts()).then(|| problem.measure(x));
+    move |row| all.unwrap_or_else(|| problem.measure_of(x, row))
 }
 
 /// The result of a look at the rows between the points.

@@ -3,6 +3,7 @@
 use super::line_search::{Trial, leave_saddle};
 use super::{
     Barrier, Iterate, Kkt, Nlp, Options, Progress, Row, RowState, Solution, Status, Tightened,
+    measures,
 };
 use crate::error::Result;
 use nalgebra::DVector;
@@ -360,7 +361,7 @@ impl State {
 
     /// The barrier function.
     pub(super) fn merit<P: Nlp>(&self, problem: &P) -> f64 {
-        let measure = |row| problem.measure_of(&self.x, row);
+        let measure = measures(problem, &self.x);
         self.f + self.iterate.barrier_terms(&self.h, measure)
     }
 }

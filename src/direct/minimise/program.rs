@@ -335,8 +335,12 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         }
     }
 
+    fn has_parts(&self) -> bool {
+        self.horizons.parts().len() > 1
+    }
+
     fn measure_of(&self, x: &DVector<f64>, row: usize) -> f64 {
-        if self.horizons.parts().len() == 1 || row >= self.first_of_points {
+        if row >= self.first_of_points {
             return self.measure(x);
         }
         let segment = row / self.objective.cost().rows.count() / self.grid.points();

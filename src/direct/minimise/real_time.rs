@@ -6,7 +6,7 @@ use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::error::{Error, Result};
 use crate::motion::Problem;
-use crate::nlp::{Iterate, Nlp, Options, Row, State, iterate};
+use crate::nlp::{Iterate, Nlp, Options, Row, State, iterate, measures};
 use nalgebra::DVector;
 
 /// The result of a few iterations.
@@ -145,9 +145,7 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
             // With the barrier of the search and the best slacks.
             other.iterate.restart(barrier, Vec::new());
             other.iterate.set_working(rows, h);
-            *f += other
-                .iterate
-                .barrier_terms(h, |row| program.measure_of(x, row));
+            *f += other.iterate.barrier_terms(h, measures(program, x));
         }
         program.put(&state.x, candidate);
         Ok(Iterations {
