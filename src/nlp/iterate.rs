@@ -282,6 +282,7 @@ impl Iterate {
     }
 
     /// The terms of an equality of this value.
+    #[inline]
     pub fn equality_term(&self, equality: &Equality, h: f64) -> Term {
         let (lambda, rho) = (equality.multiplier, equality.penalty);
         Term {
@@ -293,6 +294,7 @@ impl Iterate {
     }
 
     /// The weight of the product of the gradient of a row with itself, $1 / (s / \lambda + t / (\nu - \lambda))$.
+    #[inline]
     fn curvature(&self, state: &RowState) -> f64 {
         let RowState {
             slack: s,
@@ -306,6 +308,7 @@ impl Iterate {
     }
 
     /// The Newton step of an inequality that changes by `change`.
+    #[inline]
     pub fn step(&self, state: &RowState, h: f64, change: f64) -> RowStep {
         let mu = self.barrier.mu;
         let RowState {
@@ -325,6 +328,7 @@ impl Iterate {
     }
 
     /// The curvature of slack and elastic variable along a step, and the part of it in the condensed matrix.
+    #[inline]
     pub fn bend(&self, state: &RowState, step: &RowStep, change: f64) -> [f64; 2] {
         let RowState {
             slack: s,
@@ -372,6 +376,7 @@ pub(super) struct MeasuredSum {
 }
 
 impl MeasuredSum {
+    #[inline]
     pub fn add(&mut self, measure: f64, term: f64) {
         if measure != self.measure {
             (self.before, self.measure, self.sum) = (self.total(), measure, 0.0);

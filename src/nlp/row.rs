@@ -70,6 +70,7 @@ impl RowState {
 
     /// The state after a fraction of a step; slack, elastic variable, multiplier and its distance from the penalty each
     /// keep at least $1 - \tau$ of their value: the fraction-to-the-boundary rule row by row (WB 15).
+    #[inline]
     pub fn take(&self, step: &RowStep, fraction: f64, tau: f64) -> Self {
         let moved = |value: f64, by: f64| (value + by).max((1.0 - tau) * value);
         let (z, nu) = (self.multiplier, self.penalty);
@@ -83,6 +84,7 @@ impl RowState {
     }
 
     /// Enlarges slack or elastic variable until $h + s = t$.
+    #[inline]
     pub fn meet(&mut self, h: f64) {
         let excess = h + self.slack - self.elastic;
         if excess > 0.0 {
