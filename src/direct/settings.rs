@@ -19,9 +19,9 @@ pub struct DirectSettings {
     pub segments: usize,
     /// The relative change of the cost between two degrees below which the degree is high enough. Starting from
     /// [`degree`](Self::degree), it grows through 9, 16, 24, 32, 48 and 64, each from the end of the one before; see
-    /// [`DegreeRefinement`]. `None` keeps the degree fixed.
+    /// [`DegreeRefinement`](super::DegreeRefinement). `None` keeps the degree fixed.
     pub degree_tolerance: Option<f64>,
-    /// The relative gradient norm of convergence; see [`Iteration::gradient_norm`].
+    /// The relative gradient norm of convergence; see [`Iteration::gradient_norm`](super::Iteration::gradient_norm).
     pub tolerance: f64,
     /// The largest number of iterations per degree and quadrature.
     pub iterations: usize,

@@ -62,8 +62,8 @@ pub struct DirectSolution {
     /// a bound.
     pub converged: bool,
     /// True if the search did not reach a minimum but the motion satisfies the constraints. If a start satisfies them,
-    /// such as a [planned first one](PlannedStarts::First), so does the motion: a search that ends outside them returns
-    /// an earlier iterate.
+    /// such as a [planned first one](super::PlannedStarts::First), so does the motion: a search that ends outside them
+    /// returns an earlier iterate.
     pub kept: bool,
     /// The reason of an early stop, if there was one; the motion is then the best so far.
     pub stopped: Option<Stopped>,
@@ -84,7 +84,7 @@ pub struct DirectSolution {
     pub minima_curves: Vec<Curve>,
     /// The number of the start that led to the motion; `None` without starts.
     pub best_start: Option<usize>,
-    /// The alternative of the [goal](GoalSet) at which the motion ends; zero without one.
+    /// The alternative of the [goal](super::GoalSet) at which the motion ends; zero without one.
     pub alternative: usize,
     /// The times of the waypoints, s.
     pub waypoint_times: Vec<f64>,
