@@ -1,7 +1,8 @@
 //! Parts of a motion with lengths of their own.
 
-use crate::common::direct::solved;
+use crate::common::direct::{solved, solved_within};
 use crate::common::{assert_refused, point_mass, tree};
+use aghf::constraint::{Bound, Bounds, Constraints, Side, StageConstraints, TorqueLimits};
 use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, Waypoint};
 use aghf::flow::effort_of;
 use aghf::model::Model;
@@ -262,4 +263,35 @@ fn parts_that_cannot_be_meant_are_refused() {
     ] {
         assert_refused(Direct::new(&problem).settings(settings).solve(), words);
     }
+}
+
+/// Limits of velocity, which are rows at the points of both parts: the long one is as fast as it may be, and the search
+/// converges as where lengths are alike.
+#[test]
+fn limits_are_kept_in_parts() {
+    let model = mass();
+    let limits = |side, value| Bound {
+        entry: 1,
+        side,
+        value,
+    };
+    let constraints = Constraints {
+        state: Bounds(vec![limits(Side::Upper, 0.5), limits(Side::Lower, -0.5)]),
+        torque: TorqueLimits(Vec::new()),
+        stage: StageConstraints::NONE,
+    };
+    let problem = Problem::new(&model, vec![0.0; 2], vec![3.0, 0.0], 6.0).expect("valid");
+    let settings = DirectSettings {
+        segments: 4,
+        ..through(&[0.1], [[0.2, 20.0]; 2], 3.0)
+    };
+    let found = solved_within(&problem, &settings, &constraints);
+    assert!(found.converged, "{}", found.gradient_norm);
+    let breakpoints = found.curve.breakpoints();
+    let [first, second] = [breakpoints[2], breakpoints[4] - breakpoints[2]];
+    assert!(second > 5.0 * first, "{first} {second}");
+    let fastest = sample(&model, &found.curve, 1000).expect("its joint");
+    let fastest = fastest.iter().map(|at| at.v[0]).fold(0.0, f64::max);
+    assert!((fastest - 0.5).abs() < 1e-5, "{fastest}");
+    assert!(found.iterations.len() < 90, "{}", found.iterations.len());
 }
