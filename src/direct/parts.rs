@@ -41,9 +41,16 @@ pub(super) fn check(settings: &DirectSettings) -> Result<()> {
     Ok(())
 }
 
-/// The horizons of parts that would all last as long as one, within their bounds, with the slopes of that.
-pub(super) fn horizons(parts: &[[f64; 2]], horizon: f64) -> Horizons<f64> {
+/// The horizons of parts within their bounds, as near as they may be to given ones, with slopes in the time of a
+/// reference.
+pub(super) fn horizons(
+    parts: &[[f64; 2]],
+    given: impl Fn(usize) -> f64,
+    reference: f64,
+) -> Horizons<f64> {
     let count = parts.len() as f64;
-    let within = |[shortest, longest]: &[f64; 2]| horizon.clamp(count * shortest, count * longest);
-    Horizons::of_parts(parts.iter().map(within).collect(), horizon)
+    let within = |(part, [shortest, longest]): (usize, &[f64; 2])| {
+        given(part).clamp(count * shortest, count * longest)
+    };
+    Horizons::of_parts(parts.iter().enumerate().map(within).collect(), reference)
 }

@@ -17,7 +17,7 @@ pub use control::{Sample, control_at, sample};
 #[cfg(feature = "solvers")]
 pub(crate) use interrupt::Watch;
 pub use interrupt::{Interrupt, Stopped};
-pub(crate) use path::{Path, PathMemory, curve_of, path_of};
+pub(crate) use path::{Path, PathMemory, curve_of, path_of, states_at_nodes};
 pub use problem::{Guess, Problem};
 pub use simulate::{Feedback, Simulation, replay_error, simulate, simulate_with};
 pub use violations::largest_torques;

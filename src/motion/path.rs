@@ -210,23 +210,39 @@ impl Path {
     }
 }
 
-/// Converts the path to polynomials through Chebyshev nodes, with $v = \dot q$.
-pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
-    let (n, horizon) = (problem.model().dof(), problem.horizon());
-    let (segments, p) = (path.basis.segments(), path.basis.degree());
+/// The states $[q; v]$ at the Chebyshev nodes of all segments of a path, `2 N` by `p + 1` per segment, from
+/// configuration and velocity at normalised times.
+pub(crate) fn states_at_nodes(
+    path: &Path,
+    state: impl Fn(f64) -> [DVector<f64>; 2],
+) -> Result<DMatrix<f64>> {
+    let (n, segments, p) = (
+        path.coefficients.nrows(),
+        path.basis.segments(),
+        path.basis.degree(),
+    );
     let chebyshev = Chebyshev::new(p, 1.0)?;
     let mut x = DMatrix::zeros(2 * n, segments * (p + 1));
     for e in 0..segments {
         for (node, time) in chebyshev.times().iter().enumerate() {
             // The same number, and so the same state, for both segments at a shared breakpoint.
-            let time = (e as f64 + time) / segments as f64;
-            let [q, slope, _] = path.basis.evaluate(&path.coefficients, time);
+            let [q, v] = state((e as f64 + time) / segments as f64);
             let column = e * (p + 1) + node;
             x.view_mut((0, column), (n, 1)).copy_from(&q);
-            x.view_mut((n, column), (n, 1))
-                .copy_from(&(slope / horizon));
+            x.view_mut((n, column), (n, 1)).copy_from(&v);
         }
     }
+    Ok(x)
+}
+
+/// Converts the path to polynomials through Chebyshev nodes, with $v = \dot q$.
+pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
+    let (n, horizon) = (problem.model().dof(), problem.horizon());
+    let segments = path.basis.segments();
+    let mut x = states_at_nodes(path, |time| {
+        let [q, slope, _] = path.basis.evaluate(&path.coefficients, time);
+        [q, slope / horizon]
+    })?;
     let last = x.ncols() - 1;
     let Continuity {
         free_final_position,

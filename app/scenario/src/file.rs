@@ -116,8 +116,8 @@ pub struct ScenarioFile {
     /// anything.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stand: Option<Stand>,
-    /// For the direct method: the phases of a walk. The first foot is the root of the robot,
-    /// which gives the order of the joints.
+    /// For the direct method: the phases of a walk. The first foot is the root of the robot, which gives the order of
+    /// the joints.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub phases: Vec<WalkPhase>,
     /// True for a walk that ends as it starts, or in the mirror image of that if it ends on the other foot: positions

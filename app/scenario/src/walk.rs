@@ -142,11 +142,7 @@ impl Scenario {
             let at = |i: usize| i - i % n + terms.order[i % n];
             let own = |i: usize, j: usize| curve.x()[(at(i), k * columns + j)];
             let x = DMatrix::from_fn(2 * n, columns, own);
-            let [begin, end] = [k, k + 1].map(|k| curve.breakpoints()[k * segments]);
-            let horizon = match curve.parts() {
-                1 => curve.horizon() / count as f64,
-                _ => end - begin,
-            };
+            let horizon = curve.horizon_of(k * curve.parts() / count) / count as f64;
             let part = |j: usize, first: usize| x.column(j).as_slice()[first..first + n].to_vec();
             let [[q_start, v_start], [q_goal, v_goal]] =
                 [0, columns - 1].map(|j| [part(j, 0), part(j, n)]);

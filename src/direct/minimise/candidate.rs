@@ -3,12 +3,11 @@
 use super::point_rows::Place;
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
-use crate::curve::{Basis, Chebyshev, Curve};
-use crate::direct::DirectSettings;
+use crate::curve::{Basis, Curve};
+use crate::direct::{DirectSettings, parts};
 use crate::error::{Error, Result};
-use crate::motion::{Path, Problem, curve_of, path_of};
+use crate::motion::{Path, Problem, curve_of, path_of, states_at_nodes};
 use crate::transcription::{Grid, Horizons, Rows};
-use nalgebra::DMatrix;
 
 /// The start or the end of a minimisation.
 #[derive(Clone, Debug)]
@@ -51,31 +50,14 @@ pub(crate) struct Candidate {
 
 /// The polynomials of a curve in parts through Chebyshev nodes, with $v = \dot q$.
 fn curve_in_parts(path: &Path, horizons: &Horizons<f64>) -> Result<Curve> {
-    let (n, (segments, p)) = (
-        path.coefficients.nrows(),
-        (path.basis.segments(), path.basis.degree()),
-    );
-    let chebyshev = Chebyshev::new(p, 1.0)?;
-    let mut x = DMatrix::zeros(2 * n, segments * (p + 1));
-    for e in 0..segments {
-        for (node, time) in chebyshev.times().iter().enumerate() {
-            // The same number, and so the same state, for both segments at a shared breakpoint.
-            let time = (e as f64 + time) / segments as f64;
-            let place = Place::new(&path.basis, &path.coefficients, time, horizons);
-            let horizon = horizons.parts()[horizons.part(place.segment, segments)];
-            let column = e * (p + 1) + node;
-            x.view_mut((0, column), (n, 1))
-                .copy_from(&place.q.column(0));
-            x.view_mut((n, column), (n, 1))
-                .copy_from(&(place.q.column(1) / horizon));
-        }
-    }
-    let lengths: Vec<_> = horizons
-        .parts()
-        .iter()
-        .map(|part| part * horizons.share())
-        .collect();
-    Curve::in_parts(&lengths, segments, x)
+    let segments = path.basis.segments();
+    let x = states_at_nodes(path, |time| {
+        let place = Place::new(&path.basis, &path.coefficients, time, horizons);
+        let horizon = horizons.parts()[horizons.part(place.segment, segments)];
+        [place.q.column(0).into_owned(), place.q.column(1) / horizon]
+    })?;
+    let lengths = horizons.parts().iter().map(|part| part * horizons.share());
+    Curve::in_parts(&lengths.collect::<Vec<_>>(), segments, x)
 }
 
 /// A curve in parts in another basis, whose breakpoints are among its own.
@@ -132,19 +114,14 @@ impl Candidate {
             let path = path_of(curve, basis).between_ends_of(problem);
             return Self::new(path, problem.horizon());
         }
-        let (count, horizon) = (curve.parts(), problem.horizon());
-        let horizons = (0..count).map(|part| curve.horizon_of(part)).collect();
-        let horizons = Horizons::of_parts(horizons, horizon);
+        let (own, horizon) = (|part| curve.horizon_of(part), problem.horizon());
+        let horizons = Horizons::of_parts((0..curve.parts()).map(own).collect(), horizon);
         let mut path = path_of(curve, basis);
         unstretch(&mut path, &horizons);
-        let mut candidate = Self::new(path.between_ends_of(problem), horizon);
-        candidate.horizons = horizons;
-        for (part, [shortest, longest]) in settings.parts.iter().enumerate() {
-            let [shortest, longest] = [shortest, longest].map(|length| count as f64 * length);
-            let within = candidate.horizons.parts()[part].clamp(shortest, longest);
-            candidate.horizons.set(part, within);
+        Self {
+            horizons: parts::horizons(&settings.parts, own, horizon),
+            ..Self::new(path.between_ends_of(problem), horizon)
         }
-        candidate
     }
 
     /// The time at a normalised one, s.

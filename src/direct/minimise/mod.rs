@@ -92,7 +92,8 @@ pub(super) fn minimise<K: Constraint, P: CostWithControl>(
     };
     let parts = &context.settings.parts;
     if !parts.is_empty() && candidate.horizons.reference().is_none() {
-        candidate.horizons = parts::horizons(parts, candidate.horizons.whole());
+        let whole = candidate.horizons.whole();
+        candidate.horizons = parts::horizons(parts, |_| whole, whole);
     }
     candidate.points = (per_degree * basis.degree() as f64) as usize + 4;
     loop {

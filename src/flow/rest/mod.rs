@@ -303,17 +303,14 @@ impl<'a, K: Constraint, P: CostWithControl> FlowToRest<'a, K, P> {
         } = self;
         settings.check(problem)?;
         check_positive("flow", "k", k)?;
-        constraints
-            .stage
-            .refuse_in_a_flow(problem.model().name(), false)?;
+        let stage = &constraints.stage;
+        stage.refuse_in_a_flow(problem.model().name(), false)?;
         let watch = Watch::start(settings.time_limit, &settings.interrupt);
         let grids = Grids::default();
         let rows = Rows::new(problem.model(), constraints, cost)?;
         let kind = usize::from(constraints.dim() > 0);
-        let line = Path::line(
-            problem,
-            Basis::new(1, LOWEST_DEGREE[kind], Continuity::default()),
-        );
+        let basis = Basis::new(1, LOWEST_DEGREE[kind], Continuity::default());
+        let line = Path::line(problem, basis);
         let passive = constraints.torque.has_passive();
         let amplitude = AMPLITUDE[if passive { 0 } else { kind }];
         let (mut best, mut work): (Option<RestSolution>, _) = (None, [0; 3]);
