@@ -1,7 +1,7 @@
 //! The built-in constraints and a variant for any other.
 
 use super::{
-    Bounds, Constraint, CoverClearance, DynConstraint, FrameRows, Gap, PlacedState,
+    Bounds, Constraint, CoverClearance, DynConstraint, FrameRows, Gap, Piece, PlacedState,
     PointSpeedLimit, RowLabel, RowList, SelfClearance, SolidClearance, SphereClearance,
     WeightedDerivatives, Weights,
 };
@@ -159,6 +159,15 @@ impl<C: Scalar> Constraint<C> for AnyConstraint<C> {
         g: &mut [S],
     ) -> Result<()> {
         each!(self, it => it.value_of(at, rows, g))
+    }
+
+    fn value_and_pieces<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        g: &mut [S],
+        pieces: &mut Vec<Piece>,
+    ) -> Result<()> {
+        each!(self, it => it.value_and_pieces(at, g, pieces))
     }
 
     fn parts<'a>(&'a self, parts: &mut Vec<&'a Self>) -> bool {

@@ -69,6 +69,7 @@ impl<T: Scalar> Moving<T> {
             model: at.model,
             x: &self.x,
             placements: &self.placements,
+            pieces: at.pieces,
         };
         constraint.value(&moved, &mut self.g)?;
         Ok(&self.g)

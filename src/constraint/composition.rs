@@ -1,7 +1,8 @@
 //! Tuples and lists of constraints as one constraint.
 
 use super::{
-    AnyConstraint, Constraint, Gap, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights,
+    AnyConstraint, Constraint, Gap, Piece, PlacedState, RowLabel, RowList, WeightedDerivatives,
+    Weights,
 };
 use crate::error::Result;
 use crate::model::Model;
@@ -26,8 +27,9 @@ impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
 
     fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
         let (a, b) = g.split_at_mut(self.0.dim());
-        self.0.value(at, a)?;
-        self.1.value(at, b)
+        let (at_a, at_b) = at.split_at(a.len());
+        self.0.value(&at_a, a)?;
+        self.1.value(&at_b, b)
     }
 
     fn row_scales(&self, scales: &mut [C]) {
@@ -79,8 +81,20 @@ impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
     ) -> Result<()> {
         let (a, b) = g.split_at_mut(self.0.dim());
         let (of_a, of_b) = rows.split_at(a.len());
-        self.0.value_of(at, of_a, a)?;
-        self.1.value_of(at, of_b, b)
+        let (at_a, at_b) = at.split_at(a.len());
+        self.0.value_of(&at_a, of_a, a)?;
+        self.1.value_of(&at_b, of_b, b)
+    }
+
+    fn value_and_pieces<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        g: &mut [S],
+        pieces: &mut Vec<Piece>,
+    ) -> Result<()> {
+        let (a, b) = g.split_at_mut(self.0.dim());
+        self.0.value_and_pieces(at, a, pieces)?;
+        append_pieces(&self.1, at, (b, a.len()), pieces)
     }
 
     fn parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {
@@ -95,8 +109,9 @@ impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
         out: &mut WeightedDerivatives<S>,
     ) -> Result<()> {
         let (a, b) = weights.split_at(self.0.dim());
-        self.0.add_weighted_derivatives(at, a, out)?;
-        self.1.add_weighted_derivatives(at, b, out)
+        let (at_a, at_b) = at.split_at(self.0.dim());
+        self.0.add_weighted_derivatives(&at_a, a, out)?;
+        self.1.add_weighted_derivatives(&at_b, b, out)
     }
 }
 
@@ -107,10 +122,12 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
     }
 
     fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, mut g: &mut [S]) -> Result<()> {
+        let mut at = *at;
         for constraint in self {
             let (own, rest) = g.split_at_mut(constraint.dim());
-            constraint.value(at, own)?;
-            g = rest;
+            let (here, others) = at.split_at(own.len());
+            constraint.value(&here, own)?;
+            (at, g) = (others, rest);
         }
         Ok(())
     }
@@ -152,11 +169,29 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
         mut rows: RowList<'_>,
         mut g: &mut [S],
     ) -> Result<()> {
+        let mut at = *at;
         for constraint in self {
             let (own, rest) = g.split_at_mut(constraint.dim());
             let (listed, others) = rows.split_at(own.len());
-            constraint.value_of(at, listed, own)?;
-            (rows, g) = (others, rest);
+            let (here, elsewhere) = at.split_at(own.len());
+            constraint.value_of(&here, listed, own)?;
+            (at, rows, g) = (elsewhere, others, rest);
+        }
+        Ok(())
+    }
+
+    fn value_and_pieces<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        mut g: &mut [S],
+        pieces: &mut Vec<Piece>,
+    ) -> Result<()> {
+        let mut first = 0;
+        for constraint in self {
+            let (own, rest) = g.split_at_mut(constraint.dim());
+            let count = own.len();
+            append_pieces(constraint, at, (own, first), pieces)?;
+            (first, g) = (first + count, rest);
         }
         Ok(())
     }
@@ -172,13 +207,30 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
         mut weights: Weights<'_, S>,
         out: &mut WeightedDerivatives<S>,
     ) -> Result<()> {
+        let mut at = *at;
         for constraint in self {
             let (own, rest) = weights.split_at(constraint.dim());
-            constraint.add_weighted_derivatives(at, own, out)?;
-            weights = rest;
+            let (here, others) = at.split_at(constraint.dim());
+            constraint.add_weighted_derivatives(&here, own, out)?;
+            (at, weights) = (others, rest);
         }
         Ok(())
     }
+}
+
+/// Computes the rows of a constraint, the first of which has this number among all, and appends its active pieces.
+fn append_pieces<C: Scalar, S: AlgebraOver<C>, K: Constraint<C>>(
+    constraint: &K,
+    at: &PlacedState<'_, C, S>,
+    (g, first): (&mut [S], usize),
+    pieces: &mut Vec<Piece>,
+) -> Result<()> {
+    let before = pieces.len();
+    constraint.value_and_pieces(at, g, pieces)?;
+    for piece in &mut pieces[before..] {
+        piece.row += first;
+    }
+    Ok(())
 }
 
 /// The constraint that contains a row of the combined rows, and the index of the row in it; `None` if there are fewer
@@ -246,6 +298,16 @@ macro_rules! delegate {
             ) -> Result<()> {
                 let $it = self;
                 $inner.value_of(at, rows, g)
+            }
+
+            fn value_and_pieces<S: AlgebraOver<C>>(
+                &self,
+                at: &PlacedState<'_, C, S>,
+                g: &mut [S],
+                pieces: &mut Vec<Piece>,
+            ) -> Result<()> {
+                let $it = self;
+                $inner.value_and_pieces(at, g, pieces)
             }
 
             $(fn $parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {

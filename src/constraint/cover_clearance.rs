@@ -2,18 +2,20 @@
 
 use super::any::distinct;
 use super::clearance::clearance;
+use super::cover_search::length_and_inverse;
 use super::label::name_of;
 use super::solid_clearance::name_of_solid;
-use super::{Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
+use super::{Constraint, Piece, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights};
 use crate::error::{Error, Result};
-use crate::geometry::{BallTree, FLAT, SETS, Scene, Solid};
+use crate::geometry::{BallTree, Scene, Solid};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
-use crate::spatial::{Placement, dot, outer};
-use nalgebra::Vector3;
+use crate::spatial::{Placement, outer};
+use std::ops::Range;
 
-/// The distance beyond its margin from which on balls no longer act, relative to the radius of the largest link.
-const FAR: f64 = 0.35;
+/// The distance beyond its margin from which on balls no longer act, relative to the radius of the largest link. The
+/// number of pairs of balls within it grows with its square at least.
+const FAR: f64 = 0.2;
 
 /// Links that are covered by balls stay clear of solids and of each other. The balls of a link are in sets: per pair of
 /// a link and a solid there is one row per set, then per pair of links as many as the larger number `k` of their sets,
@@ -23,7 +25,8 @@ const FAR: f64 = 0.35;
 ///
 /// The nearest balls are found by branch and bound in the trees of links, so links further than $m + f$ from each other
 /// cost one distance. Their rows are constant. Within, a row has a kink where two distances are the least. Balls of a
-/// set are far from each other and so rarely equally near, while the nearest of all sets are neighbours.
+/// set are far from each other and so rarely equally near, while the nearest of all sets are neighbours. The
+/// [pieces](Piece) of a row are pairs of nodes of two trees, or a node twice beside a solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoverClearance<C: Scalar = f64> {
     /// The balls of each link.
@@ -44,91 +47,6 @@ pub struct CoverClearance<C: Scalar = f64> {
     pub margins: [C; 2],
     /// The distance beyond the margin from which on distances count as this, m.
     pub far: C,
-}
-
-/// The nearest of several distances.
-#[derive(Clone, Copy)]
-struct Nearest<S: Scalar> {
-    /// The row.
-    g: S,
-    /// The centres of the balls.
-    points: [Vector3<S>; 2],
-    /// Negative if all are far.
-    is_near: S,
-}
-
-impl<S: Scalar> Nearest<S> {
-    fn none(least: S) -> Self {
-        Self {
-            g: least,
-            points: [Vector3::zeros(); 2],
-            is_near: -S::one(),
-        }
-    }
-
-    /// Takes a row with a larger value, or one that is not a number.
-    #[inline]
-    fn take(&mut self, g: S, points: [&Vector3<S>; 2]) {
-        let smaller = g - self.g;
-        self.g = smaller.if_negative(self.g, g);
-        self.is_near = smaller.if_negative(self.is_near, S::one());
-        for (own, new) in self.points.iter_mut().zip(points) {
-            *own = own.zip_map(new, |own, new| smaller.if_negative(own, new));
-        }
-    }
-}
-
-/// Returns true if a number is negative in all lanes.
-#[inline]
-fn is_negative<S: Scalar>(x: S) -> bool {
-    x.if_negative(S::zero(), S::one()).vanishes()
-}
-
-/// The length of a vector and its inverse; both zero below [`FLAT`].
-#[inline]
-fn length_and_inverse<S: Scalar>(d: &Vector3<S>) -> [S; 2] {
-    let square = dot(d, d);
-    let short = square - S::from_f64(FLAT * FLAT);
-    let length = square.sqrt();
-    [length, S::one() / length].map(|x| short.if_negative(S::zero(), x))
-}
-
-/// The position of a point of a body with this placement; `None` is the base.
-#[inline]
-pub(crate) fn place<C: Scalar, S: AlgebraOver<C>>(
-    placement: Option<&Placement<S>>,
-    point: &Vector3<C>,
-) -> Vector3<S> {
-    match placement {
-        None => point.map(S::lift),
-        Some(placement) => placement.point(point),
-    }
-}
-
-/// The rows of a pair.
-struct Rows<S: Scalar> {
-    /// All of them, `count`.
-    all: [Nearest<S>; SETS],
-    /// True while all are far.
-    is_far: bool,
-    count: usize,
-    far: S,
-    /// The least of the rows: balls further than this need no look.
-    least: S,
-}
-
-impl<S: Scalar> Rows<S> {
-    /// Takes the distance of two balls for a row.
-    fn take(&mut self, row: usize, g: S, points: [&Vector3<S>; 2]) {
-        let all = &mut self.all[..self.count];
-        if std::mem::take(&mut self.is_far) {
-            all.fill(Nearest::none(self.far));
-        }
-        all[row].take(g, points);
-        let smaller = |a: S, b: S| (a - b).if_negative(a, b);
-        let rows = all.iter().map(|row| row.g);
-        self.least = rows.reduce(smaller).unwrap_or(self.least);
-    }
 }
 
 impl CoverClearance {
@@ -176,7 +94,7 @@ impl CoverClearance {
 
 impl<C: Scalar> CoverClearance<C> {
     /// The number of rows per pair of a link and a solid, then per pair of links.
-    fn counts(&self) -> impl Iterator<Item = usize> {
+    pub(super) fn counts(&self) -> impl Iterator<Item = usize> {
         let count = |i: usize| self.counts[i];
         let of_solids = self.solid_pairs.iter().map(move |[i, _]| count(*i));
         let of_pairs = self.pairs.iter();
@@ -184,7 +102,7 @@ impl<C: Scalar> CoverClearance<C> {
     }
 
     /// The placement of a link; `None` for the base.
-    fn placement<'a, S: AlgebraOver<C>>(
+    pub(super) fn placement<'a, S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'a, C, S>,
         link: usize,
@@ -199,100 +117,21 @@ impl<C: Scalar> CoverClearance<C> {
         })
     }
 
-    /// Computes the rows of a link and a solid.
-    fn of_solid<S: AlgebraOver<C>>(
-        &self,
-        placement: Option<&Placement<S>>,
-        [i, j]: [usize; 2],
-        rows: &mut Rows<S>,
-    ) {
-        let (tree, solid, margin) = (&self.links[i], &self.solids[j], self.margins[0]);
-        let bound = |at: usize| {
-            let ball = &tree.nodes[at].bound;
-            let p = place(placement, &ball.centre);
-            (S::lift(ball.radius + margin) - solid.distance(&p), p)
-        };
-        let is_nearer = |(a, _): &(S, Vector3<S>), (b, _): &(S, Vector3<S>)| is_negative(*b - *a);
-        tree.search(bound, is_nearer, |at, (g, p)| {
-            let is_near = !is_negative(*g - rows.least);
-            if let Some(ball) = tree.nodes[at].leaf.filter(|_| is_near) {
-                rows.take(self.sets[ball], *g, [p, p]);
-            }
-            is_near
-        });
-    }
-
-    /// Computes the rows of two links.
-    fn of_pair<S: AlgebraOver<C>>(
-        &self,
-        [first, second]: [Option<&Placement<S>>; 2],
-        [i, j]: [usize; 2],
-        rows: &mut Rows<S>,
-    ) {
-        let (tree, other, margin) = (&self.links[i], &self.links[j], self.margins[1]);
-        let count = rows.count;
-        let bound = |[k, l]: [usize; 2]| {
-            let (a, b) = (&tree.nodes[k].bound, &other.nodes[l].bound);
-            let (p, q) = (place(first, &a.centre), place(second, &b.centre));
-            let [length, _] = length_and_inverse(&(p - q));
-            (S::lift(a.radius + b.radius + margin) - length, [p, q])
-        };
-        let is_nearer =
-            |(a, _): &(S, [Vector3<S>; 2]), (b, _): &(S, [Vector3<S>; 2])| is_negative(*b - *a);
-        tree.search_pairs(other, bound, is_nearer, |[k, l], (g, [p, q])| {
-            let is_near = !is_negative(*g - rows.least);
-            let leaves = (tree.nodes[k].leaf, other.nodes[l].leaf);
-            if let (true, (Some(a), Some(b))) = (is_near, leaves) {
-                rows.take((self.sets[a] + self.sets[b]) % count, *g, [p, q]);
-            }
-            is_near
-        });
-    }
-
-    /// Calls `visit` with the index of each pair that has a row that is needed, those of solids first, and with its
-    /// first row and its rows, none if all are far.
-    fn visit<S: AlgebraOver<C>>(
+    /// Computes the rows of needed pairs into `g`.
+    fn values<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
-        is_needed: impl Fn(usize) -> bool,
-        mut visit: impl FnMut(usize, usize, &[Nearest<S>]) -> Result<()>,
+        is_needed: impl Fn(&Range<usize>) -> bool,
+        pieces: Option<&mut Vec<Piece>>,
+        g: &mut [S],
     ) -> Result<()> {
-        let far = S::lift(-self.far);
-        let mut rows = Rows {
-            all: [Nearest::none(far); SETS],
-            is_far: true,
-            count: 0,
-            far,
-            least: far,
-        };
-        let mut first = 0;
-        for (k, count) in self.counts().enumerate() {
-            if (first..first + count).any(&is_needed) {
-                let solid = self.solid_pairs.get(k);
-                if count > SETS {
-                    let what = "sets of the balls of a link";
-                    let expected = SETS;
-                    return Err(Error::Length {
-                        what,
-                        expected,
-                        found: count,
-                    });
-                }
-                (rows.count, rows.least, rows.is_far) = (count, far, true);
-                match solid {
-                    Some(pair) => self.of_solid(self.placement(at, pair[0])?, *pair, &mut rows),
-                    None => {
-                        let pair = self.pairs[k - self.solid_pairs.len()];
-                        let [first, second] = pair.map(|link| self.placement(at, link));
-                        self.of_pair([first?, second?], pair, &mut rows);
-                    }
-                }
-                let found = if rows.is_far { 0 } else { count };
-                visit(k, first, &rows.all[..found])?;
+        g.fill(S::lift(-self.far));
+        self.visit(at, is_needed, pieces, |_, first, rows| {
+            for (g, row) in g[first..].iter_mut().zip(rows) {
+                *g = row.g;
             }
-            first += count;
-        }
-        Ok(())
+            Ok(())
+        })
     }
 }
 
@@ -302,14 +141,25 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
     }
 
     fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
-        let all = |_| true;
-        g.fill(S::lift(-self.far));
-        self.visit(at, all, |_, first, rows| {
-            for (g, row) in g[first..].iter_mut().zip(rows) {
-                *g = row.g;
-            }
-            Ok(())
-        })
+        self.values(at, |_| true, None, g)
+    }
+
+    fn value_of<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        rows: RowList<'_>,
+        g: &mut [S],
+    ) -> Result<()> {
+        self.values(at, |own| rows.has_any(own), None, g)
+    }
+
+    fn value_and_pieces<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        g: &mut [S],
+        pieces: &mut Vec<Piece>,
+    ) -> Result<()> {
+        self.values(at, |_| true, Some(pieces), g)
     }
 
     fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
@@ -346,8 +196,8 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
         out: &mut WeightedDerivatives<S>,
     ) -> Result<()> {
         let of_solids = self.solid_pairs.len();
-        let is_needed = |row| !weights.vanish(row);
-        self.visit(at, is_needed, |k, first, rows| {
+        let is_needed = |own: &Range<usize>| own.clone().any(|row| !weights.vanish(row));
+        self.visit(at, is_needed, None, |k, first, rows| {
             for (row, nearest) in (first..).zip(rows) {
                 if weights.vanish(row) {
                     continue;

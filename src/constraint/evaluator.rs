@@ -1,6 +1,6 @@
 //! Evaluation of constraints and their contractions at states.
 
-use super::{Constraint, PlacedState, RowList, WeightedDerivatives, Weights};
+use super::{Constraint, Piece, Pieces, PlacedState, RowList, WeightedDerivatives, Weights};
 use crate::dynamics::forward_kinematics;
 use crate::error::{Result, check_length};
 use crate::model::Model;
@@ -42,6 +42,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> Evaluator<'m, C, S> {
                 model: self.model,
                 x,
                 placements: &self.placements,
+                pieces: None,
             },
             axes: &mut self.axes,
             contraction: &mut self.contraction,
@@ -57,10 +58,11 @@ impl<C: Scalar, S: AlgebraOver<C>> Evaluator<'_, C, S> {
     pub(crate) fn weighted_derivatives_at<K: Constraint<C> + ?Sized>(
         &mut self,
         x: &[S],
-        constraint: &K,
+        (constraint, pieces): (&K, Option<&[Piece]>),
         weights: Weights<'_, S>,
     ) -> Result<&WeightedDerivatives<S>> {
-        self.at(x)?.weighted_derivatives(constraint, weights)?;
+        let mut placed = self.at(x)?.with_pieces(pieces);
+        placed.weighted_derivatives(constraint, weights)?;
         Ok(&self.contraction)
     }
 }
@@ -71,6 +73,15 @@ pub struct Placed<'a, C: Scalar, S: Scalar> {
     state: PlacedState<'a, C, S>,
     axes: &'a mut [Motion<S>],
     contraction: &'a mut WeightedDerivatives<S>,
+}
+
+impl<'a, C: Scalar, S: AlgebraOver<C>> Placed<'a, C, S> {
+    /// The same with the active pieces of the constraint that is evaluated, if they are known.
+    #[must_use]
+    pub fn with_pieces(mut self, pieces: Option<&'a [Piece]>) -> Self {
+        self.state.pieces = pieces.map(Pieces::new);
+        self
+    }
 }
 
 impl<C: Scalar, S: AlgebraOver<C>> Placed<'_, C, S> {

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::dot;
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// The distance of two balls, or of one from an obstacle, of which a row is a function.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,6 +77,13 @@ impl<'a> RowList<'a> {
             first: end,
         };
         (Self { rows: own, ..self }, rest)
+    }
+
+    /// Returns true if one of the rows is in a range.
+    #[must_use]
+    pub fn has_any(self, range: &Range<usize>) -> bool {
+        let at = |row: usize| self.rows.partition_point(|own| *own < self.first + row);
+        at(range.start) < at(range.end)
     }
 
     /// The rows in ascending order.

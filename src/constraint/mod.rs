@@ -17,6 +17,7 @@ mod bounds;
 mod clearance;
 mod composition;
 mod cover_clearance;
+mod cover_search;
 mod dynamic;
 mod evaluator;
 mod frame_rows;
@@ -24,6 +25,7 @@ mod gap;
 mod label;
 mod pair_loads;
 mod phase;
+mod piece;
 mod point_speed;
 mod self_clearance;
 mod solid_clearance;
@@ -38,7 +40,7 @@ pub(crate) use bounds::RateLimit;
 pub use bounds::{Bound, Bounds, Side};
 pub use clearance::SphereClearance;
 pub use cover_clearance::CoverClearance;
-pub(crate) use cover_clearance::place;
+pub(crate) use cover_search::place;
 pub use dynamic::{DynConstraint, Functions};
 pub use evaluator::{Evaluator, Placed};
 pub use frame_rows::{FrameRow, FrameRows};
@@ -46,6 +48,7 @@ pub use gap::{Gap, RowList};
 pub use label::{RowKind, RowLabel};
 pub use phase::Phase;
 pub(crate) use phase::is_permutation;
+pub use piece::{Piece, Pieces};
 pub use point_speed::PointSpeedLimit;
 pub use self_clearance::SelfClearance;
 pub use solid_clearance::SolidClearance;
@@ -135,6 +138,21 @@ pub trait Constraint<C: Scalar = f64> {
         self.value(at, g)
     }
 
+    /// Computes [`value`](Self::value), and appends the active [pieces](Piece) of rows that are maxima of many functions,
+    /// in ascending order of the rows. By default there are none.
+    ///
+    /// # Errors
+    /// Those of [`value`](Self::value).
+    fn value_and_pieces<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        g: &mut [S],
+        pieces: &mut Vec<Piece>,
+    ) -> Result<()> {
+        let _ = pieces;
+        self.value(at, g)
+    }
+
     /// Appends the built-in constraints among those of a list to `parts`; returns false if there are others. A planner
     /// tests them without computing all of their rows. By default only a constraint without rows has no others.
     fn parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {
@@ -166,9 +184,19 @@ pub struct PlacedState<'a, C: Scalar, S: Scalar> {
     pub x: &'a [S],
     /// The placements of all bodies in the base frame.
     pub placements: &'a [Placement<S>],
+    /// The active pieces of the rows of the constraint, if they are known.
+    pub pieces: Option<Pieces<'a>>,
 }
 
 impl<'a, C: Scalar, S: AlgebraOver<C>> PlacedState<'a, C, S> {
+    /// The same state for the first `count` rows of a constraint, and for the others.
+    #[must_use]
+    pub fn split_at(&self, count: usize) -> (Self, Self) {
+        let (own, rest) = self.pieces.map(|pieces| pieces.split_at(count)).unzip();
+        let [first, rest] = [own, rest].map(|pieces| Self { pieces, ..*self });
+        (first, rest)
+    }
+
     /// The configuration.
     #[must_use]
     pub fn q(&self) -> &'a [S] {

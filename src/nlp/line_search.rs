@@ -149,7 +149,9 @@ impl Trial {
             return Ok(());
         }
         let part = (options.tangent / state.progress.step).min(1.0);
-        self.evaluate(problem, state, &step.x, part)?;
+        assign(&mut self.x, &state.x);
+        self.x.axpy(part, &step.x, 1.0);
+        problem.value_beside(&self.x, &mut self.h)?;
         self.tangent.clear();
         let rows = state.iterate.working.iter().map(|of| of.row.at);
         self.tangent

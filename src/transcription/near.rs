@@ -1,6 +1,6 @@
 //! The rows of the state that may be near their bounds, at the points of a grid and between them.
 
-use crate::constraint::Constraint;
+use crate::constraint::{Constraint, Piece};
 use crate::scalar::{AlgebraOver, LANES, Lanes, Scalar, Wide};
 use crate::spatial::Placement;
 use std::ops::Range;
@@ -21,8 +21,9 @@ pub(crate) struct Near {
     moved: f64,
     /// The times of the points of a segment, in parts of it.
     times: Vec<f64>,
-    /// None without clearances.
     groups: Vec<Group>,
+    /// True if rows are computed from the pieces that were active at the points before.
+    pub follows: bool,
 }
 
 /// The rows of a group.
@@ -34,6 +35,14 @@ struct Group {
     /// Rows that are listed although they are far: those of the working set, and those between the points.
     working: Vec<usize>,
     between: Vec<usize>,
+    noted: Noted,
+}
+
+/// The active pieces of all rows at the points of a group, if they are known.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Noted {
+    pub pieces: Vec<Piece>,
+    pub are_known: bool,
 }
 
 impl Near {
@@ -61,10 +70,7 @@ impl Near {
                 }
             }
         }
-        let per_segment = match self.bodies.is_empty() {
-            true => 0,
-            false => times.len().div_ceil(LANES),
-        };
+        let per_segment = times.len().div_ceil(LANES);
         self.groups = vec![Group::default(); segments * per_segment];
         (self.moved, self.times) = (moved, times);
     }
@@ -79,11 +85,33 @@ impl Near {
         }
     }
 
-    /// The group of the points from `start` on among all points of a segment, the first of which is `first`, if there
-    /// are lists.
+    /// True if there are clearances to list.
+    pub fn has_lists(&self) -> bool {
+        !self.bodies.is_empty()
+    }
+
+    /// The group of the points from `start` on among all points of a segment, the first of which is `first`.
     pub fn group(&self, first: usize, start: usize, points: usize) -> Option<usize> {
-        let has_lists = points == self.times.len() && !self.groups.is_empty();
-        has_lists.then(|| first / points * points.div_ceil(LANES) + start / LANES)
+        let is_known = points == self.times.len() && !self.groups.is_empty();
+        is_known.then(|| first / points * points.div_ceil(LANES) + start / LANES)
+    }
+
+    /// The active pieces of the rows at the points of a group, if they are known.
+    pub fn pieces(&self, group: usize) -> Option<&[Piece]> {
+        let noted = &self.groups[group].noted;
+        noted.are_known.then_some(&noted.pieces)
+    }
+
+    /// The memory of these.
+    pub(super) fn noted(&mut self, group: usize) -> &mut Noted {
+        &mut self.groups[group].noted
+    }
+
+    /// Forgets the active pieces.
+    pub fn forget_pieces(&mut self) {
+        for group in &mut self.groups {
+            group.noted.are_known = false;
+        }
     }
 
     /// The group of a point.
@@ -99,7 +127,7 @@ impl Near {
 
     /// The rows that were listed last at a point, if there are lists.
     pub fn at(&self, g: usize) -> Option<&[usize]> {
-        (!self.groups.is_empty()).then(|| self.listed(self.of_point(g)))
+        self.has_lists().then(|| self.listed(self.of_point(g)))
     }
 
     /// The rows of a group that may be near with the bodies placed like this at its points; `None` if others may be.
@@ -108,7 +136,7 @@ impl Near {
         let Group {
             rows, placements, ..
         } = &self.groups[group];
-        let is_known = !placements.is_empty();
+        let is_known = self.has_lists() && !placements.is_empty();
         (is_known && self.are_close(placed, |body| placements[body], 0.5 * self.moved))
             .then_some(rows)
     }
@@ -180,6 +208,7 @@ impl Near {
             placements,
             working,
             between,
+            ..
         } = &mut self.groups[group];
         placements.clear();
         placements.extend_from_slice(placed);
@@ -199,7 +228,7 @@ impl Near {
 
     /// Takes the points and the rows of the working set in place of the last ones.
     pub fn set_working(&mut self, rows: impl Iterator<Item = (usize, usize)>) {
-        if self.groups.is_empty() {
+        if !self.has_lists() {
             return;
         }
         for group in &mut self.groups {
@@ -213,7 +242,7 @@ impl Near {
 
     /// Lists a row at a point whatever its value is; returns true if it was not listed and so has to be evaluated.
     pub fn hold(&mut self, g: usize, row: usize) -> bool {
-        if self.groups.is_empty() || row >= self.far.len() {
+        if !self.has_lists() || row >= self.far.len() {
             return false;
         }
         let group = self.of_point(g);
@@ -242,9 +271,9 @@ impl Near {
 
     /// The number of parts of a segment between the points: one for each group, or the segment itself without lists.
     pub fn parts(&self) -> usize {
-        match self.groups.is_empty() {
-            true => 1,
-            false => self.times.len().div_ceil(LANES),
+        match self.has_lists() {
+            false => 1,
+            true => self.times.len().div_ceil(LANES),
         }
     }
 
@@ -266,7 +295,7 @@ impl Near {
                 (middle.ceil() as usize).clamp(1, intervals)
             }
         };
-        let group = (!self.groups.is_empty()).then_some(segment * count + k);
+        let group = self.has_lists().then_some(segment * count + k);
         (group, end(k)..end(k + 1))
     }
 }

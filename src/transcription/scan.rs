@@ -192,7 +192,7 @@ impl Scan {
         let count = rows.count();
         look.h.resize(count * points.count(), 0.0);
         let all = rows.of_all(points, which, &mut look.h)?;
-        let is_high = |row: &usize| rows.highest[*row] > floor;
+        let is_high = |row: &usize| rows.highest[*row] > floor.max(-rows.attributes.cutoffs[*row]);
         look.rows.clear();
         match part.group.filter(|_| !all) {
             Some(group) => {

@@ -1,7 +1,8 @@
 //! The rows of the state at the points of a curve: all, or those that may be near their bounds.
 
 use super::Rows;
-use crate::constraint::{Constraint, RowList, WeightedDerivatives, Weights};
+use super::near::Noted;
+use crate::constraint::{Constraint, Pieces, PlacedState, RowList, WeightedDerivatives, Weights};
 use crate::cost::{CostWithControl, Points};
 use crate::error::Result;
 use crate::scalar::{LANES, Wide};
@@ -72,11 +73,17 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
         let (own, count) = (2 * points.states.nrows(), self.count());
         let found = points.gather(start, &mut self.z);
         let placed = self.evaluator.at(&self.z[..own])?;
-        let placements = placed.state().placements;
+        let at = *placed.state();
+        let placements = at.placements;
         let group = match which {
             Which::Near => self.near.group(points.first, start, points.count()),
             _ => None,
         };
+        let mut noted = match group {
+            Some(group) => std::mem::take(self.near.noted(group)),
+            None => Noted::default(),
+        };
+        let follows = self.near.follows && noted.are_known;
         let listed = match (which, group) {
             (Which::Near, Some(group)) => self.near.at_points(group, placements),
             (Which::Between(group, times), _) => {
@@ -86,9 +93,21 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             _ => None,
         };
         let (state, scales) = (&self.constraints.state, &self.attributes.scales);
+        let beside = PlacedState {
+            pieces: follows.then(|| Pieces::new(&noted.pieces)),
+            ..at
+        };
         match listed {
-            Some(rows) => placed.value_of(state, RowList::new(rows), &mut self.wide)?,
-            None => placed.value(state, &mut self.wide)?,
+            Some(rows) => {
+                noted.are_known &= follows;
+                state.value_of(&beside, RowList::new(rows), &mut self.wide)?;
+            }
+            None if follows || group.is_none() => state.value(&beside, &mut self.wide)?,
+            None => {
+                noted.pieces.clear();
+                state.value_and_pieces(&at, &mut self.wide, &mut noted.pieces)?;
+                noted.are_known = true;
+            }
         }
         for k in 0..listed.map_or(self.wide.len(), <[usize]>::len) {
             let row = listed.map_or(k, |rows| rows[k]);
@@ -101,14 +120,18 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             self.highest[row] = highest;
         }
         let are_all = listed.is_none();
-        if let Some(group) = group.filter(|_| are_all) {
-            let values = (&self.wide[..], &scales[..], found);
-            self.near.list(group, placements, values);
+        if let Some(group) = group {
+            if are_all && self.near.has_lists() {
+                let values = (&self.wide[..], &scales[..], found);
+                self.near.list(group, placements, values);
+            }
+            *self.near.noted(group) = noted;
         }
         Ok(are_all)
     }
 
-    /// Computes the weighted derivatives of the rows of the state at the points from `start` on, side by side.
+    /// Computes the weighted derivatives of the rows of the state at the points from `start` on, side by side: of their
+    /// pieces that were active at the last evaluation, which was here.
     pub fn weighted_derivatives(
         &mut self,
         points: Points<'_, f64>,
@@ -117,7 +140,10 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
     ) -> Result<&WeightedDerivatives<Wide<f64>>> {
         points.gather(start, &mut self.z);
         let own = 2 * points.states.nrows();
+        let group = self.near.group(points.first, start, points.count());
+        let pieces = group.and_then(|group| self.near.pieces(group));
+        let state = (&self.constraints.state, pieces);
         self.evaluator
-            .weighted_derivatives_at(&self.z[..own], &self.constraints.state, weights)
+            .weighted_derivatives_at(&self.z[..own], state, weights)
     }
 }

@@ -92,7 +92,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
                 gauss_newton: None,
             };
             let state_rows = &rows.constraints.state;
-            let of = evaluator.weighted_derivatives_at(&state, state_rows, weights)?;
+            let of = evaluator.weighted_derivatives_at(&state, (state_rows, None), weights)?;
             let slope = of.gradient().rows(0, n).into_owned();
             let distance = -h[first + row] * attributes.units[row];
             let value = slope.dot(&q) + distance.max(0.0);

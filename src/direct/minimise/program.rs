@@ -194,15 +194,19 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         self.margins = vec![0.0; rows];
     }
 
+    /// Returns true if cost and rows were evaluated at the coefficients last.
+    fn is_evaluated(&self) -> bool {
+        let (coefficients, horizons) = &self.evaluated_at;
+        (coefficients, horizons) == (&self.coefficients, &self.horizons)
+    }
+
     /// Evaluates the cost and the rows at the coefficients, unless these were the last ones.
     pub(super) fn cost(&mut self) -> Result<f64> {
-        let (coefficients, horizons) = &mut self.evaluated_at;
-        if let Some(cost) = self.evaluated
-            && (&*coefficients, &*horizons) == (&self.coefficients, &self.horizons)
-        {
+        if let Some(cost) = self.evaluated.filter(|_| self.is_evaluated()) {
             return Ok(cost);
         }
         let cost = self.objective.value(&self.coefficients)?;
+        let (coefficients, horizons) = &mut self.evaluated_at;
         coefficients.copy_from(&self.coefficients);
         horizons.assign(&self.horizons);
         self.evaluated = Some(cost);
@@ -262,6 +266,9 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
 
     /// Computes the derivatives in all free coefficients and the border, at the coefficients.
     fn derivatives_here(&mut self, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
+        if !self.is_evaluated() {
+            self.objective.cost_mut().rows.near.forget_pieces();
+        }
         self.set_terms(iterate);
         self.objective
             .gradient_and_hessian(&self.coefficients, &mut self.derivatives)?;
@@ -306,6 +313,13 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
                 false => objective,
             },
         )
+    }
+
+    fn value_beside(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
+        self.objective.cost_mut().rows.near.follows = true;
+        let found = self.value(x, h);
+        self.objective.cost_mut().rows.near.follows = false;
+        found
     }
 
     fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()> {

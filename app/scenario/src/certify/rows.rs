@@ -118,6 +118,7 @@ pub(super) fn values_of<const N: usize>(
         model,
         x: &[q, v].concat(),
         placements: &placements,
+        pieces: None,
     };
     let mut values = vec![TaylorModel::zero(); constraints.dim()];
     constraints.value(&at, &mut values)?;

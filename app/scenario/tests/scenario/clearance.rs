@@ -206,6 +206,7 @@ fn rows_of_covers_keep_the_distance_of_their_own() {
             model,
             x: &x,
             placements: &placements,
+            pieces: None,
         };
         let rows = AnyConstraint::of_scene(&scenario.scene);
         let rows = rows.iter().flat_map(|rows| {

@@ -1,0 +1,332 @@
+//! The search for the nearest balls of covers.
+
+use super::{CoverClearance, Piece, PlacedState};
+use crate::error::{Error, Result};
+use crate::geometry::{BallTree, FLAT, SETS};
+use crate::scalar::{AlgebraOver, Scalar};
+use crate::spatial::{Placement, dot};
+use nalgebra::Vector3;
+use std::ops::Range;
+
+/// The number of balls of two links up to which all their pairs are compared: 64 squares of distances cost about as much
+/// as four bounds.
+const FEW: usize = 8;
+
+/// The nearest of several distances.
+#[derive(Clone, Copy)]
+pub(super) struct Nearest<S: Scalar> {
+    /// The row.
+    pub g: S,
+    /// The centres of the balls.
+    pub points: [Vector3<S>; 2],
+    /// Negative if all are far.
+    pub is_near: S,
+}
+
+impl<S: Scalar> Nearest<S> {
+    fn none(least: S) -> Self {
+        Self {
+            g: least,
+            points: [Vector3::zeros(); 2],
+            is_near: -S::one(),
+        }
+    }
+
+    /// Takes a row with a larger value, or one that is not a number.
+    #[inline]
+    fn take(&mut self, g: S, points: [&Vector3<S>; 2]) {
+        let smaller = g - self.g;
+        self.g = smaller.if_negative(self.g, g);
+        self.is_near = smaller.if_negative(self.is_near, S::one());
+        for (own, new) in self.points.iter_mut().zip(points) {
+            *own = own.zip_map(new, |own, new| smaller.if_negative(own, new));
+        }
+    }
+}
+
+/// Returns true if a number is negative in all lanes.
+#[inline]
+fn is_negative<S: Scalar>(x: S) -> bool {
+    x.if_negative(S::zero(), S::one()).vanishes()
+}
+
+/// The length of a vector and its inverse; both zero below [`FLAT`].
+#[inline]
+pub(super) fn length_and_inverse<S: Scalar>(d: &Vector3<S>) -> [S; 2] {
+    let square = dot(d, d);
+    let short = square - S::from_f64(FLAT * FLAT);
+    let length = square.sqrt();
+    [length, S::one() / length].map(|x| short.if_negative(S::zero(), x))
+}
+
+/// The position of a point of a body with this placement; `None` is the base.
+#[inline]
+pub(crate) fn place<C: Scalar, S: AlgebraOver<C>>(
+    placement: Option<&Placement<S>>,
+    point: &Vector3<C>,
+) -> Vector3<S> {
+    match placement {
+        None => point.map(S::lift),
+        Some(placement) => placement.point(point),
+    }
+}
+
+/// The rows of a pair.
+struct Rows<'p, S: Scalar> {
+    /// All of them, `count`, from `first` on.
+    all: [Nearest<S>; SETS],
+    first: usize,
+    count: usize,
+    /// True while all are far.
+    is_far: bool,
+    far: S,
+    /// The least of the rows: balls further than this need no look.
+    least: S,
+    /// The number of pieces before those of this pair.
+    before: usize,
+    /// The pieces that were taken, if they are asked for.
+    pieces: Option<&'p mut Vec<Piece>>,
+}
+
+impl<S: Scalar> Rows<'_, S> {
+    /// Begins the rows of a pair, all far.
+    fn begin(&mut self, first: usize, count: usize) {
+        (self.first, self.count, self.least) = (first, count, self.far);
+        self.is_far = true;
+        self.before = self.pieces.as_ref().map_or(0, |pieces| pieces.len());
+    }
+
+    /// The value of a row so far.
+    #[inline]
+    fn value(&self, row: usize) -> S {
+        match self.is_far {
+            true => self.far,
+            false => self.all[row].g,
+        }
+    }
+
+    /// Takes the distance of the balls of two nodes for a row.
+    fn take(&mut self, row: usize, g: S, points: [&Vector3<S>; 2], of: [usize; 2]) {
+        if std::mem::take(&mut self.is_far) {
+            self.all[..self.count].fill(Nearest::none(self.far));
+        }
+        let all = &mut self.all[..self.count];
+        all[row].take(g, points);
+        let smaller = |a: S, b: S| (a - b).if_negative(a, b);
+        let rows = all.iter().map(|row| row.g);
+        self.least = rows.reduce(smaller).unwrap_or(self.least);
+        if let Some(pieces) = &mut self.pieces {
+            let row = self.first + row;
+            pieces.push(Piece { row, of });
+        }
+    }
+
+    /// Drops the pieces of this pair that are not active, for their values.
+    fn drop_pieces(&mut self, value: impl Fn([usize; 2]) -> S) {
+        let (first, before, all) = (self.first, self.before, &self.all);
+        let Some(pieces) = &mut self.pieces else {
+            return;
+        };
+        let mut kept = before;
+        for at in before..pieces.len() {
+            let Piece { row, of } = pieces[at];
+            if !is_negative(value(of) - all[row - first].g) {
+                pieces[kept] = pieces[at];
+                kept += 1;
+            }
+        }
+        pieces.truncate(kept);
+        pieces[before..].sort_unstable_by_key(|piece| piece.row);
+    }
+}
+
+/// Two links, or a link and a solid, with the placements of their bodies.
+#[derive(Clone, Copy)]
+struct Pair<'a, C: Scalar, S: Scalar> {
+    of: &'a CoverClearance<C>,
+    links: [&'a BallTree<C>; 2],
+    placements: [Option<&'a Placement<S>>; 2],
+    /// The index of the solid in place of the second link.
+    solid: Option<usize>,
+}
+
+impl<C: Scalar, S: AlgebraOver<C>> Pair<'_, C, S> {
+    /// The centre of the ball of a node of the first or the second link.
+    #[inline]
+    fn centre(&self, side: usize, node: usize) -> Vector3<S> {
+        place(
+            self.placements[side],
+            &self.links[side].nodes[node].bound.centre,
+        )
+    }
+
+    /// The row of the ball of a node beside the solid, and its centre.
+    #[inline]
+    fn beside(&self, solid: usize, node: usize) -> (S, Vector3<S>) {
+        let p = self.centre(0, node);
+        let reach = self.links[0].nodes[node].bound.radius + self.of.margins[0];
+        (S::lift(reach) - self.of.solids[solid].distance(&p), p)
+    }
+
+    /// The row of the balls of two nodes, and their centres.
+    #[inline]
+    fn between(&self, [k, l]: [usize; 2]) -> (S, [Vector3<S>; 2]) {
+        let (p, q) = (self.centre(0, k), self.centre(1, l));
+        let [length, _] = length_and_inverse(&(p - q));
+        let radii = self.links[0].nodes[k].bound.radius + self.links[1].nodes[l].bound.radius;
+        (S::lift(radii + self.of.margins[1]) - length, [p, q])
+    }
+
+    /// The value of a piece, and the centres of its balls.
+    fn piece(&self, of: [usize; 2]) -> (S, [Vector3<S>; 2]) {
+        match self.solid {
+            Some(solid) => {
+                let (g, p) = self.beside(solid, of[0]);
+                (g, [p, p])
+            }
+            None => self.between(of),
+        }
+    }
+
+    /// Searches the nearest balls.
+    fn search(&self, rows: &mut Rows<'_, S>) {
+        let [tree, other] = self.links;
+        if let Some(solid) = self.solid {
+            let is_nearer =
+                |(a, _): &(S, Vector3<S>), (b, _): &(S, Vector3<S>)| is_negative(*b - *a);
+            let bound = |node| self.beside(solid, node);
+            tree.search(bound, is_nearer, |node, (g, p)| {
+                let is_near = !is_negative(*g - rows.least);
+                if let Some(ball) = tree.nodes[node].leaf.filter(|_| is_near) {
+                    rows.take(self.of.sets[ball], *g, [p, p], [node; 2]);
+                }
+                is_near
+            });
+            return;
+        }
+        let bound = |of| self.between(of).0;
+        let is_nearer = |a: &S, b: &S| is_negative(*b - *a);
+        // Of `n` nodes half are leaves.
+        let are_few = |tree: &BallTree<C>, node: usize| tree.nodes[node].next - node < 2 * FEW;
+        tree.search_pairs(other, bound, is_nearer, |[k, l], g| {
+            let is_near = !is_negative(*g - rows.least);
+            let are_few = are_few(tree, k) && are_few(other, l);
+            if is_near && are_few {
+                self.compare([k, l], rows);
+            }
+            is_near && !are_few
+        });
+    }
+
+    /// Compares all balls below two nodes.
+    fn compare(&self, [k, l]: [usize; 2], rows: &mut Rows<'_, S>) {
+        let [tree, other] = self.links;
+        let mut few = [(0, 0, C::zero(), Vector3::zeros()); FEW];
+        let leaves = (k..tree.nodes[k].next).filter_map(|k| tree.nodes[k].leaf.map(|a| (k, a)));
+        let mut count = 0;
+        for (found, (k, a)) in few.iter_mut().zip(leaves) {
+            let radius = tree.nodes[k].bound.radius + self.of.margins[1];
+            *found = (k, self.of.sets[a], radius, self.centre(0, k));
+            count += 1;
+        }
+        for l in l..other.nodes[l].next {
+            let Some(ball) = other.nodes[l].leaf else {
+                continue;
+            };
+            let (set, q, radius) = (
+                self.of.sets[ball],
+                self.centre(1, l),
+                other.nodes[l].bound.radius,
+            );
+            for (k, own, beside, p) in &few[..count] {
+                let sum = own + set;
+                let row = if sum < rows.count {
+                    sum
+                } else {
+                    sum - rows.count
+                };
+                let (reach, d) = (S::lift(radius + *beside), p - q);
+                // Without a root where the distance is larger than the least one so far.
+                let most = reach - rows.value(row);
+                if !is_negative(most * most - dot(&d, &d)) {
+                    let [length, _] = length_and_inverse(&d);
+                    rows.take(row, reach - length, [p, &q], [*k, l]);
+                }
+            }
+        }
+    }
+}
+
+impl<C: Scalar> CoverClearance<C> {
+    /// Calls `visit` with the index of each pair that has a row that is needed, those of solids first, and with its
+    /// first row and its rows, none if all are far. Appends the active pieces of the rows if they are asked for.
+    pub(super) fn visit<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        is_needed: impl Fn(&Range<usize>) -> bool,
+        pieces: Option<&mut Vec<Piece>>,
+        mut visit: impl FnMut(usize, usize, &[Nearest<S>]) -> Result<()>,
+    ) -> Result<()> {
+        let far = S::lift(-self.far);
+        let mut rows = Rows {
+            all: [Nearest::none(far); SETS],
+            first: 0,
+            count: 0,
+            is_far: true,
+            far,
+            least: far,
+            before: 0,
+            pieces,
+        };
+        let mut first = 0;
+        let mut known = at.pieces.map(|pieces| pieces.iter().peekable());
+        for (k, count) in self.counts().enumerate() {
+            let own = first..first + count;
+            if is_needed(&own) {
+                if count > SETS {
+                    return Err(Error::Length {
+                        what: "sets of the balls of a link",
+                        expected: SETS,
+                        found: count,
+                    });
+                }
+                rows.begin(first, count);
+                let pair = self.pair(at, k)?;
+                match &mut known {
+                    None => pair.search(&mut rows),
+                    Some(known) => {
+                        while known.next_if(|piece| piece.row < first).is_some() {}
+                        while let Some(Piece { row, of }) = known.next_if(|of| of.row < own.end) {
+                            let (g, [p, q]) = pair.piece(of);
+                            rows.take(row - first, g, [&p, &q], of);
+                        }
+                    }
+                }
+                rows.drop_pieces(|of| pair.piece(of).0);
+                let found = if rows.is_far { 0 } else { count };
+                visit(k, first, &rows.all[..found])?;
+            }
+            first = own.end;
+        }
+        Ok(())
+    }
+
+    /// A pair with the placements of its bodies.
+    fn pair<'a, S: AlgebraOver<C>>(
+        &'a self,
+        at: &PlacedState<'a, C, S>,
+        k: usize,
+    ) -> Result<Pair<'a, C, S>> {
+        let (links, solid) = match self.solid_pairs.get(k) {
+            Some([i, j]) => ([*i, *i], Some(*j)),
+            None => (self.pairs[k - self.solid_pairs.len()], None),
+        };
+        let [first, second] = links.map(|link| self.placement(at, link));
+        Ok(Pair {
+            of: self,
+            links: links.map(|link| &self.links[link]),
+            placements: [first?, second?],
+            solid,
+        })
+    }
+}
