@@ -42,14 +42,17 @@ pub struct StandingFoot<C: Scalar = f64> {
 /// The force of the ground on a standing foot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FootContact {
-    /// The normal force, N; negative if the ground would have to pull.
-    pub normal_force: f64,
+    /// The force in the axes of the sole, N; its last component, the normal force, is negative if the ground would have
+    /// to pull.
+    pub force: [f64; 3],
     /// The coordinates of the centre of pressure along the length and the width of the sole, m.
     pub centre_of_pressure: [f64; 2],
     /// The ratio of the force in the plane of the sole to the normal force.
     pub friction: f64,
     /// The ratio of the moment about the normal at the middle of the sole to the normal force, m.
     pub torsion: f64,
+    /// The largest of the rows: positive if the foot does not hold.
+    pub excess: f64,
 }
 
 /// The largest number of rows.
@@ -261,11 +264,16 @@ impl StandingFoot {
     pub fn contact(&self, wrench: &Force<f64>) -> FootContact {
         let [moment, force] = self.axes().map(|axes| axes.map(|axis| axis.dot(wrench)));
         let normal = force[2];
+        let squares = self
+            .friction()
+            .map(|(axis, c)| c * axis.dot(wrench).powi(2));
+        let linear = self.linear().map(|row| row.dot(wrench));
         FootContact {
-            normal_force: normal,
+            force,
             centre_of_pressure: [-moment[1] / normal, moment[0] / normal],
             friction: force[0].hypot(force[1]) / normal,
             torsion: moment[2] / normal,
+            excess: linear.fold(squares.iter().sum(), f64::max),
         }
     }
 

@@ -150,6 +150,30 @@ test("ghosts are drawn where they are asked for, follow and reset move the view"
   await close();
 });
 
+test("the force on a standing foot is drawn in green, and where it does not hold in red", async () => {
+  const { page: at, complaints, close } = await open(browser, join(solve("standing", "robots/digit_v3_pinned/digit_stand_stretch.json", "--starts", "1"), "report.html"));
+  const color = () => at.evaluate(() => {
+    const { views, colors } = window.report;
+    const { view } = views[0];
+    const [line] = view.foot.lines(view.tracks[0].nearest(window.report.state.time), view.camera.eye, colors());
+    return ["good", "bad"].find((name) => colors()[name].every((x, i) => x === line.color[i]));
+  });
+  await seek(at, 1);
+  assert.equal(await color(), "good");
+  const shot = () => at.locator("canvas").first().screenshot();
+  const before = await shot();
+  await at.evaluate(() => window.report.views[0].motion.foot.holds.fill(false));
+  await drawn(at);
+  assert.equal(await color(), "bad");
+  assert.ok(!before.equals(await shot()), "the colour changes nothing");
+  await at.locator(".chip", { hasText: "Ground force" }).click();
+  await drawn(at);
+  const without = await shot();
+  assert.ok(!before.equals(without), "there is no arrow");
+  assert.deepEqual(complaints, []);
+  await close();
+});
+
 test("a joint that is chosen is shown alone", async () => {
   const { page: at, close } = await open(browser, join(solve("kinova", "kinova_obstacles_01", "--starts", "6"), "report.html"));
   await at.locator(".joint").nth(2).click();

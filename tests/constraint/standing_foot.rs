@@ -54,7 +54,11 @@ fn rows_and_contact_are_those_by_hand() {
     assert!((centre[0] - (y - 0.2)).abs() < 1e-12, "{centre:?}");
     assert!((centre[1] + (x - 0.3)).abs() < 1e-12, "{centre:?}");
     assert!((contact.friction - 6.0_f64.hypot(3.0) / 35.0).abs() < 1e-15);
-    assert!((contact.normal_force - 35.0).abs() < 1e-12);
+    assert_close!(
+        &Vector3::from(contact.force),
+        &Vector3::new(-3.0, -6.0, 35.0),
+        1e-12
+    );
     let turning = (0.4 * -3.0 - 0.3 * 6.0) / 35.0;
     assert!((contact.torsion - turning).abs() < 1e-12, "{contact:?}");
 
@@ -74,6 +78,17 @@ fn rows_and_contact_are_those_by_hand() {
     ];
     for (g, expected) in g.iter().zip(expected) {
         assert!((g - expected).abs() < 1e-12, "{g} {expected}");
+    }
+    // The torsion is the largest row of this foot, the friction that of a foot that slips.
+    for friction in [foot.friction, 0.01] {
+        let foot = StandingFoot {
+            friction,
+            ..foot.clone()
+        };
+        foot.rows(&wrench, &mut g).expect("eight rows");
+        let largest = g.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let excess = foot.contact(&wrench).excess;
+        assert!((excess - largest).abs() < 1e-12, "{excess} {largest}");
     }
 }
 

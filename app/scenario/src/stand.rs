@@ -147,7 +147,7 @@ impl Scenario {
         for row in sample(&self.model, curve, intervals)? {
             if let Some(contact) = self.contact([&row.q, &row.v, &row.a])? {
                 let [along, across] = contact.centre_of_pressure;
-                widen(&mut load.normal_force, contact.normal_force);
+                widen(&mut load.normal_force, contact.force[2]);
                 widen(&mut load.along_m, along);
                 widen(&mut load.across_m, across);
                 load.friction = load.friction.max(contact.friction);

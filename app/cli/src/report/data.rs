@@ -2,6 +2,7 @@
 
 use super::encode::of_f32;
 use super::facts::SolveFacts;
+use super::foot::Foot;
 use super::plots::{Axes, Line, Plot, colours, css, plot};
 use super::scene::{Scene, scene_of};
 use super::track::{Clearance, GHOST, MOTION, Track, placements_of, rows_of};
@@ -95,6 +96,7 @@ pub(super) struct MotionData {
     /// `q`, `v`, `a` and `u` of all joints at the times of the first track.
     values: String,
     clearance: Option<Clearance>,
+    foot: Option<Foot>,
     /// The least clearance, m.
     least_clearance: Option<f64>,
     plots: Vec<Plot>,
@@ -152,7 +154,10 @@ impl MotionData {
             all.flatten().copied()
         });
         let mut plots = plots_of_joints(model, &rows)?;
-        plots.extend(plots_of_foot(scenario, &rows)?);
+        let foot = Foot::new(scenario, &rows)?;
+        if let Some(foot) = &foot {
+            plots.extend(foot.plots(&rows)?);
+        }
         plots.extend(plot_of_clearance(&rows, clearance.as_ref())?);
         if let Some(outcome) = motion.outcome {
             plots.extend(super::convergence::plots_of_search(outcome)?);
@@ -173,6 +178,7 @@ impl MotionData {
             tracks,
             values: of_f32(values),
             clearance,
+            foot,
             least_clearance: motion.facts.least_clearance.or(at_rows),
             plots,
             minima,
@@ -269,54 +275,6 @@ fn plots_of_joints(model: &Model, rows: &[Sample]) -> Result<Vec<Plot>> {
         )?);
     }
     Ok(plots)
-}
-
-/// Plots of the centre of pressure and of the friction of a standing foot, with strips beyond its bounds.
-fn plots_of_foot(scenario: &Scenario, rows: &[Sample]) -> Result<Vec<Plot>> {
-    let Some(foot) = scenario.foot() else {
-        return Ok(Vec::new());
-    };
-    let (mut pressure, mut friction) = ([Vec::new(), Vec::new()], Vec::new());
-    for row in rows {
-        if let Some(contact) = scenario.contact([&row.q, &row.v, &row.a])? {
-            for (line, x) in pressure.iter_mut().zip(contact.centre_of_pressure) {
-                line.push((row.t, x));
-            }
-            friction.push((row.t, contact.friction));
-        }
-    }
-    let colours = colours(2);
-    let names = ["along", "across"].iter().zip(&colours);
-    let legend = names
-        .map(|(name, colour)| [(*name).to_owned(), css(*colour)])
-        .collect();
-    let sizes = [foot.half_length, foot.half_width];
-    let lines = pressure.into_iter().zip(&colours).zip(sizes);
-    let lines = lines.map(|((points, colour), half)| Line {
-        points,
-        colour: *colour,
-        bounds: -half..half,
-    });
-    let axes = |title: &str, unit, legend| Axes {
-        title: title.to_owned(),
-        unit,
-        time: true,
-        logarithmic: false,
-        per_joint: false,
-        legend,
-    };
-    let line = Line {
-        points: friction,
-        colour: colours[0],
-        bounds: f64::NEG_INFINITY..foot.friction,
-    };
-    Ok(vec![
-        plot(
-            axes("Centre of pressure", "m", legend),
-            &lines.collect::<Vec<_>>(),
-        )?,
-        plot(axes("Friction", "", Vec::new()), &[line])?,
-    ])
 }
 
 fn plot_of_clearance(rows: &[Sample], clearance: Option<&Clearance>) -> Result<Option<Plot>> {

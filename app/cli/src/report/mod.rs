@@ -9,6 +9,7 @@ mod convergence;
 mod data;
 mod encode;
 mod facts;
+mod foot;
 mod links;
 mod mesh;
 mod plots;

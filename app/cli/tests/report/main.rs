@@ -2,6 +2,7 @@
 
 #[path = "../command/mod.rs"]
 mod command;
+mod foot;
 mod page;
 mod shapes;
 mod tables;

@@ -19,6 +19,8 @@ const readColors = () => {
     obstacle: color("obstacle"),
     path: color("path"),
     near: color("near"),
+    good: color("good"),
+    bad: color("bad"),
     floor: color("floor"),
     line: color("floor-line"),
     shade: Number(style.getPropertyValue("--shade")),
@@ -167,6 +169,7 @@ const addMotion = (motion, i) => {
     if (motion.scene.tips.length > 1) chips.append(part("others", "Other paths", "path"));
     if (motion.scene.obstacles.length || motion.scene.planes.length) chips.append(part("obstacles", "Obstacles", "obstacle"));
     if (motion.clearance) chips.append(part("nearest", "Nearest pair", "near"));
+    if (view.foot) chips.append(part("foot", `Ground force, 1 m = ${view.foot.newtonPerMetre} N, red beyond bounds`, "holds"));
     motion.tracks.forEach((one, number) => {
       if (number > 0) chips.append(track(number, one.name[0].toUpperCase() + one.name.slice(1)));
     });
@@ -213,7 +216,7 @@ const addMotion = (motion, i) => {
       joints.set(at);
       for (const card of cards) card.set(Math.min(time, motion.horizon));
       if (clearances) {
-        const row = at[1] > 0.5 ? Math.min(at[0] + 1, clearances.length - 1) : at[0];
+        const row = tracks[i][0].nearest(time);
         const pair = motion.clearance.pairs[motion.clearance.pair[row]];
         const text = `${short(1000 * clearances[row], 3)} mm: ${pair[0]} – ${pair[1]}`;
         nearest.textContent = `nearest ${text}`;

@@ -210,7 +210,7 @@ class Renderer {
       gl.uniform1f(at.split, line.split ?? Infinity);
       gl.bindVertexArray(line.path.array);
       // Hidden parts are drawn faintly.
-      for (const [hidden, by] of [[true, 0.28], [false, 1]]) {
+      for (const [hidden, by] of [[true, line.hidden ?? 0.28], [false, 1]]) {
         gl.depthFunc(hidden ? gl.GREATER : gl.LEQUAL);
         gl.uniform4fv(at.before, faint(line.color, by));
         gl.uniform4fv(at.after, faint(line.after ?? line.color, by));

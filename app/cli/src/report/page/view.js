@@ -34,6 +34,12 @@ class Track {
     return [low, span > 0 ? clamp((time - this.times[low]) / span, 0, 1) : 1];
   }
 
+  // The row that is nearest to a time.
+  nearest(time) {
+    const [row, share] = this.at(time);
+    return share > 0.5 ? Math.min(row + 1, this.data.rows - 1) : row;
+  }
+
   pose(body, [row, share]) {
     if (body === undefined) return { position: [0, 0, 0], turn: [0, 0, 0, 1] };
     const next = Math.min(row + 1, this.data.rows - 1);
@@ -123,6 +129,40 @@ class Camera {
   }
 }
 
+// The sole of a standing foot, and on it the force of the ground as an arrow from a cross at the centre of pressure.
+class FootPicture {
+  constructor(foot, radius, renderer) {
+    this.foot = foot;
+    this.renderer = renderer;
+    // An arrow as long as half of that is the weight; two digits, as the legend has this number.
+    this.newtonPerMetre = Number(((2 * foot.weight) / radius).toPrecision(2));
+    this.points = floats(foot.points);
+    this.forces = floats(foot.forces);
+    const [l, b] = foot.size;
+    const corner = (x, y) => add(foot.pose.slice(0, 3), turned(foot.pose.slice(3), [x, y, 0]));
+    this.sole = renderer.uploadPath([[l, b], [-l, b], [-l, -b], [l, -b], [l, b]].flatMap(([x, y]) => corner(x, y)));
+    const arm = 0.35 * Math.min(l, b);
+    this.arms = [[arm, 0, 0], [0, arm, 0]].map((along) => turned(foot.pose.slice(3), along));
+    this.arrow = renderer.uploadPath(new Array(30).fill(0));
+  }
+
+  lines(row, eye, colors) {
+    const color = [...(this.foot.holds[row] ? colors.good : colors.bad), 1];
+    const line = (path, width) => ({ path, width, color, hidden: 0.6 });
+    const from = [...this.points.subarray(3 * row, 3 * row + 3)];
+    const along = scaled([...this.forces.subarray(3 * row, 3 * row + 3)], 1 / this.newtonPerMetre);
+    // Without a normal force there is no centre of pressure.
+    if (![...from, ...along].every(Number.isFinite)) return [line(this.sole, 1.8)];
+    const to = add(from, along);
+    const side = scaled(unit(cross(along, subtract(eye, to))), 0.05 * norm(along));
+    const behind = add(to, scaled(along, -0.12));
+    const [a, b] = this.arms;
+    const points = [subtract(from, a), add(from, a), from, subtract(from, b), add(from, b), from, to, add(behind, side), to, subtract(behind, side)];
+    this.renderer.updatePath(this.arrow, points.flat());
+    return [line(this.sole, 1.8), line(this.arrow, 2.4)];
+  }
+}
+
 class View {
   constructor(canvas, motion, tracks, camera) {
     this.motion = motion;
@@ -130,12 +170,13 @@ class View {
     this.camera = camera;
     this.renderer = new Renderer(canvas);
     this.meshes = motion.scene.meshes.map((mesh) => this.renderer.upload(meshSolid(mesh)));
-    this.shown = { obstacles: true, path: true, others: false, nearest: true, tracks: new Set([0]) };
+    this.shown = { obstacles: true, path: true, others: false, nearest: true, foot: true, tracks: new Set([0]) };
     this.paths = tracks.map((track) => motion.scene.tips.map((tip) => this.renderer.uploadPath(track.path(tip))));
     this.nearestPoints = motion.clearance && floats(motion.clearance.points);
     this.nearestPath = this.nearestPoints && this.renderer.uploadPath([0, 0, 0, 0, 0, 0]);
+    if (motion.foot) this.foot = new FootPicture(motion.foot, camera.bounds.radius, this.renderer);
     const upward = motion.scene.planes.filter((plane) => plane.normal[2] > 0.999);
-    this.floor = upward.length ? Math.max(...upward.map((p) => p.offset)) : motion.lowest;
+    this.floor = upward.length ? Math.max(...upward.map((p) => p.offset)) : (motion.foot?.pose[2] ?? motion.lowest);
     const walls = motion.scene.planes.filter((plane) => plane.normal[2] <= 0.999).map((plane) => this.wall(plane));
     this.obstacles = [...motion.scene.obstacles, ...walls].flatMap((item) => this.parts(item, [0, 0, 0], [0, 0, 0, 1]));
     this.bodies = motion.scene.shapes.map((item) => ({ item, parts: this.parts(item, [0, 0, 0], [0, 0, 0, 1]) }));
@@ -217,10 +258,10 @@ class View {
         });
       }
     }
+    const row = this.tracks[0].nearest(time);
+    if (this.foot && this.shown.foot) lines.push(...this.foot.lines(row, this.camera.eye, colors));
     if (this.shown.nearest && this.nearestPath) {
-      const [row, share] = this.tracks[0].at(time);
-      const at = 6 * (share > 0.5 ? Math.min(row + 1, this.tracks[0].data.rows - 1) : row);
-      this.renderer.updatePath(this.nearestPath, this.nearestPoints.subarray(at, at + 6));
+      this.renderer.updatePath(this.nearestPath, this.nearestPoints.subarray(6 * row, 6 * row + 6));
       lines.push({ path: this.nearestPath, width: 1.8, color: [...colors.near, 1], split: 1e9 });
     }
     const obstacle = [...colors.obstacle, 0.36];
