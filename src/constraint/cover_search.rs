@@ -225,7 +225,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Pair<'_, C, S> {
         let leaves = (k..tree.nodes[k].next).filter_map(|k| tree.nodes[k].leaf.map(|a| (k, a)));
         let mut count = 0;
         for (found, (k, a)) in few.iter_mut().zip(leaves) {
-            let radius = tree.nodes[k].bound.radius + self.of.margins[1];
+            let radius = tree.nodes[k].bound.radius;
             *found = (k, self.of.sets[a], radius, self.centre(0, k));
             count += 1;
         }
@@ -245,7 +245,8 @@ impl<C: Scalar, S: AlgebraOver<C>> Pair<'_, C, S> {
                 } else {
                     sum - rows.count
                 };
-                let (reach, d) = (S::lift(radius + *beside), p - q);
+                // Summed as in `between`, so that a piece has the same value to the last digit.
+                let (reach, d) = (S::lift(*beside + radius + self.of.margins[1]), p - q);
                 // Without a root where the distance is larger than the least one so far.
                 let most = reach - rows.value(row);
                 if !is_negative(most * most - dot(&d, &d)) {

@@ -3,7 +3,9 @@
 use crate::common::{any_model, config, numbers, robot, wave};
 use crate::derivatives::{ValueAlone, contracted};
 use crate::solid_clearance::sizes;
-use aghf::constraint::{CollisionSphere, Constraint, CoverClearance, Evaluator, RowKind, Weights};
+use aghf::constraint::{
+    CollisionSphere, Constraint, CoverClearance, Evaluator, RowKind, RowList, Weights,
+};
 use aghf::geometry::{BallTree, Solid, Sphere};
 use aghf::model::Model;
 use aghf::scalar::{LANES, Lanes, Wide};
@@ -11,11 +13,11 @@ use aghf::spatial::Placement;
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 
-/// The number of balls of a link.
-const BALLS: usize = 7;
+/// The number of balls of a link: more than are compared at once.
+const BALLS: usize = 19;
 
 /// Balls on each body and on the base in one to three sets, all pairs of them, and a solid of each shape.
-fn covered(model: &Model, far: f64) -> CoverClearance {
+pub fn covered(model: &Model, far: f64) -> CoverClearance {
     let bodies = (0..model.dof()).map(Some).chain([None]);
     let tree = |(i, body): (usize, Option<usize>)| {
         let ball = |k: usize| {
@@ -23,7 +25,7 @@ fn covered(model: &Model, far: f64) -> CoverClearance {
             CollisionSphere {
                 body,
                 centre: Vector3::new(at(1.0), at(2.3), at(4.1)),
-                radius: 0.03 + 0.01 * k as f64,
+                radius: 0.03 + 0.01 * (k % 7) as f64,
             }
         };
         let balls: Vec<_> = (0..BALLS).map(ball).collect();
@@ -131,6 +133,22 @@ proptest! {
             assert_close!(&hessian, &by_jets2, 1e-11);
         }
     }
+}
+
+/// Some rows alone are those among all.
+#[test]
+fn rows_of_a_list_are_those_of_all() {
+    let model = robot("kinova_gen3");
+    let constraint = covered(&model, 0.3);
+    let x: Vec<_> = wave(2 * model.dof(), 0.4);
+    let [mut all, mut some] = [(); 2].map(|()| vec![f64::NAN; constraint.dim()]);
+    let mut evaluator = Evaluator::new(&model);
+    let placed = evaluator.at(&x).expect("lengths agree");
+    placed.value(&constraint, &mut all).expect("rows");
+    let rows: Vec<_> = (0..constraint.dim()).step_by(7).collect();
+    let list = RowList::new(&rows);
+    placed.value_of(&constraint, list, &mut some).expect("rows");
+    assert!(rows.iter().all(|row| some[*row] == all[*row]));
 }
 
 #[test]

@@ -12,6 +12,7 @@ mod dynamic;
 mod frame_rows;
 mod gap;
 mod phase;
+mod piece;
 mod point_speed;
 mod self_clearance;
 mod solid_clearance;

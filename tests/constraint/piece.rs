@@ -1,0 +1,102 @@
+//! The active pieces of rows.
+
+use crate::common::{config, numbers, robot, wave};
+use crate::cover_clearance::covered;
+use aghf::constraint::{
+    AnyConstraint, Bounds, Constraint, CoverClearance, Evaluator, Piece, Pieces, PlacedState,
+    Weights,
+};
+use aghf::model::Model;
+use aghf::scalar::{LANES, Lanes, Wide};
+use proptest::prelude::*;
+
+/// Covers with other distances before and after a constraint that has no pieces.
+fn three(model: &Model) -> [AnyConstraint; 3] {
+    let cover = |far| AnyConstraint::Cover(covered(model, far));
+    let bounds = AnyConstraint::Bounds(Bounds(Vec::new()));
+    [cover(0.3), bounds, cover(0.1)]
+}
+
+/// The rows of a constraint in lanes and its active pieces.
+fn noted<K: Constraint>(model: &Model, rows: &K, x: &[Wide]) -> (Vec<Wide>, Vec<Piece>) {
+    let mut g = vec![Wide::splat(0.0); rows.dim()];
+    let (mut pieces, mut evaluator) = (Vec::new(), Evaluator::<f64, Wide>::new(model));
+    let placed = evaluator.at(x).expect("lengths agree");
+    let found = rows.value_and_pieces(placed.state(), &mut g, &mut pieces);
+    found.expect("rows");
+    (g, pieces)
+}
+
+/// The rows of a constraint in lanes by pieces.
+fn by_pieces<K: Constraint>(model: &Model, rows: &K, x: &[Wide], pieces: &[Piece]) -> Vec<Wide> {
+    let mut g = vec![Wide::splat(0.0); rows.dim()];
+    let mut evaluator = Evaluator::<f64, Wide>::new(model);
+    let placed = evaluator.at(x).expect("lengths agree");
+    let at = PlacedState {
+        pieces: Some(Pieces::new(pieces)),
+        ..*placed.state()
+    };
+    rows.value(&at, &mut g).expect("rows");
+    g
+}
+
+proptest! {
+    #![proptest_config(config(16))]
+
+    /// At the state all values and derivatives are the same by the active pieces; beside it rows are no larger, and
+    /// differ by no more than balls have moved.
+    #[test]
+    fn rows_are_those_of_their_active_pieces(numbers in numbers(LANES * 7)) {
+        let model = robot("kinova_gen3");
+        let rows = three(&model);
+        let state = |moved: f64| -> Vec<Wide> {
+            let entry = |i: usize| match i < 7 {
+                true => Lanes(std::array::from_fn(|lane| numbers[LANES * i + lane] + moved)),
+                false => Wide::splat(0.0),
+            };
+            (0..14).map(entry).collect()
+        };
+        let (x, beside) = (state(0.0), state(1e-4));
+        let (g, pieces) = noted(&model, &rows, &x);
+        prop_assert!(pieces.is_sorted_by_key(|piece| piece.row) && !pieces.is_empty());
+        prop_assert!(by_pieces(&model, &rows, &x, &pieces) == g);
+
+        let (exact, _) = noted(&model, &rows, &beside);
+        // Seven joints, at most 1.2 m from any ball, on both sides.
+        let most = 2.0 * 7.0 * 1.2 * 1e-4;
+        for (near, exact) in by_pieces(&model, &rows, &beside, &pieces).iter().zip(&exact) {
+            for lane in 0..LANES {
+                prop_assert!(near.0[lane] <= exact.0[lane]);
+                prop_assert!(exact.0[lane] - near.0[lane] <= 2.0 * most);
+            }
+        }
+
+        let [w, c] = [0.7, 1.9].map(|s| wave(g.len(), s).into_iter().map(Wide::splat).collect::<Vec<_>>());
+        let weights = Weights { first_order: &w, gauss_newton: Some(&c) };
+        let derivatives = |pieces: Option<&[Piece]>| {
+            let mut evaluator = Evaluator::<f64, Wide>::new(&model);
+            let mut placed = evaluator.at(&x).expect("lengths agree").with_pieces(pieces);
+            let found = placed.weighted_derivatives(&rows, weights).expect("rows");
+            (found.gradient().clone(), found.hessian().clone())
+        };
+        prop_assert!(derivatives(Some(&pieces)) == derivatives(None));
+    }
+}
+
+#[test]
+fn pieces_are_split_like_rows() {
+    let at = |row| Piece { row, of: [row, 0] };
+    let all = [0, 0, 3, 4, 7].map(at);
+    let (first, rest) = Pieces::new(&all).split_at(3);
+    let (second, third) = rest.split_at(2);
+    let rows = |pieces: Pieces<'_>| pieces.iter().map(|piece| piece.row).collect::<Vec<_>>();
+    assert_eq!(rows(first), [0, 0]);
+    assert_eq!(rows(second), [0, 1]);
+    assert_eq!(rows(third), [2]);
+    // Without pieces all rows are far.
+    let model = robot("kinova_gen3");
+    let cover: CoverClearance = covered(&model, 0.3);
+    let x = vec![Wide::splat(0.0); 14];
+    let far = by_pieces(&model, &cover, &x, &[]);
+    assert!(far.iter().all(|g| g.0 == [-0.3; LANES]));
+}
