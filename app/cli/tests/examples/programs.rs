@@ -1,5 +1,6 @@
 //! Every example as `cargo test` has built it, in an empty folder.
 
+use crate::command::{empty_folder, files};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -27,18 +28,6 @@ fn program(name: &str) -> PathBuf {
     built
         .join("examples")
         .join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
-}
-
-/// An empty folder for one test.
-fn empty_folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("examples")
-        .join(test);
-    if folder.exists() {
-        std::fs::remove_dir_all(&folder).expect("it is ours");
-    }
-    std::fs::create_dir_all(&folder).expect("the folder is writable");
-    folder
 }
 
 /// The output of an example; it has to end well and say nothing else.
@@ -70,21 +59,6 @@ fn column(text: &str, i: usize) -> Vec<f64> {
     cells
         .filter_map(|cell| cell.and_then(|cell| cell.parse().ok()))
         .collect()
-}
-
-/// The files below a folder.
-fn files(folder: &Path) -> BTreeSet<String> {
-    let mut all = BTreeSet::new();
-    for entry in std::fs::read_dir(folder).expect("it is there") {
-        let path = entry.expect("it can be read").path();
-        let name = path.file_name().expect("it has one").to_string_lossy();
-        if path.is_dir() {
-            all.extend(files(&path).iter().map(|file| format!("{name}/{file}")));
-        } else {
-            all.insert(name.into_owned());
-        }
-    }
-    all
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The generated family for any robot: each scenario is close to the velocity limits and has a solution, found here by
 //! other means.
 
+use super::seeds::LISTED;
 use aghf::dynamics::{Data, bias, crba};
 use aghf::model::Model;
 use aghf::urdf::Mimic;
@@ -170,17 +171,19 @@ fn around_an_obstacle_there_is_a_motion_within_all_limits() {
 /// hardest.
 #[test]
 fn the_families_of_kinova_leave_time_for_the_velocity_limits() {
-    for family in ["kinova_cross", "kinova_gap", "kinova_floor"] {
-        for seed in 1..=10 {
-            let scenario = load(family, seed);
-            let line = motion(&scenario, &vec![0.0; scenario.model.dof()]);
-            let [velocity, _] = shares(&scenario.model, &line);
-            assert!(velocity < 0.97, "{family} {seed}: {velocity}");
-            let [_, held] = shares(&scenario.model, &ends(&scenario));
-            assert!(held < 0.9, "{family} {seed}: {held}");
-            assert!(scenario.file.enforced_limits.any());
-        }
+    let families = ["kinova_cross_", "kinova_gap_", "kinova_floor_"];
+    let of_kinova = |name: &str| families.iter().any(|family| name.starts_with(family));
+    let mut compared = 0;
+    for (name, scenario) in LISTED.iter().filter(|(name, _)| of_kinova(name)) {
+        let line = motion(scenario, &vec![0.0; scenario.model.dof()]);
+        let [velocity, _] = shares(&scenario.model, &line);
+        assert!(velocity < 0.97, "{name}: {velocity}");
+        let [_, held] = shares(&scenario.model, &ends(scenario));
+        assert!(held < 0.9, "{name}: {held}");
+        assert!(scenario.file.enforced_limits.any());
+        compared += 1;
     }
+    assert_eq!(compared, 30);
 }
 
 #[test]

@@ -4,6 +4,18 @@
 use aghf::constraint::{AnyConstraint, CollisionSphere, SphereClearance};
 use aghf::geometry::Capsule;
 use aghf_scenario::{FAMILIES, RobotShape, Scenario, ScenarioFile, generate, generated_scenarios};
+use rayon::prelude::*;
+use std::sync::LazyLock;
+
+/// All that are listed, generated once for several tests.
+pub static LISTED: LazyLock<Vec<(String, Scenario)>> = LazyLock::new(|| {
+    let names: Vec<String> = generated_scenarios().collect();
+    let generated = names.into_par_iter().map(|name| {
+        let scenario = Scenario::load(&name).expect("it can be generated");
+        (name, scenario)
+    });
+    generated.collect()
+});
 
 /// The smallest clearance of configurations, m.
 fn clearance(scenario: &Scenario, configurations: &[Vec<f64>]) -> f64 {
@@ -21,8 +33,7 @@ fn every_line_hits_something_between_free_ends() {
         let number = name.strip_prefix("limits_");
         number.is_some_and(|n| n.parse::<u64>().is_ok())
     };
-    for name in generated_scenarios().filter(|name| !without(name)) {
-        let scenario = Scenario::load(&name).expect("it can be generated");
+    for (name, scenario) in LISTED.iter().filter(|(name, _)| !without(name)) {
         let ScenarioFile {
             q_start, q_goal, ..
         } = &scenario.file;
@@ -34,12 +45,12 @@ fn every_line_hits_something_between_free_ends() {
         let line: Vec<_> = (0..=100).map(|i| at(f64::from(i) / 100.0)).collect();
         // The generator asks for 2 cm on a coarser grid.
         assert!(
-            clearance(&scenario, &line) < -0.02,
+            clearance(scenario, &line) < -0.02,
             "{name}: the line hits nothing"
         );
         let ends = [q_start.clone(), q_goal.clone()];
         assert!(
-            clearance(&scenario, &ends) > 0.029,
+            clearance(scenario, &ends) > 0.029,
             "{name}: an end is not free"
         );
         assert_eq!(scenario.outside_limits(), Vec::<String>::new(), "{name}");

@@ -47,5 +47,5 @@ mod written;
 #[path = "../generate"]
 mod generate {
     mod limits;
-    mod seeds;
+    pub mod seeds;
 }
