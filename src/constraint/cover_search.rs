@@ -8,8 +8,8 @@ use crate::spatial::{Placement, dot};
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// The number of balls of two links up to which all their pairs are compared: 64 squares of distances cost about as much
-/// as four bounds.
+/// The number of balls of two links up to which all their pairs are compared: 64 squares of distances cost about as
+/// much as four bounds.
 const FEW: usize = 8;
 
 /// The nearest of several distances.

@@ -138,8 +138,8 @@ pub trait Constraint<C: Scalar = f64> {
         self.value(at, g)
     }
 
-    /// Computes [`value`](Self::value), and appends the active [pieces](Piece) of rows that are maxima of many functions,
-    /// in ascending order of the rows. By default there are none.
+    /// Computes [`value`](Self::value), and appends the active [pieces](Piece) of rows that are maxima of many
+    /// functions, in ascending order of the rows. By default there are none.
     ///
     /// # Errors
     /// Those of [`value`](Self::value).
