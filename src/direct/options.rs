@@ -112,7 +112,7 @@ impl Default for SearchOptions {
             exact_margins: 4,
             reserve: 2e-7,
             near: 0.05,
-            share_of_cutoff: 0.9,
+            share_of_cutoff: 0.5,
             moved: 0.035,
             last_barrier_of_bounds: 1e-12,
             motor_penalty: 2.0,
