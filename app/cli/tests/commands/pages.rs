@@ -32,6 +32,7 @@ fn the_commands_of_the_pages_run() {
         let folder = empty_folder(&format!("page_{page}"));
         let path = root.join(format!("app/{package}/src/guide/{page}.md"));
         let text = std::fs::read_to_string(&path).expect("the page is there");
+        std::os::unix::fs::symlink(root.join("robots"), folder.join("robots")).expect("writable");
         let urdf = "kinova_gen3.urdf";
         std::fs::copy(
             root.join("robots/kinova_gen3").join(urdf),
