@@ -77,7 +77,7 @@ impl Near {
 
     /// Allocates memory for lists of all rows.
     pub fn allocate(&mut self) {
-        let rows = self.far.len();
+        let rows = if self.has_lists() { self.far.len() } else { 0 };
         for group in &mut self.groups {
             group.working.reserve(LANES * rows);
             group.between.reserve(rows);

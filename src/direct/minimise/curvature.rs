@@ -1,15 +1,27 @@
-//! The smallest curvature of a minimum.
+//! The gradient of the Lagrangian and the smallest curvature at the end of a search.
 
 use super::program::Program;
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::error::Result;
 use crate::linalg::BlockTridiagonal;
-use crate::nlp::{Bordered, Iterate, Memory};
+use crate::nlp::{Bordered, Iterate, Memory, Nlp};
 use crate::transcription::Derivatives;
 use nalgebra::DVector;
 
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
+    /// The norm of the gradient of the Lagrangian relative to the cost, dual to the norm of steps: the residual of the
+    /// first of the optimality conditions (NW 19.2a).
+    pub fn stationarity(&mut self, x: &DVector<f64>, iterate: &Iterate) -> Result<f64> {
+        let Some(mut kkt) = self.kkt() else {
+            return Ok(f64::INFINITY);
+        };
+        self.lagrangian = true;
+        let found = self.derivatives(x, iterate, &mut kkt);
+        self.lagrangian = false;
+        found.map(|()| kkt.dual_length() / self.finer_cost[0].abs())
+    }
+
     /// The smallest curvature at the unknowns of an iterate.
     pub fn smallest_curvature(&mut self, x: &DVector<f64>, iterate: &Iterate) -> Result<f64> {
         self.place(x);

@@ -71,7 +71,7 @@ pub(in crate::direct) struct Program<'g, 'a, K, P> {
     /// True if the number of points may increase.
     pub(super) refinable: bool,
     /// True for the derivatives of the Lagrangian in place of those of the barrier function.
-    lagrangian: bool,
+    pub(super) lagrangian: bool,
     /// Unknowns that appeared to satisfy the constraints, the last one last.
     pub kept: Vec<DVector<f64>>,
     watch: Watch,
@@ -211,18 +211,6 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         horizons.assign(&self.horizons);
         self.evaluated = Some(cost);
         Ok(cost)
-    }
-
-    /// The norm of the gradient of the Lagrangian relative to the cost, dual to the norm of steps: the residual of the
-    /// first of the optimality conditions (NW 19.2a).
-    pub fn stationarity(&mut self, x: &DVector<f64>, iterate: &Iterate) -> Result<f64> {
-        let Some(mut kkt) = self.kkt() else {
-            return Ok(f64::INFINITY);
-        };
-        self.lagrangian = true;
-        let found = self.derivatives(x, iterate, &mut kkt);
-        self.lagrangian = false;
-        found.map(|()| kkt.dual_length() / self.finer_cost[0].abs())
     }
 
     /// The term of a row: with its multiplier as slope for the Lagrangian.
