@@ -75,14 +75,14 @@ fn at_rest_the_force_is_the_weight_and_acts_under_the_centre_of_mass() {
         );
         let (mass, centre) = centre_of_mass(&scenario, &q);
         let weight = -scenario.model.gravity() * mass;
-        let told = foot["weight"].as_f64().expect("a number");
-        assert!((told - weight.norm()).abs() < 1e-9, "{told} {weight}");
+        let named = foot["weight"].as_f64().expect("a number");
+        assert!((named - weight.norm()).abs() < 1e-9, "{named} {weight}");
         let [points, forces] = arrows(foot);
         let times = floats(&data["tracks"][0]["times"]).len();
         assert_eq!([points.len(), forces.len()], [times; 2]);
         for (point, force) in points.iter().zip(&forces) {
             // Numbers of the page are of single precision.
-            assert!((force - weight).norm() < 1e-5 * told, "{force} {weight}");
+            assert!((force - weight).norm() < 1e-5 * named, "{force} {weight}");
             let under = Vector3::new(centre.x, centre.y, -0.03);
             assert!((point - under).norm() < 1e-6, "{point} {under}");
         }
