@@ -5,7 +5,7 @@ use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::error::Result;
 use crate::linalg::BlockTridiagonal;
-use crate::nlp::{Bordered, Iterate, Memory, Nlp};
+use crate::nlp::{Bordered, Iterate, Memory, Nlp, RowState, Term};
 use crate::transcription::Derivatives;
 use nalgebra::DVector;
 
@@ -20,6 +20,19 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let found = self.derivatives(x, iterate, &mut kkt);
         self.lagrangian = false;
         found.map(|()| kkt.dual_length() / self.finer_cost[0].abs())
+    }
+
+    /// The term of a row: with its multiplier as slope for the Lagrangian.
+    pub(super) fn term(&self, iterate: &Iterate, state: &RowState, h: f64) -> Term {
+        let term = iterate.term(state, h);
+        match self.lagrangian {
+            false => term,
+            true => Term {
+                slope: term.multiplier,
+                cost: 0.0,
+                ..term
+            },
+        }
     }
 
     /// The smallest curvature at the unknowns of an iterate.

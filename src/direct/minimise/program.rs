@@ -13,7 +13,7 @@ use crate::direct::{Period, SearchOptions, Waypoint};
 use crate::error::Result;
 use crate::model::Model;
 use crate::motion::{Problem, Watch};
-use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, RowState, Term, Tightened};
+use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, Tightened};
 use crate::transcription::{Derivatives, Grid, Horizons, Look, Objective, Scan};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -213,19 +213,6 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         Ok(cost)
     }
 
-    /// The term of a row: with its multiplier as slope for the Lagrangian.
-    pub(super) fn term(&self, iterate: &Iterate, state: &RowState, h: f64) -> Term {
-        let term = iterate.term(state, h);
-        match self.lagrangian {
-            false => term,
-            true => Term {
-                slope: term.multiplier,
-                cost: 0.0,
-                ..term
-            },
-        }
-    }
-
     /// Passes the terms of the rows to the integrand.
     pub(super) fn set_terms(&mut self, iterate: &Iterate) {
         let integrand = self.objective.cost_mut();
@@ -307,6 +294,8 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         self.objective.cost_mut().rows.near.follows = true;
         let found = self.value(x, h);
         self.objective.cost_mut().rows.near.follows = false;
+        // A step that ends here is evaluated with all pieces.
+        self.evaluated = None;
         found
     }
 
