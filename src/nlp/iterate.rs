@@ -16,6 +16,8 @@ pub struct Equality {
     pub penalty: f64,
     /// $\lambda$.
     pub multiplier: f64,
+    /// The estimate $y$ of the multiplier that takes the Newton steps of the primal-dual equations.
+    pub estimate: f64,
 }
 
 impl Equality {
@@ -27,12 +29,16 @@ impl Equality {
             first,
             penalty: factor * first,
             multiplier: 0.0,
+            estimate: 0.0,
         }
     }
 }
 
 /// The inequalities of the working set and the equalities, with their multipliers. Equalities have the terms
-/// $\lambda h + \tfrac12 \rho h^2$ of an augmented Lagrangian (NW 17.3).
+/// $\lambda h + \tfrac12 \rho h^2$ of an augmented Lagrangian (NW 17.3), and steps are those of the primal-dual equations
+/// $\nabla f + y \nabla h = 0$, $y = \lambda + \rho h$ (Gill and Robinson, *A primal-dual augmented Lagrangian*, 2012):
+/// second derivatives have the weight $y$. With $\lambda + \rho h$ a row that curves would make the Hessian indefinite,
+/// and with $\lambda$ it would be that of a multiplier which is out of date until the barrier parameter changes.
 #[derive(Debug, Default)]
 pub struct Iterate {
     /// The inequalities of the working set, by their indices.
@@ -190,6 +196,7 @@ impl Iterate {
         }
         for equality in &mut self.equalities {
             equality.multiplier = known.get(equality.row.at).copied().unwrap_or(0.0);
+            equality.estimate = equality.multiplier;
         }
     }
 
@@ -201,6 +208,7 @@ impl Iterate {
         for equality in &mut self.equalities {
             let value = h[equality.row.at];
             equality.multiplier += equality.penalty * value;
+            equality.estimate = equality.multiplier;
             most = most.max(value.abs());
         }
         if most > feasible && most > PROGRESS * self.before {
@@ -288,7 +296,7 @@ impl Iterate {
         Term {
             slope: lambda + rho * h,
             curvature: rho,
-            multiplier: lambda + rho * h,
+            multiplier: equality.estimate,
             cost: (lambda + 0.5 * rho * h) * h,
         }
     }

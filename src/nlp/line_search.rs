@@ -118,7 +118,7 @@ impl End {
 pub(super) struct Trial {
     x: DVector<f64>,
     h: Vec<f64>,
-    /// The changes of the linearised rows of the working set along the whole step.
+    /// The changes of the linearised rows of the working set, then of the equalities, along the whole step.
     tangent: Vec<f64>,
     pub iterate: Iterate,
 }
@@ -145,7 +145,8 @@ impl Trial {
         step: &Step,
         options: &Options,
     ) -> Result<()> {
-        if state.iterate.working.is_empty() {
+        let (working, held) = (&state.iterate.working, &state.iterate.equalities);
+        if working.is_empty() && held.is_empty() {
             return Ok(());
         }
         let part = (options.tangent / state.progress.step).min(1.0);
@@ -153,7 +154,8 @@ impl Trial {
         self.x.axpy(part, &step.x, 1.0);
         problem.value_beside(&self.x, &mut self.h)?;
         self.tangent.clear();
-        let rows = state.iterate.working.iter().map(|of| of.row.at);
+        let rows = working.iter().map(|of| of.row.at);
+        let rows = rows.chain(held.iter().map(|of| of.row.at));
         self.tangent
             .extend(rows.map(|at| (self.h[at] - state.h[at]) / part));
         Ok(())
@@ -184,6 +186,13 @@ impl Trial {
             slope.add(measure(at), before.row.weight * (condensed - bend));
             *after = before.take(&step, alpha, options.fraction_to_boundary);
             after.meet(self.h[at]);
+        }
+        let held = from.equalities.iter().zip(&mut self.iterate.equalities);
+        for ((before, after), tangent) in held.zip(&self.tangent[from.working.len()..]) {
+            let end = from
+                .equality_term(before, state.h[before.row.at] + tangent)
+                .slope;
+            after.estimate = before.estimate + alpha.min(1.0) * (end - before.estimate);
         }
         slope.total()
     }

@@ -185,6 +185,7 @@ impl Nlp for Dense {
             first: density,
             penalty: density,
             multiplier: 0.0,
+            estimate: 0.0,
         };
         self.all_rows(true).map(of).collect()
     }

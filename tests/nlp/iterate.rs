@@ -236,8 +236,8 @@ fn rows_at_the_penalty() {
     assert!(!at(0.95).is_at_penalty(&[-1.0], 1e-6));
 }
 
-/// The terms of an equality are those of $\lambda h + \rho h^2 / 2$, and an update moves the multiplier to the slope. The
-/// penalty grows unless the equality has shrunk to a quarter or is accepted; another working set of inequalities
+/// The terms of an equality are those of $\lambda h + \rho h^2 / 2$, with its estimate as weight of second derivatives, and
+/// an update moves multiplier and estimate to the slope. The penalty grows unless the equality has shrunk to a quarter or is accepted; another working set of inequalities
 /// changes neither.
 #[test]
 fn equalities_have_the_terms_of_an_augmented_lagrangian() {
@@ -247,13 +247,14 @@ fn equalities_have_the_terms_of_an_augmented_lagrangian() {
         first: penalty,
         penalty,
         multiplier: 0.0,
+        estimate: 0.0,
     };
     let mut iterate = Iterate::new(Barrier { mu: 1e-3, nu: 1.0 }, vec![equality]);
     iterate.set_multipliers(&[0.0, -3.0], &[0.0, h], &Options::default());
     let term = iterate.equality_term(&iterate.equalities[0], h);
     assert_eq!(
         [term.cost, term.slope, term.multiplier, term.curvature],
-        [-0.5, -1.0, -1.0, 8.0]
+        [-0.5, -1.0, -3.0, 8.0]
     );
     assert_eq!(iterate.barrier_terms(&[0.0, h], |_| 1.0), -0.25);
     let measure = |row| if row == 1 { 3.0 } else { 1.0 };

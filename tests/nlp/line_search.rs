@@ -47,3 +47,27 @@ fn multipliers_follow_the_linearised_rows() {
     assert!(end.x[0] > 0.1, "{}", end.x);
     assert!((state.multiplier - 1.0).abs() < 0.1, "{state:?}");
 }
+
+/// The estimate of the multiplier of an equality takes the Newton step of the linearised row as well, and the fraction of
+/// it that is taken of the step.
+#[test]
+fn estimates_follow_the_linearised_rows() {
+    let options = Options {
+        iterations: 1,
+        ..accurate()
+    };
+    let start = [0.0, 0.5];
+    let mut program = Dense::new(above_a_parabola, &start, 1, 1);
+    let end = program.solve_from(&start, None, &options);
+    let [equality] = end.iterate.equalities[..] else {
+        panic!("there is one equality");
+    };
+    assert!(end.x[0] > 0.1, "{}", end.x);
+    // From zero to the gradient of the objective in the second unknown, along which the row is linear.
+    let alpha = end.progress.alpha;
+    assert_eq!(equality.multiplier, 0.0);
+    assert!(
+        (equality.estimate - alpha).abs() < 1e-5,
+        "{equality:?} {alpha}"
+    );
+}

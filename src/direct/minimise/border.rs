@@ -202,13 +202,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
                 .equalities
                 .iter()
                 .filter(|of| own.contains(&of.row.at));
-            // The second derivatives have the multiplier of the last update: with that of the slope, which follows
-            // every step along the curved row of a frame, the matrix is often indefinite.
-            let held = held.map(|of| {
-                let term = iterate.equality_term(of, value(of.row.at));
-                let multiplier = of.multiplier;
-                (of.row, Term { multiplier, ..term })
-            });
+            let held = held.map(|of| (of.row, iterate.equality_term(of, value(of.row.at))));
             let near = iterate.working.iter().filter(|of| own.contains(&of.row.at));
             let near = near.map(|of| (of.row, self.term(iterate, of, value(of.row.at))));
             let terms = held.chain(near);
