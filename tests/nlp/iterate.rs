@@ -236,9 +236,9 @@ fn rows_at_the_penalty() {
     assert!(!at(0.95).is_at_penalty(&[-1.0], 1e-6));
 }
 
-/// The terms of an equality are those of $\lambda h + \rho h^2 / 2$, with its estimate as weight of second derivatives, and
-/// an update moves multiplier and estimate to the slope. The penalty grows unless the equality has shrunk to a quarter or is accepted; another working set of inequalities
-/// changes neither.
+/// The terms of an equality are those of $\lambda h + \rho h^2 / 2$, with its estimate as weight of second derivatives,
+/// and an update moves multiplier and estimate to the slope. The penalty grows unless the equality has shrunk to a
+/// quarter or is accepted; another working set of inequalities changes neither.
 #[test]
 fn equalities_have_the_terms_of_an_augmented_lagrangian() {
     let (row, penalty, h) = (Row { at: 1, weight: 0.5 }, 8.0, 0.25);

@@ -6,7 +6,7 @@ use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::error::Result;
 use crate::linalg::BlockTridiagonal;
-use crate::nlp::{Iterate, Kkt, Term};
+use crate::nlp::{Iterate, Kkt};
 use crate::transcription::{Grid, place};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
