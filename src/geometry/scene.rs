@@ -189,7 +189,19 @@ impl Scene {
     /// # Errors
     /// `placements` has no entry for a body.
     pub fn closest_pair(&self, placements: &[Placement<f64>]) -> Result<Option<ClosestPair<'_>>> {
-        self.closest(placements, true)
+        self.closest_pair_within(placements, f64::INFINITY)
+    }
+
+    /// Finds the [closest pair](Self::closest_pair) if it is closer than `most`, m.
+    ///
+    /// # Errors
+    /// `placements` has no entry for a body.
+    pub fn closest_pair_within(
+        &self,
+        placements: &[Placement<f64>],
+        most: f64,
+    ) -> Result<Option<ClosestPair<'_>>> {
+        self.closest(placements, true, most)
     }
 
     /// Finds the [closest pair](Self::closest_pair) by the balls alone, with their distances less the
@@ -201,7 +213,7 @@ impl Scene {
         &self,
         placements: &[Placement<f64>],
     ) -> Result<Option<ClosestPair<'_>>> {
-        self.closest(placements, false)
+        self.closest(placements, false, f64::INFINITY)
     }
 
     /// The distance of the [closest pair](Self::closest_pair), m; infinite if the scene is empty.
@@ -217,6 +229,7 @@ impl Scene {
         &self,
         placements: &[Placement<f64>],
         by_capsules: bool,
+        most: f64,
     ) -> Result<Option<ClosestPair<'_>>> {
         let kept = |margin: &f64| if by_capsules { 0.0 } else { *margin };
         let part = |i: usize, body| Part {
@@ -231,7 +244,7 @@ impl Scene {
         };
         let mut closest: Option<ClosestPair> = None;
         let is_closer = |distance: f64, closest: &Option<ClosestPair>| {
-            closest.is_none_or(|known| distance < known.distance)
+            distance < closest.map_or(most, |known| known.distance)
         };
         for (Obstacle { name, solid }, margin) in self.obstacles.iter().zip(&self.obstacle_margins)
         {

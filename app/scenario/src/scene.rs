@@ -166,12 +166,9 @@ impl Scenario {
         let mut nearest: Option<(usize, ClosestPair)> = None;
         for (k, q) in configurations.enumerate() {
             forward_kinematics(&self.model, q, &mut placements)?;
-            let Some(pair) = self.scene.closest_pair(&placements)? else {
-                return Ok(None);
-            };
-            if nearest.is_none_or(|(_, known)| pair.distance < known.distance) {
-                nearest = Some((k, pair));
-            }
+            let most = nearest.map_or(f64::INFINITY, |(_, known)| known.distance);
+            let closer = self.scene.closest_pair_within(&placements, most)?;
+            nearest = closer.map(|pair| (k, pair)).or(nearest);
         }
         let named = |(k, pair): (usize, ClosestPair)| {
             (k, self.names_of(&pair).map(str::to_owned), pair.distance)
