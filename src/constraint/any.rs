@@ -164,10 +164,11 @@ impl<C: Scalar> Constraint<C> for AnyConstraint<C> {
     fn value_and_pieces<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
+        rows: Option<RowList<'_>>,
         g: &mut [S],
         pieces: &mut Vec<Piece>,
     ) -> Result<()> {
-        each!(self, it => it.value_and_pieces(at, g, pieces))
+        each!(self, it => it.value_and_pieces(at, rows, g, pieces))
     }
 
     fn parts<'a>(&'a self, parts: &mut Vec<&'a Self>) -> bool {

@@ -89,12 +89,15 @@ impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
     fn value_and_pieces<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
+        rows: Option<RowList<'_>>,
         g: &mut [S],
         pieces: &mut Vec<Piece>,
     ) -> Result<()> {
         let (a, b) = g.split_at_mut(self.0.dim());
-        self.0.value_and_pieces(at, a, pieces)?;
-        append_pieces(&self.1, at, (b, a.len()), pieces)
+        let (at_a, at_b) = at.split_at(a.len());
+        let (of_a, of_b) = rows.map(|rows| rows.split_at(a.len())).unzip();
+        self.0.value_and_pieces(&at_a, of_a, a, pieces)?;
+        append_pieces(&self.1, (&at_b, of_b), (b, a.len()), pieces)
     }
 
     fn parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {
@@ -183,15 +186,18 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
     fn value_and_pieces<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
+        mut rows: Option<RowList<'_>>,
         mut g: &mut [S],
         pieces: &mut Vec<Piece>,
     ) -> Result<()> {
-        let mut first = 0;
+        let (mut at, mut first) = (*at, 0);
         for constraint in self {
             let (own, rest) = g.split_at_mut(constraint.dim());
             let count = own.len();
-            append_pieces(constraint, at, (own, first), pieces)?;
-            (first, g) = (first + count, rest);
+            let (here, others) = at.split_at(count);
+            let (listed, unlisted) = rows.map(|rows| rows.split_at(count)).unzip();
+            append_pieces(constraint, (&here, listed), (own, first), pieces)?;
+            (at, rows, first, g) = (others, unlisted, first + count, rest);
         }
         Ok(())
     }
@@ -221,12 +227,12 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
 /// Computes the rows of a constraint, the first of which has this number among all, and appends its active pieces.
 fn append_pieces<C: Scalar, S: AlgebraOver<C>, K: Constraint<C>>(
     constraint: &K,
-    at: &PlacedState<'_, C, S>,
+    (at, rows): (&PlacedState<'_, C, S>, Option<RowList<'_>>),
     (g, first): (&mut [S], usize),
     pieces: &mut Vec<Piece>,
 ) -> Result<()> {
     let before = pieces.len();
-    constraint.value_and_pieces(at, g, pieces)?;
+    constraint.value_and_pieces(at, rows, g, pieces)?;
     for piece in &mut pieces[before..] {
         piece.row += first;
     }
@@ -303,11 +309,12 @@ macro_rules! delegate {
             fn value_and_pieces<S: AlgebraOver<C>>(
                 &self,
                 at: &PlacedState<'_, C, S>,
+                rows: Option<RowList<'_>>,
                 g: &mut [S],
                 pieces: &mut Vec<Piece>,
             ) -> Result<()> {
                 let $it = self;
-                $inner.value_and_pieces(at, g, pieces)
+                $inner.value_and_pieces(at, rows, g, pieces)
             }
 
             $(fn $parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {

@@ -5,12 +5,12 @@ use super::clearance::clearance;
 use super::cover_search::length_and_inverse;
 use super::label::name_of;
 use super::solid_clearance::name_of_solid;
-use super::{Constraint, Piece, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights};
-use crate::error::{Error, Result};
+use super::{Constraint, Gap, Piece, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights};
+use crate::error::Result;
 use crate::geometry::{BallTree, Scene, Solid};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
-use crate::spatial::{Placement, outer};
+use crate::spatial::{dot, outer};
 use std::ops::Range;
 
 /// The distance beyond its margin from which on balls no longer act, relative to the radius of the largest link. With
@@ -32,7 +32,7 @@ const FAR: f64 = 0.35;
 pub struct CoverClearance<C: Scalar = f64> {
     /// The balls of each link.
     pub links: Vec<BallTree<C>>,
-    /// The number of sets of each link, one at least and eight at most.
+    /// The number of sets of each link, one at least and 32 at most.
     pub counts: Vec<usize>,
     /// The set of each ball among those of its link.
     pub sets: Vec<usize>,
@@ -102,19 +102,12 @@ impl<C: Scalar> CoverClearance<C> {
         of_solids.chain(of_pairs.map(move |[i, j]| count(*i).max(count(*j))))
     }
 
-    /// The placement of a link; `None` for the base.
-    pub(super) fn placement<'a, S: AlgebraOver<C>>(
-        &self,
-        at: &PlacedState<'a, C, S>,
-        link: usize,
-    ) -> Result<Option<&'a Placement<S>>> {
-        let Some(body) = self.links[link].body else {
-            return Ok(None);
-        };
-        at.placements.get(body).map(Some).ok_or(Error::Length {
-            what: "bodies of the robot of a constraint",
-            expected: body + 1,
-            found: at.placements.len(),
+    /// The number of the pair of a row.
+    fn pair_of(&self, row: usize) -> Option<usize> {
+        let mut end = 0;
+        self.counts().position(|count| {
+            end += count;
+            row < end
         })
     }
 
@@ -126,10 +119,15 @@ impl<C: Scalar> CoverClearance<C> {
         pieces: Option<&mut Vec<Piece>>,
         g: &mut [S],
     ) -> Result<()> {
-        g.fill(S::lift(-self.far));
-        self.visit(at, is_needed, pieces, |_, first, rows| {
-            for (g, row) in g[first..].iter_mut().zip(rows) {
-                *g = row.g;
+        let far = S::lift(-self.far);
+        self.visit(at, is_needed, pieces, |_, own, rows| {
+            match rows {
+                [] => g[own].fill(far),
+                rows => {
+                    for (g, row) in g[own].iter_mut().zip(rows) {
+                        *g = row.g;
+                    }
+                }
             }
             Ok(())
         })
@@ -157,20 +155,17 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
     fn value_and_pieces<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
+        rows: Option<RowList<'_>>,
         g: &mut [S],
         pieces: &mut Vec<Piece>,
     ) -> Result<()> {
-        self.values(at, |_| true, Some(pieces), g)
+        let is_needed = |own: &Range<usize>| rows.is_none_or(|rows| rows.has_any(own));
+        self.values(at, is_needed, Some(pieces), g)
     }
 
     fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
         let name = |link: usize| name_of(self.links[link].body, model);
-        let mut end = 0;
-        let pair = self.counts().position(|count| {
-            end += count;
-            row < end
-        });
-        let Some(k) = pair else {
+        let Some(k) = self.pair_of(row) else {
             return RowLabel::numbered(row);
         };
         let names = match self.solid_pairs.get(k) {
@@ -188,6 +183,23 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
         Some(self.far)
     }
 
+    fn gap(&self, row: usize) -> Option<Gap<C>> {
+        let links = match self.pair_of(row)? {
+            k if k < self.solid_pairs.len() => [Some(self.solid_pairs[k][0]), None],
+            k => self.pairs[k - self.solid_pairs.len()].map(Some),
+        };
+        let body = |link: usize| {
+            let tree = &self.links[link];
+            let root = tree.nodes.first()?.bound;
+            let r = dot(&root.centre, &root.centre).sqrt() + root.radius;
+            tree.body.map(|body| (body, r))
+        };
+        Some(Gap {
+            bodies: links.map(|link| link.and_then(body)),
+            squared: None,
+        })
+    }
+
     /// Those of the nearest balls. As a function of $s = d^2 / 2$ the row of two sets is $r - \sqrt{2 s}$, with
     /// derivatives $-1 / d$ and $1 / d^3$. Pairs with zero weights are skipped.
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
@@ -198,8 +210,8 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
     ) -> Result<()> {
         let of_solids = self.solid_pairs.len();
         let is_needed = |own: &Range<usize>| own.clone().any(|row| !weights.vanish(row));
-        self.visit(at, is_needed, None, |k, first, rows| {
-            for (row, nearest) in (first..).zip(rows) {
+        self.visit(at, is_needed, None, |k, own, rows| {
+            for (row, nearest) in own.zip(rows) {
                 if weights.vanish(row) {
                     continue;
                 }

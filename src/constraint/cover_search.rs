@@ -1,6 +1,6 @@
 //! The search for the nearest balls of covers.
 
-use super::{CoverClearance, Piece, PlacedState};
+use super::{CoverClearance, Piece, Pieces, PlacedState};
 use crate::error::{Error, Result};
 use crate::geometry::{BallTree, FLAT, SETS};
 use crate::scalar::{AlgebraOver, Scalar};
@@ -79,8 +79,12 @@ struct Rows<'p, S: Scalar> {
     count: usize,
     /// True while all are far.
     is_far: bool,
+    /// A bit per row that is not.
+    taken: u64,
     far: S,
-    /// The least of the rows: balls further than this need no look.
+    /// The least value of a row that is searched for, and that of the rows, at least the former: balls further than
+    /// this need no look.
+    from: S,
     least: S,
     /// The number of pieces before those of this pair.
     before: usize,
@@ -91,8 +95,8 @@ struct Rows<'p, S: Scalar> {
 impl<S: Scalar> Rows<'_, S> {
     /// Begins the rows of a pair, all far.
     fn begin(&mut self, first: usize, count: usize) {
-        (self.first, self.count, self.least) = (first, count, self.far);
-        self.is_far = true;
+        (self.first, self.count, self.least) = (first, count, self.from);
+        (self.is_far, self.taken) = (true, 0);
         self.before = self.pieces.as_ref().map_or(0, |pieces| pieces.len());
     }
 
@@ -111,10 +115,17 @@ impl<S: Scalar> Rows<'_, S> {
             self.all[..self.count].fill(Nearest::none(self.far));
         }
         let all = &mut self.all[..self.count];
+        let before = all[row].g;
         all[row].take(g, points);
-        let smaller = |a: S, b: S| (a - b).if_negative(a, b);
-        let rows = all.iter().map(|row| row.g);
-        self.least = rows.reduce(smaller).unwrap_or(self.least);
+        self.taken |= 1 << row;
+        // While one of the rows is far, and where this one was larger than the least, that remains.
+        let are_all = self.taken.count_ones() as usize == self.count;
+        if are_all && !is_negative(self.least - before) {
+            let smaller = |a: S, b: S| (a - b).if_negative(a, b);
+            let least = all.iter().map(|row| row.g).reduce(smaller);
+            let least = least.unwrap_or(self.far);
+            self.least = (least - self.from).if_negative(self.from, least);
+        }
         if let Some(pieces) = &mut self.pieces {
             let row = self.first + row;
             pieces.push(Piece { row, of });
@@ -136,7 +147,16 @@ impl<S: Scalar> Rows<'_, S> {
             }
         }
         pieces.truncate(kept);
-        pieces[before..].sort_unstable_by_key(|piece| piece.row);
+        // Those that the search began with are found again.
+        pieces[before..].sort_unstable_by_key(|piece| (piece.row, piece.of));
+        kept = before;
+        for at in before..pieces.len() {
+            if kept == before || pieces[kept - 1] != pieces[at] {
+                pieces[kept] = pieces[at];
+                kept += 1;
+            }
+        }
+        pieces.truncate(kept);
     }
 }
 
@@ -259,28 +279,49 @@ impl<C: Scalar, S: AlgebraOver<C>> Pair<'_, C, S> {
 }
 
 impl<C: Scalar> CoverClearance<C> {
-    /// Calls `visit` with the index of each pair that has a row that is needed, those of solids first, and with its
-    /// first row and its rows, none if all are far. Appends the active pieces of the rows if they are asked for.
+    /// Calls `visit` with the index of each pair that has a row that is needed, those of solids first, and with the
+    /// range of its rows and these, none if all are far. Appends the active pieces of the rows if they are asked for.
     pub(super) fn visit<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
         is_needed: impl Fn(&Range<usize>) -> bool,
         pieces: Option<&mut Vec<Piece>>,
-        mut visit: impl FnMut(usize, usize, &[Nearest<S>]) -> Result<()>,
+        mut visit: impl FnMut(usize, Range<usize>, &[Nearest<S>]) -> Result<()>,
     ) -> Result<()> {
+        let bodies = self.links.iter().filter_map(|link| link.body);
+        if let Some(last) = bodies.max().filter(|last| *last >= at.placements.len()) {
+            return Err(Error::Length {
+                what: "bodies of the robot of a constraint",
+                expected: last + 1,
+                found: at.placements.len(),
+            });
+        }
         let far = S::lift(-self.far);
+        let known = at.pieces.unwrap_or(Pieces::new(&[]));
+        let from = match at.pieces.map(|pieces| pieces.searched_from()) {
+            Some(from) => {
+                let from = S::from_f64(from);
+                (from - far).if_negative(far, from)
+            }
+            None => far,
+        };
         let mut rows = Rows {
             all: [Nearest::none(far); SETS],
             first: 0,
             count: 0,
             is_far: true,
+            taken: 0,
             far,
-            least: far,
+            from,
+            least: from,
             before: 0,
             pieces,
         };
         let mut first = 0;
-        let mut known = at.pieces.map(|pieces| pieces.iter().peekable());
+        let searches = at
+            .pieces
+            .is_none_or(|pieces| pieces.searched_from() < f64::INFINITY);
+        let mut known = known.iter().peekable();
         for (k, count) in self.counts().enumerate() {
             let own = first..first + count;
             if is_needed(&own) {
@@ -292,20 +333,18 @@ impl<C: Scalar> CoverClearance<C> {
                     });
                 }
                 rows.begin(first, count);
-                let pair = self.pair(at, k)?;
-                match &mut known {
-                    None => pair.search(&mut rows),
-                    Some(known) => {
-                        while known.next_if(|piece| piece.row < first).is_some() {}
-                        while let Some(Piece { row, of }) = known.next_if(|of| of.row < own.end) {
-                            let (g, [p, q]) = pair.piece(of);
-                            rows.take(row - first, g, [&p, &q], of);
-                        }
-                    }
+                let pair = self.pair(at, k);
+                while known.next_if(|piece| piece.row < first).is_some() {}
+                while let Some(Piece { row, of }) = known.next_if(|of| of.row < own.end) {
+                    let (g, [p, q]) = pair.piece(of);
+                    rows.take(row - first, g, [&p, &q], of);
+                }
+                if searches {
+                    pair.search(&mut rows);
                 }
                 rows.drop_pieces(|of| pair.piece(of).0);
                 let found = if rows.is_far { 0 } else { count };
-                visit(k, first, &rows.all[..found])?;
+                visit(k, own.clone(), &rows.all[..found])?;
             }
             first = own.end;
         }
@@ -317,17 +356,18 @@ impl<C: Scalar> CoverClearance<C> {
         &'a self,
         at: &PlacedState<'a, C, S>,
         k: usize,
-    ) -> Result<Pair<'a, C, S>> {
-        let (links, solid) = match self.solid_pairs.get(k) {
+    ) -> Pair<'a, C, S> {
+        let ([i, j], solid) = match self.solid_pairs.get(k) {
             Some([i, j]) => ([*i, *i], Some(*j)),
             None => (self.pairs[k - self.solid_pairs.len()], None),
         };
-        let [first, second] = links.map(|link| self.placement(at, link));
-        Ok(Pair {
+        let links = [&self.links[i], &self.links[j]];
+        let placement = |link: &BallTree<C>| link.body.map(|body| &at.placements[body]);
+        Pair {
             of: self,
-            links: links.map(|link| &self.links[link]),
-            placements: [first?, second?],
+            links,
+            placements: [placement(links[0]), placement(links[1])],
             solid,
-        })
+        }
     }
 }

@@ -48,6 +48,7 @@ pub use gap::{Gap, RowList};
 pub use label::{RowKind, RowLabel};
 pub use phase::Phase;
 pub(crate) use phase::is_permutation;
+pub(crate) use piece::searched_from;
 pub use piece::{Piece, Pieces};
 pub use point_speed::PointSpeedLimit;
 pub use self_clearance::SelfClearance;
@@ -138,19 +139,23 @@ pub trait Constraint<C: Scalar = f64> {
         self.value(at, g)
     }
 
-    /// Computes [`value`](Self::value), and appends the active [pieces](Piece) of rows that are maxima of many
-    /// functions, in ascending order of the rows. By default there are none.
+    /// Computes [`value`](Self::value), or at least [some rows](Self::value_of), and appends the active [pieces](Piece)
+    /// of those that are maxima of many functions, in ascending order of the rows. By default there are none.
     ///
     /// # Errors
     /// Those of [`value`](Self::value).
     fn value_and_pieces<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
+        rows: Option<RowList<'_>>,
         g: &mut [S],
         pieces: &mut Vec<Piece>,
     ) -> Result<()> {
         let _ = pieces;
-        self.value(at, g)
+        match rows {
+            Some(rows) => self.value_of(at, rows, g),
+            None => self.value(at, g),
+        }
     }
 
     /// Appends the built-in constraints among those of a list to `parts`; returns false if there are others. A planner

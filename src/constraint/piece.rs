@@ -1,5 +1,10 @@
 //! The active pieces of rows that are maxima of many functions.
 
+use super::Constraint;
+
+/// The share of its cutoff from which on a row is computed exactly along a motion.
+const EXACT: f64 = 0.1;
+
 /// A piece of a row: the numbers of the two parts of the robot or its surroundings whose distance it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Piece {
@@ -10,19 +15,38 @@ pub struct Piece {
 }
 
 /// The active pieces of the rows of a constraint, in ascending order of the rows: those that are the largest at a
-/// state. A constraint with them computes its rows from these alone, without a search for others.
+/// state. A constraint with them computes its rows from these alone, without a search for others, or from these and the
+/// others [above](Self::and_above) a value.
 #[derive(Clone, Copy, Debug)]
 pub struct Pieces<'a> {
     all: &'a [Piece],
     /// The number that is subtracted from each row.
     first: usize,
+    /// The value of a row from which on others are searched.
+    from: f64,
 }
 
 impl<'a> Pieces<'a> {
     /// The pieces of a constraint, in ascending order of the rows.
     #[must_use]
     pub fn new(all: &'a [Piece]) -> Self {
-        Self { all, first: 0 }
+        Self {
+            all,
+            first: 0,
+            from: f64::INFINITY,
+        }
+    }
+
+    /// These pieces, and a search for others where they raise a row to `from` or above.
+    #[must_use]
+    pub fn and_above(self, from: f64) -> Self {
+        Self { from, ..self }
+    }
+
+    /// The value of a row from which on other pieces are searched; infinite without a search.
+    #[must_use]
+    pub fn searched_from(&self) -> f64 {
+        self.from
     }
 
     /// The pieces of the first `count` rows, and those of the others, whose rows are counted from there.
@@ -35,6 +59,7 @@ impl<'a> Pieces<'a> {
         let rest = Self {
             all: rest,
             first: end,
+            ..self
         };
         (Self { all: own, ..self }, rest)
     }
@@ -46,4 +71,11 @@ impl<'a> Pieces<'a> {
             ..*piece
         })
     }
+}
+
+/// The value of rows from which on other pieces than those active nearby are searched along a motion: a row that is
+/// further from its bound is no larger than this.
+pub(crate) fn searched_from<K: Constraint>(state: &K) -> f64 {
+    let cutoffs = (0..state.dim()).filter_map(|row| state.cutoff(row));
+    -EXACT * cutoffs.fold(f64::INFINITY, f64::min)
 }

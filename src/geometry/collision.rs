@@ -8,8 +8,9 @@ use nalgebra::Vector3;
 use std::collections::{HashMap, HashSet};
 
 /// The largest number of sets of the balls of a link. With fewer, balls that are neighbours get into one set, and the
-/// search takes more iterations at the kinks of its rows; with more, an iteration takes longer.
-pub(crate) const SETS: usize = 8;
+/// search takes more iterations at the kinks of its rows: 35 motions of a Panda with its meshes take 7562, 6644, 5371
+/// and 4150 with 8, 16, 24 and 32, as spheres 5214. An iteration takes longer, with 32 half as long again as with 16.
+pub(crate) const SETS: usize = 32;
 
 /// A ball on a body, in m; with radius zero it is a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -191,7 +192,7 @@ impl CollisionGeometry {
         nearest.collect::<Option<Result<_>>>().transpose()
     }
 
-    /// Divides the balls of each link into at most eight sets, those of a set far from each other: a constraint then
+    /// Divides the balls of each link into at most 32 sets, those of a set far from each other: a constraint then
     /// needs few rows, each for the nearest balls of some sets. The next ball, from the largest on, goes to the set
     /// whose nearest ball is furthest. Cost O(the square of the number of balls of a link).
     #[must_use]

@@ -1,13 +1,16 @@
 //! The rows of constraints at times of a motion.
 
-use crate::constraint::{Constraint, Constraints, Evaluator, RateLimit, StageInput};
+use crate::constraint::{
+    Constraint, Constraints, Evaluator, Piece, Pieces, PlacedState, RateLimit, StageInput,
+    searched_from,
+};
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{LANES, Lanes, Wide};
 use crate::transcription::Shared;
 
-/// All rows at all times of a segment.
+/// All rows at all times of a segment. Those that are maxima of many functions are exact near their bounds.
 pub(super) struct Rows<'a, K> {
     model: &'a Model,
     constraints: Shared<'a, Constraints<K>>,
@@ -18,20 +21,52 @@ pub(super) struct Rows<'a, K> {
     u: Vec<Wide>,
     g: Vec<Wide>,
     rates: Vec<RateLimit>,
-    /// The rows divided by their scales, one after the other, each over time and padded to full lanes.
-    pub values: Vec<f64>,
-    pub stride: usize,
+    /// The active pieces at the last times if they are known, memory for others, and the value of a row from which on
+    /// these are searched.
+    pieces: Vec<Piece>,
+    pub are_known: bool,
+    active: Vec<Piece>,
+    searched_from: f64,
+    /// The least value of each row: minus its cutoff divided by its scale.
+    pub least: Vec<f64>,
+    /// The rows without a cutoff, then those that were above their least value at one of the last times, and the number
+    /// of each row among them.
+    known: Vec<usize>,
+    dense: usize,
+    places: Vec<Option<usize>>,
+    /// The values of these divided by their scales, one after the other, each over time and padded to full lanes.
+    values: Vec<f64>,
+    stride: usize,
 }
 
 impl<'a, K: Constraint> Rows<'a, K> {
-    pub fn new(model: &'a Model, constraints: Shared<'a, Constraints<K>>) -> Self {
+    pub fn new(model: &'a Model, constraints: Shared<'a, Constraints<K>>, scales: &[f64]) -> Self {
         let (n, count, zero) = (model.dof(), constraints.dim(), Wide::splat(0.0));
+        let states = constraints.state.dim();
+        let cutoff = |row: usize| constraints.state.cutoff(row).filter(|_| row < states);
+        let least = (0..count)
+            .map(|row| cutoff(row).map_or(f64::NEG_INFINITY, |cutoff| -cutoff / scales[row]));
+        let least: Vec<_> = least.collect();
+        let dense = (0..count).filter(|row| least[*row].is_infinite());
+        let known: Vec<_> = dense.collect();
+        let mut places = vec![None; count];
+        for (place, row) in known.iter().enumerate() {
+            places[*row] = Some(place);
+        }
         Self {
+            dense: known.len(),
+            known,
+            places,
+            least,
             model,
             evaluator: Evaluator::new(model),
             data: Data::new(model),
             z: vec![zero; 4 * n],
             rates: constraints.stage.rates().collect(),
+            pieces: Vec::new(),
+            are_known: false,
+            active: Vec::new(),
+            searched_from: searched_from(&constraints.state),
             u: vec![zero; n],
             g: vec![zero; count],
             values: Vec::new(),
@@ -50,18 +85,30 @@ impl<'a, K: Constraint> Rows<'a, K> {
         let n = self.model.dof();
         let times = own_times.len();
         self.stride = times.next_multiple_of(LANES);
-        self.values.resize(scales.len() * self.stride, 0.0);
+        for row in self.known.drain(self.dense..) {
+            self.places[row] = None;
+        }
+        self.values.resize(self.dense * self.stride, 0.0);
+        let constraints = self.constraints.clone();
         let Constraints {
             state,
             torque,
             stage,
-        } = &*self.constraints;
-        let (of_state, others) = self.g.split_at_mut(state.dim());
-        let (of_torque, of_stage) = others.split_at_mut(torque.dim());
+        } = &*constraints;
         for first in (0..times).step_by(LANES) {
+            let (of_state, others) = self.g.split_at_mut(state.dim());
+            let (of_torque, of_stage) = others.split_at_mut(torque.dim());
             Lanes::gather(states, first, &mut self.z);
             let placed = self.evaluator.at(&self.z[..2 * n])?;
-            placed.value(state, of_state)?;
+            let known = Pieces::new(&self.pieces).and_above(self.searched_from);
+            let at = PlacedState {
+                pieces: self.are_known.then_some(known),
+                ..*placed.state()
+            };
+            self.active.clear();
+            state.value_and_pieces(&at, None, of_state, &mut self.active)?;
+            std::mem::swap(&mut self.pieces, &mut self.active);
+            self.are_known = true;
             if !(of_torque.is_empty() && stage.others.is_empty()) {
                 let [q, v, a] = [0, 1, 2].map(|part| &self.z[part * n..(part + 1) * n]);
                 rnea(self.model, &mut self.data, q, v, a, &mut self.u)?;
@@ -90,23 +137,39 @@ impl<'a, K: Constraint> Rows<'a, K> {
                     }
                 }
             }
-            let all = of_state
-                .iter()
-                .chain(of_torque.iter())
-                .chain(of_stage.iter())
-                .zip(scales);
-            for ((g, scale), values) in all.zip(self.values.chunks_exact_mut(self.stride)) {
-                for (value, g) in values[first..first + LANES].iter_mut().zip(g.0) {
-                    let scaled = g / scale;
-                    // Comparisons would ignore a NaN.
-                    *value = if scaled.is_nan() {
-                        f64::INFINITY
-                    } else {
-                        scaled
-                    };
-                }
-            }
+            self.write(first, scales);
         }
         Ok(())
+    }
+
+    /// Writes the rows at times that were evaluated side by side, from the `first` one on.
+    fn write(&mut self, first: usize, scales: &[f64]) {
+        let stride = self.stride;
+        for row in self.pieces.iter().map(|piece| piece.row) {
+            if self.places[row].is_none() {
+                self.places[row] = Some(self.known.len());
+                self.known.push(row);
+                self.values
+                    .resize(self.known.len() * stride, self.least[row]);
+            }
+        }
+        for (row, values) in self.known.iter().zip(self.values.chunks_exact_mut(stride)) {
+            let values = values[first..][..LANES].iter_mut();
+            for (value, g) in values.zip(self.g[*row].0) {
+                let scaled = g / scales[*row];
+                // Comparisons would ignore a NaN.
+                *value = if scaled.is_nan() {
+                    f64::INFINITY
+                } else {
+                    scaled
+                };
+            }
+        }
+    }
+
+    /// The values of a row at the last times; `None` if it was at its least one.
+    pub fn of_row(&self, row: usize) -> Option<&[f64]> {
+        let place = self.places[row]?;
+        Some(&self.values[place * self.stride..][..self.stride])
     }
 }

@@ -102,8 +102,8 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
         let equalities = (0..scales.len()).map(|row| constraints.is_equality(row));
         Ok(Self {
             equalities: equalities.collect(),
+            rows: Rows::new(model, constraints, &scales),
             scales,
-            rows: Rows::new(model, constraints),
             part,
             intervals,
             times: Vec::new(),
@@ -140,12 +140,13 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
     pub fn along(&mut self, motion: &mut impl Motion) -> Result<&[Violation]> {
         let (part, intervals) = (self.part, self.intervals);
         self.largest.clear();
-        self.largest
-            .extend((0..self.scales.len()).map(|row| Violation {
-                row,
-                by: f64::NEG_INFINITY,
-                at_s: 0.0,
-            }));
+        let least = self.rows.least.iter().enumerate();
+        self.largest.extend(least.map(|(row, by)| Violation {
+            row,
+            by: *by,
+            at_s: 0.0,
+        }));
+        self.rows.are_known = false;
         self.uncertain.clear();
         self.uncertain.resize(self.scales.len(), None);
         for segment in 0..motion.segments() {
@@ -156,8 +157,10 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
             let states = motion.states(segment, &self.times, true);
             self.rows
                 .evaluate(states, (begin, &self.times), &self.scales)?;
-            let all = self.rows.values.chunks_exact(self.rows.stride);
-            for ((values, largest), equality) in all.zip(&mut self.largest).zip(&self.equalities) {
+            for (largest, equality) in self.largest.iter_mut().zip(&self.equalities) {
+                let Some(values) = self.rows.of_row(largest.row) else {
+                    continue;
+                };
                 let (by, position) = maximum(&values[..=intervals], *equality);
                 if by > largest.by {
                     largest.by = by;
@@ -197,7 +200,10 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
                 self.rows
                     .evaluate(states, (begin, &self.times), &self.scales)?;
                 for (k, (row, bracket)) in self.own.iter_mut().enumerate() {
-                    let value = self.rows.values[*row * self.rows.stride + k];
+                    let value = self
+                        .rows
+                        .of_row(*row)
+                        .map_or(self.rows.least[*row], |of| of[k]);
                     bracket.narrow(self.times[k], value);
                 }
             }

@@ -24,6 +24,8 @@ pub(crate) struct Near {
     groups: Vec<Group>,
     /// True if rows are computed from the pieces that were active at the points before.
     pub follows: bool,
+    /// The active pieces at the last times between the points.
+    pub(super) beside: Noted,
 }
 
 /// The rows of a group.
@@ -51,13 +53,13 @@ impl Near {
     pub fn begin<K: Constraint>(
         &mut self,
         state: &K,
-        far: impl Iterator<Item = f64>,
+        far: &[f64],
         moved: f64,
         (times, segments): (Vec<f64>, usize),
     ) {
         self.bodies.clear();
         self.far.clear();
-        for (row, far) in far.enumerate() {
+        for (row, far) in far.iter().copied().enumerate() {
             let gap = state.gap(row).filter(|_| far.is_finite());
             self.far.push(gap.map_or(f64::NAN, |gap| {
                 let moving = gap.bodies.iter().flatten();
@@ -107,10 +109,27 @@ impl Near {
         &mut self.groups[group].noted
     }
 
+    /// Memory for the active pieces beside the points. In the part of a group they are those at its points for the
+    /// first times, and for others those at the times before; elsewhere they are not known.
+    pub(super) fn begin_beside(&mut self, group: Option<usize>, start: usize) -> Noted {
+        let mut noted = std::mem::take(&mut self.beside);
+        match group {
+            Some(group) if start == 0 => {
+                let of_points = &self.groups[group].noted;
+                noted.pieces.clone_from(&of_points.pieces);
+                noted.are_known = of_points.are_known;
+            }
+            Some(_) => {}
+            None => noted.are_known = false,
+        }
+        noted
+    }
+
     /// Forgets the active pieces.
     pub fn forget_pieces(&mut self) {
         for group in &mut self.groups {
             group.noted.are_known = false;
+            group.noted.pieces.clear();
         }
     }
 

@@ -2,7 +2,8 @@
 
 use super::{Near, Shared, Which};
 use crate::constraint::{
-    Constraint, Constraints, Evaluator, Phase, RateLimit, RowKind, StandingFoot,
+    Constraint, Constraints, Evaluator, Phase, Piece, RateLimit, RowKind, StandingFoot,
+    searched_from,
 };
 use crate::cost::{CostWithControl, Points};
 use crate::dynamics::Data;
@@ -28,8 +29,14 @@ pub(crate) struct Rows<'a, K, P> {
     /// $[q; v; a]$ and the rows of the state at points that are evaluated side by side.
     pub(super) z: Vec<Wide<f64>>,
     pub(super) wide: Vec<Wide<f64>>,
+    /// Memory for active pieces, and the value of a row from which on they are searched between the points.
+    pub(super) active: Vec<Piece>,
+    pub(super) searched_from: f64,
     /// The largest value at the last points of each row of the state that was evaluated there.
     pub highest: Vec<f64>,
+    /// The rows of the state without a cutoff, and those that were not at it at any of the last points.
+    pub(super) dense: Vec<usize>,
+    pub(super) touched: Vec<usize>,
     /// The rows of a standing foot.
     foot: Vec<Wide<f64>>,
     /// The running cost where it is not asked for.
@@ -88,7 +95,11 @@ impl<K, P: Clone> Clone for Rows<'_, K, P> {
             evaluator: self.evaluator.clone(),
             z: self.z.clone(),
             wide: self.wide.clone(),
+            active: Vec::new(),
+            searched_from: self.searched_from,
             highest: self.highest.clone(),
+            dense: self.dense.clone(),
+            touched: Vec::new(),
             foot: self.foot.clone(),
             costs: self.costs.clone(),
             attributes: self.attributes.clone(),
@@ -137,7 +148,13 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             evaluator: Evaluator::new(model),
             z: vec![Wide::splat(0.0); 3 * n],
             wide: vec![Wide::splat(0.0); states],
+            active: Vec::new(),
+            searched_from: searched_from(state),
             highest: vec![0.0; states],
+            dense: (0..states)
+                .filter(|row| attributes.cutoffs[*row].is_infinite())
+                .collect(),
+            touched: Vec::new(),
             foot: Vec::new(),
             costs: Vec::new(),
             attributes,

@@ -1,8 +1,9 @@
 //! The rows of the state at the points of a curve: all, or those that may be near their bounds.
 
 use super::Rows;
-use super::near::Noted;
-use crate::constraint::{Constraint, Pieces, PlacedState, RowList, WeightedDerivatives, Weights};
+use crate::constraint::{
+    Constraint, Piece, Pieces, PlacedState, RowList, WeightedDerivatives, Weights,
+};
 use crate::cost::{CostWithControl, Points};
 use crate::error::Result;
 use crate::scalar::{LANES, Wide};
@@ -17,12 +18,56 @@ pub(crate) enum Which<'l> {
     Near,
     /// Those that may be near at the points of a group, at these times between them in parts of the segment, or all.
     Between(usize, &'l [f64]),
+    /// All there.
+    Beside(usize),
     /// These.
     Only(&'l [usize]),
 }
 
 /// The value of a row in a phase in which it is not kept: far from its bound.
 const NOT_KEPT: f64 = -1.0;
+
+/// Values of rows at points that were evaluated side by side, to be written to those at all points.
+struct Written<'w> {
+    wide: &'w [Wide<f64>],
+    scales: &'w [f64],
+    highest: &'w mut [f64],
+    h: &'w mut [f64],
+    /// The first of the points, and their number.
+    first: usize,
+    found: usize,
+}
+
+impl Written<'_> {
+    /// Writes rows.
+    fn write(&mut self, rows: impl Iterator<Item = usize>) {
+        let count = self.scales.len();
+        for row in rows {
+            let mut highest = self.highest[row];
+            for (lane, value) in self.wide[row].0[..self.found].iter().enumerate() {
+                let scaled = value * self.scales[row];
+                self.h[(self.first + lane) * count + row] = scaled;
+                highest = highest.max(scaled);
+            }
+            self.highest[row] = highest;
+        }
+    }
+
+    /// Adds the rows that are not at their cutoffs for the first time to `touched`, and writes these to the points
+    /// before.
+    fn touch(&mut self, pieces: &[Piece], cutoffs: &[f64], touched: &mut Vec<usize>) {
+        let count = self.scales.len();
+        for row in pieces.iter().map(|piece| piece.row) {
+            if self.highest[row] == f64::NEG_INFINITY {
+                self.highest[row] = -cutoffs[row];
+                for point in 0..self.first {
+                    self.h[point * count + row] = self.highest[row];
+                }
+                touched.push(row);
+            }
+        }
+    }
+}
 
 impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
     /// The rows that may be near their bounds at a point of the grid, in ascending order: some, and a range after them.
@@ -45,11 +90,12 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             return Ok(true);
         }
         self.highest.fill(f64::NEG_INFINITY);
+        self.touched.clear();
         let mut all = true;
         for start in (0..points.count()).step_by(LANES) {
             let are_all = self.side_by_side(points, start, which, h)?;
-            if are_all && matches!(which, Which::Between(..)) {
-                return self.of_state(points, Which::All, h);
+            if let (true, Which::Between(group, _)) = (are_all, which) {
+                return self.of_state(points, Which::Beside(group), h);
             }
             all &= are_all;
         }
@@ -70,7 +116,7 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
         which: Which<'_>,
         h: &mut [f64],
     ) -> Result<bool> {
-        let (own, count) = (2 * points.states.nrows(), self.count());
+        let own = 2 * points.states.nrows();
         let found = points.gather(start, &mut self.z);
         let placed = self.evaluator.at(&self.z[..own])?;
         let at = *placed.state();
@@ -79,9 +125,12 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             Which::Near => self.near.group(points.first, start, points.count()),
             _ => None,
         };
-        let mut noted = match group {
-            Some(group) => std::mem::take(self.near.noted(group)),
-            None => Noted::default(),
+        let mut noted = match (which, group) {
+            (_, Some(group)) => std::mem::take(self.near.noted(group)),
+            (Which::Between(group, _) | Which::Beside(group), _) => {
+                self.near.begin_beside(Some(group), start)
+            }
+            _ => self.near.begin_beside(None, start),
         };
         let follows = self.near.follows && noted.are_known;
         let listed = match (which, group) {
@@ -93,39 +142,61 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             _ => None,
         };
         let (state, scales) = (&self.constraints.state, &self.attributes.scales);
+        let known = Pieces::new(&noted.pieces);
+        let known = match which {
+            Which::Between(..) | Which::Beside(_) => known.and_above(self.searched_from),
+            _ => known,
+        };
         let beside = PlacedState {
-            pieces: follows.then(|| Pieces::new(&noted.pieces)),
+            pieces: (follows || group.is_none())
+                .then_some(known)
+                .filter(|_| noted.are_known),
             ..at
         };
-        match listed {
-            Some(rows) => {
-                noted.are_known &= follows;
-                state.value_of(&beside, RowList::new(rows), &mut self.wide)?;
+        let (wide, rows) = (&mut self.wide, listed.map(RowList::new));
+        if follows {
+            match rows {
+                Some(rows) => state.value_of(&beside, rows, wide)?,
+                None => state.value(&beside, wide)?,
             }
-            None if follows || group.is_none() => state.value(&beside, &mut self.wide)?,
-            None => {
-                noted.pieces.clear();
-                state.value_and_pieces(&at, &mut self.wide, &mut noted.pieces)?;
-                noted.are_known = true;
-            }
-        }
-        for k in 0..listed.map_or(self.wide.len(), <[usize]>::len) {
-            let row = listed.map_or(k, |rows| rows[k]);
-            let mut highest = self.highest[row];
-            for (lane, value) in self.wide[row].0[..found].iter().enumerate() {
-                let scaled = value * scales[row];
-                h[(start + lane) * count + row] = scaled;
-                highest = highest.max(scaled);
-            }
-            self.highest[row] = highest;
+        } else {
+            self.active.clear();
+            state.value_and_pieces(&beside, rows, wide, &mut self.active)?;
+            std::mem::swap(&mut noted.pieces, &mut self.active);
+            noted.are_known = true;
         }
         let are_all = listed.is_none();
-        if let Some(group) = group {
-            if are_all && self.near.has_lists() {
+        let listed = match group {
+            Some(group) if are_all && self.near.has_lists() => {
                 let values = (&self.wide[..], &scales[..], found);
                 self.near.list(group, placements, values);
+                Some(self.near.listed(group))
             }
-            *self.near.noted(group) = noted;
+            _ => listed,
+        };
+        let mut written = Written {
+            wide: &self.wide,
+            scales,
+            highest: &mut self.highest,
+            h,
+            first: start,
+            found,
+        };
+        match (listed, which) {
+            (Some(rows), _) if are_all => {
+                written.write(self.dense.iter().chain(rows).copied());
+            }
+            (Some(rows), _) => written.write(rows.iter().copied()),
+            (None, Which::Near) => written.write(0..self.wide.len()),
+            (None, _) => {
+                let cutoffs = &self.attributes.cutoffs;
+                written.touch(&noted.pieces, cutoffs, &mut self.touched);
+                written.write(self.dense.iter().chain(&self.touched).copied());
+            }
+        }
+        match group {
+            Some(group) => *self.near.noted(group) = noted,
+            None => self.near.beside = noted,
         }
         Ok(are_all)
     }

@@ -1,8 +1,12 @@
 //! Constraints of the tests.
 
-use aghf::constraint::{Constraint, PlacedState, RowKind, RowLabel};
+use aghf::constraint::{
+    CollisionSphere, Constraint, CoverClearance, PlacedState, RowKind, RowLabel,
+};
+use aghf::geometry::{BallTree, Solid};
 use aghf::model::Model;
 use aghf::scalar::AlgebraOver;
+use nalgebra::Vector3;
 
 /// The equality $x_0 = c$, with a name of its own.
 #[derive(Clone, Debug)]
@@ -55,5 +59,30 @@ impl Constraint for Slow {
 
     fn row_scales(&self, scales: &mut [f64]) {
         scales.fill(2.0 * self.0.sqrt());
+    }
+}
+
+/// An arm with nine balls in three sets on each body, which keeps clear of solids.
+pub fn in_balls(model: &Model, solids: Vec<Solid>) -> CoverClearance {
+    let ball = |k: usize| CollisionSphere {
+        body: Some(k / 9),
+        centre: 0.05 * Vector3::new(k as f64, 2.3 * k as f64, 4.1 * k as f64).map(f64::sin),
+        radius: 0.03,
+    };
+    let balls: Vec<_> = (0..9 * model.dof()).map(ball).collect();
+    let tree = |body: usize| BallTree::new(&balls, (9 * body..9 * body + 9).collect());
+    let of = |link: usize| (0..solids.len()).map(move |solid| [link, solid]);
+    CoverClearance {
+        links: (0..model.dof()).map(tree).collect(),
+        counts: vec![3; model.dof()],
+        sets: (0..balls.len()).map(|k| k % 3).collect(),
+        names: Vec::new(),
+        solid_pairs: (0..model.dof()).flat_map(of).collect(),
+        pairs: (3..model.dof())
+            .flat_map(|j| (0..j - 2).map(move |i| [i, j]))
+            .collect(),
+        margins: [0.0; 2],
+        far: 0.1,
+        solids,
     }
 }

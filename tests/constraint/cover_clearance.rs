@@ -136,6 +136,40 @@ proptest! {
     }
 }
 
+/// Distances change by no more than the balls of two links may move.
+#[test]
+fn gaps_change_by_no_more_than_links_move() {
+    let model = robot("kinova_gen3");
+    let constraint = covered(&model, 0.3);
+    let rows = |x: &[f64]| {
+        let mut g = vec![0.0; constraint.dim()];
+        let mut evaluator = Evaluator::new(&model);
+        let placed = evaluator.at(x).expect("lengths agree");
+        placed.value(&constraint, &mut g).expect("rows");
+        (g, placed.state().placements.to_vec())
+    };
+    let mut most = 0.0_f64;
+    for k in 0..40 {
+        let x = wave(2 * model.dof(), 0.1 * f64::from(k));
+        let y: Vec<_> = x.iter().map(|x| x + 0.02 * (9.0 * x).sin()).collect();
+        let [(g, from), (h, to)] = [rows(&x), rows(&y)];
+        for (row, (g, h)) in g.iter().zip(&h).enumerate() {
+            let gap = constraint.gap(row).expect("each row is a distance");
+            let moved = gap.bodies.iter().flatten().map(|(body, r)| {
+                let turn = (from[*body].rotation - to[*body].rotation).norm();
+                let step = (from[*body].translation - to[*body].translation).norm();
+                step + r * turn / 2.0_f64.sqrt()
+            });
+            let moved: f64 = moved.sum();
+            assert!((h - g).abs() <= moved + 1e-12, "row {row}: {g} {h} {moved}");
+            most = most.max((h - g).abs() / moved);
+        }
+    }
+    // The bound is not one of something else.
+    assert!((0.5..=1.0).contains(&most), "{most}");
+    assert_eq!(constraint.gap(constraint.dim()), None);
+}
+
 /// Some rows alone are those among all.
 #[test]
 fn rows_of_a_list_are_those_of_all() {

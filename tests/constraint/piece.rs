@@ -4,7 +4,7 @@ use crate::common::{config, numbers, robot, wave};
 use crate::cover_clearance::covered;
 use aghf::constraint::{
     AnyConstraint, Bounds, Constraint, CoverClearance, Evaluator, Piece, Pieces, PlacedState,
-    Weights,
+    RowList, Weights,
 };
 use aghf::model::Model;
 use aghf::scalar::{LANES, Lanes, Wide};
@@ -19,10 +19,25 @@ fn three(model: &Model) -> [AnyConstraint; 3] {
 
 /// The rows of a constraint in lanes and its active pieces.
 fn noted<K: Constraint>(model: &Model, rows: &K, x: &[Wide]) -> (Vec<Wide>, Vec<Piece>) {
-    let mut g = vec![Wide::splat(0.0); rows.dim()];
+    beside(model, rows, x, None, None)
+}
+
+/// The same for some rows alone, where pieces are known.
+fn beside<K: Constraint>(
+    model: &Model,
+    rows: &K,
+    x: &[Wide],
+    some: Option<RowList<'_>>,
+    known: Option<Pieces<'_>>,
+) -> (Vec<Wide>, Vec<Piece>) {
+    let mut g = vec![Wide::splat(f64::NAN); rows.dim()];
     let (mut pieces, mut evaluator) = (Vec::new(), Evaluator::<f64, Wide>::new(model));
     let placed = evaluator.at(x).expect("lengths agree");
-    let found = rows.value_and_pieces(placed.state(), &mut g, &mut pieces);
+    let at = PlacedState {
+        pieces: known,
+        ..*placed.state()
+    };
+    let found = rows.value_and_pieces(&at, some, &mut g, &mut pieces);
     found.expect("rows");
     (g, pieces)
 }
@@ -80,6 +95,42 @@ proptest! {
             (found.gradient().clone(), found.hessian().clone())
         };
         prop_assert!(derivatives(Some(&pieces)) == derivatives(None));
+    }
+
+    /// Beside a state rows are those of its active pieces where these are the largest, and exact from a value on; some
+    /// rows have the values and the pieces that they have among all.
+    #[test]
+    fn rows_beside_are_exact_from_a_value_on(numbers in numbers(LANES * 7), from in -0.2..0.1) {
+        let model = robot("kinova_gen3");
+        let rows = three(&model);
+        let state = |moved: f64| -> Vec<Wide> {
+            let entry = |i: usize| match i < 7 {
+                true => Lanes(std::array::from_fn(|lane| numbers[LANES * i + lane] + moved)),
+                false => Wide::splat(0.0),
+            };
+            (0..14).map(entry).collect()
+        };
+        let (x, moved) = (state(0.0), state(0.1));
+        let (_, known) = noted(&model, &rows, &x);
+        let least = by_pieces(&model, &rows, &moved, &known);
+        let (exact, _) = noted(&model, &rows, &moved);
+        let known = Pieces::new(&known).and_above(from);
+        let (found, pieces) = beside(&model, &rows, &moved, None, Some(known));
+        for (found, (least, exact)) in found.iter().zip(least.iter().zip(&exact)) {
+            for lane in 0..LANES {
+                let [found, least, exact] = [found, least, exact].map(|g| g.0[lane]);
+                prop_assert!(least <= found && found <= exact);
+                prop_assert!(exact < from || found == exact, "{found} {exact} from {from}");
+            }
+        }
+        prop_assert!(by_pieces(&model, &rows, &moved, &pieces) == found);
+
+        let some: Vec<_> = (0..rows.dim()).step_by(31).collect();
+        let list = Some(RowList::new(&some));
+        let (of_list, of_some) = beside(&model, &rows, &moved, list, Some(known));
+        prop_assert!(some.iter().all(|row| of_list[*row] == found[*row]));
+        let own = |of: &[Piece]| of.iter().filter(|of| some.contains(&of.row)).copied().collect::<Vec<_>>();
+        prop_assert!(own(&of_some) == own(&pieces));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Labels of rows, and their violations along a motion.
 
-use crate::common::constraint::Held;
+use crate::common::constraint::{Held, in_balls};
 use crate::common::{assert_refused, robot, slider, wave};
 use aghf::constraint::{
     AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, RowKind,
@@ -212,6 +212,41 @@ fn rows_of_an_arm_are_those_at_many_times() {
         );
         assert!((0.0..=3.0).contains(&found.at_s), "{name}");
     }
+}
+
+/// Rows of covers are exact from a tenth of their cutoff on, and otherwise no larger than they are.
+#[test]
+fn rows_of_covers_are_exact_near_their_bounds() {
+    let (model, curve, ..) = every_kind();
+    let cover = in_balls(&model, vec![Solid::half_space(&Vector3::z(), 0.25)]);
+    let state = AnyConstraint::Cover(cover.clone());
+    let all = of_state(vec![
+        AnyConstraint::Bounds(Bounds::positions(&model)),
+        state,
+    ]);
+    let found = violations(&model, &curve, &all, 1000).expect("same robot");
+    let first = all.state[0].dim();
+    let mut worst = vec![-cover.far; cover.dim()];
+    let mut evaluator = Evaluator::new(&model);
+    for s in sample(&model, &curve, 4000).expect("same robot") {
+        let (x, mut g) = ([s.q, s.v].concat(), vec![0.0; cover.dim()]);
+        let placed = evaluator.at(&x).expect("sizes agree");
+        placed.value(&cover, &mut g).expect("same robot");
+        for (worst, g) in worst.iter_mut().zip(g) {
+            *worst = worst.max(g);
+        }
+    }
+    let near = -0.1 * cover.far;
+    let (mut above, mut below) = (0, 0);
+    for (found, worst) in found[first..first + cover.dim()].iter().zip(&worst) {
+        let off = found.by - worst;
+        // At a kink a maximum between the times is missed by their distance.
+        let least = if *worst > near { -1e-3 } else { -cover.far };
+        assert!((least..1e-3).contains(&off), "{found:?} {worst}");
+        above += usize::from(*worst > 0.0);
+        below += usize::from(*worst == -cover.far);
+    }
+    assert!(above > 0 && below > 0, "{above} {below}");
 }
 
 /// The result of a row is independent of its position, to the last bit.

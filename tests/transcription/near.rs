@@ -1,6 +1,6 @@
 //! Rows that are far and so not evaluated: searches are to the last bit those with all rows.
 
-use crate::common::{direct::solved_within, robot};
+use crate::common::{constraint::in_balls, direct::solved_within, robot};
 use aghf::constraint::{
     AnyConstraint, Bounds, CollisionSphere, Constraints, Evaluator, SelfClearance, SolidClearance,
     Sphere, SphereClearance, TorqueLimits,
@@ -116,6 +116,38 @@ fn rows_that_are_far_change_nothing() {
     free.state.truncate(1);
     let [near, free] = [&kept, &free].map(|kept| around_the_post(&model, kept, (1, 12), default));
     assert!(near.cost > 1.001 * free.cost, "{} {}", near.cost, free.cost);
+}
+
+/// Lists of rows that are maxima of many functions change no motion, whether they are made anew at each point or not.
+#[test]
+fn rows_of_covers_that_are_far_change_nothing() {
+    let model = robot("kinova_gen3");
+    let mut kept = crowded(&model);
+    let Some(AnyConstraint::Solids(of)) = kept.state.get(1) else {
+        panic!("solids are the second")
+    };
+    let cover = in_balls(&model, of.solids.clone());
+    kept.state[1] = AnyConstraint::Cover(cover);
+    kept.state.truncate(2);
+    let default = DirectSettings::constrained().search.moved;
+    let [lists, anew] = [default, 1e-6].map(|moved| around_the_post(&model, &kept, (3, 6), moved));
+    for end in [&lists, &anew] {
+        assert!(end.converged && end.largest_violation < 1e-6, "{end:?}");
+    }
+    assert!(
+        (lists.cost - anew.cost).abs() < 1e-6 * lists.cost,
+        "{} {}",
+        lists.cost,
+        anew.cost
+    );
+    kept.state.truncate(1);
+    let free = around_the_post(&model, &kept, (3, 6), default);
+    assert!(
+        lists.cost > 1.001 * free.cost,
+        "{} {}",
+        lists.cost,
+        free.cost
+    );
 }
 
 /// An obstacle out of reach changes nothing.

@@ -52,6 +52,9 @@ impl<'a, K: Constraint, P: CostWithControl> Integrand<'a, K, P> {
         });
         let stage = &rows.constraints.stage;
         let scales = &rows.attributes().scales;
+        let cutoffs = rows.attributes().cutoffs.iter();
+        let cutoffs = cutoffs.map(|cutoff| if cutoff.is_finite() { -cutoff } else { 0.0 });
+        let cutoffs: Vec<_> = cutoffs.collect();
         let feet = (0..rows.cost.phases()).filter_map(|phase| rows.standing(phase));
         let feet = feet.map(|foot| FootTerms::new(foot, scales)).collect();
         let stage = (!stage.others.is_empty()).then(|| StageTerms::new(rows.model));
@@ -59,7 +62,8 @@ impl<'a, K: Constraint, P: CostWithControl> Integrand<'a, K, P> {
             feet,
             stage,
             torques: torques.collect(),
-            h: vec![0.0; points * rows.count()],
+            // Rows at their cutoffs are not written.
+            h: cutoffs.repeat(points),
             terms: vec![Vec::new(); points],
             rows,
             slopes: zeros.clone(),

@@ -181,6 +181,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         self.objective.set_rates(&self.rates);
         let rows = &mut self.objective.cost_mut().rows;
         rows.near.release();
+        rows.near.forget_pieces();
         if self.working.restart(problem, rows, &self.search) {
             self.working.begin_lists(&self.grid, rows, &self.search);
         }

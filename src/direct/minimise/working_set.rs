@@ -45,7 +45,7 @@ impl WorkingSet {
     }
 
     /// Begins the lists of rows that may be in the working set or above the depth of a scan.
-    pub fn begin_lists<K: Constraint, P>(
+    pub fn begin_lists<K: Constraint, P: CostWithControl>(
         &self,
         grid: &Grid<f64>,
         rows: &mut Rows<'_, K, P>,
@@ -54,10 +54,20 @@ impl WorkingSet {
         let parts = grid.times[..grid.points()].iter();
         let times = parts.map(|time| time * grid.segments as f64).collect();
         let state = &rows.constraints.state;
-        let far = self.nearest[..state.dim()].iter();
-        let far = far.map(|nearest| nearest.min(-search.scan_depth) - search.reserve);
-        let moved = search.moved * self.reach;
-        rows.near.begin(state, far, moved, (times, grid.segments));
+        let cutoffs = rows.attributes().cutoffs[..state.dim()].iter();
+        let both = self.nearest.iter().zip(cutoffs);
+        // A scan needs no row with a cutoff that is not in the working set.
+        let far = both
+            .clone()
+            .map(|(nearest, cutoff)| match cutoff.is_finite() {
+                true => nearest - search.reserve,
+                false => nearest.min(-search.scan_depth) - search.reserve,
+            });
+        let far: Vec<_> = far.collect();
+        // Two balls may move before a row that was at its cutoff is near.
+        let beyond = both.map(|(nearest, cutoff)| 0.5 * (cutoff + nearest) - search.reserve);
+        let moved = beyond.fold(search.moved * self.reach, f64::min);
+        rows.near.begin(state, &far, moved, (times, grid.segments));
     }
 
     /// Begins without any rows, for another problem; returns true if others are near now.
