@@ -142,15 +142,14 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             _ => None,
         };
         let (state, scales) = (&self.constraints.state, &self.attributes.scales);
-        let known = Pieces::new(&noted.pieces);
-        let known = match which {
-            Which::Between(..) | Which::Beside(_) => known.and_above(self.searched_from),
-            _ => known,
+        let from = match follows {
+            true => f64::INFINITY,
+            false => self.searched_from,
         };
+        let known = Pieces::new(&noted.pieces).and_above(from);
+        let is_beside = group.is_none() && noted.are_known;
         let beside = PlacedState {
-            pieces: (follows || group.is_none())
-                .then_some(known)
-                .filter(|_| noted.are_known),
+            pieces: (follows || is_beside).then_some(known),
             ..at
         };
         let (wide, rows) = (&mut self.wide, listed.map(RowList::new));
@@ -166,20 +165,39 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             noted.are_known = true;
         }
         let are_all = listed.is_none();
-        let listed = match group {
-            Some(group) if are_all && self.near.has_lists() => {
-                let values = (&self.wide[..], &scales[..], found);
-                self.near.list(group, placements, values);
-                Some(self.near.listed(group))
-            }
-            _ => listed,
+        if let Some(group) = group.filter(|_| are_all && self.near.has_lists()) {
+            let values = (&self.wide[..], &scales[..], found);
+            self.near.list(group, placements, values);
+        }
+        self.write((which, group), &noted.pieces, (start, found, are_all), h);
+        match group {
+            Some(group) => *self.near.noted(group) = noted,
+            None => self.near.beside = noted,
+        }
+        Ok(are_all)
+    }
+
+    /// Writes the rows that were evaluated at `found` points from `first` on: those with a cutoff alone that may be
+    /// near, or that were nearer than that at one of the points.
+    fn write(
+        &mut self,
+        (which, group): (Which<'_>, Option<usize>),
+        pieces: &[Piece],
+        (first, found, are_all): (usize, usize, bool),
+        h: &mut [f64],
+    ) {
+        let listed = match (which, group) {
+            (Which::Only(rows), _) => Some(rows),
+            (Which::Near, Some(group)) if self.near.has_lists() => Some(self.near.listed(group)),
+            (Which::Between(group, _), _) if !are_all => Some(self.near.listed(group)),
+            _ => None,
         };
         let mut written = Written {
             wide: &self.wide,
-            scales,
+            scales: &self.attributes.scales,
             highest: &mut self.highest,
             h,
-            first: start,
+            first,
             found,
         };
         match (listed, which) {
@@ -189,16 +207,10 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             (Some(rows), _) => written.write(rows.iter().copied()),
             (None, Which::Near) => written.write(0..self.wide.len()),
             (None, _) => {
-                let cutoffs = &self.attributes.cutoffs;
-                written.touch(&noted.pieces, cutoffs, &mut self.touched);
+                written.touch(pieces, &self.attributes.cutoffs, &mut self.touched);
                 written.write(self.dense.iter().chain(&self.touched).copied());
             }
         }
-        match group {
-            Some(group) => *self.near.noted(group) = noted,
-            None => self.near.beside = noted,
-        }
-        Ok(are_all)
     }
 
     /// Computes the weighted derivatives of the rows of the state at the points from `start` on, side by side: of their
