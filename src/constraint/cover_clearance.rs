@@ -14,8 +14,7 @@ use crate::spatial::{dot, outer};
 use std::ops::Range;
 
 /// The distance beyond its margin from which on balls no longer act, relative to the radius of the largest link. With
-/// 0.2 and the same working set a search takes half the time, but more starts fail: of 35 motions of a Panda with its
-/// meshes eleven need a second one in place of five.
+/// 0.25 an iteration takes as long, and 35 motions of a Panda with its meshes take 6603 of them in place of 4150.
 const FAR: f64 = 0.35;
 
 /// Links that are covered by balls stay clear of solids and of each other. The balls of a link are in sets: per pair of
