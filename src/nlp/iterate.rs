@@ -35,10 +35,10 @@ impl Equality {
 }
 
 /// The inequalities of the working set and the equalities, with their multipliers. Equalities have the terms
-/// $\lambda h + \tfrac12 \rho h^2$ of an augmented Lagrangian (NW 17.3), and steps are those of the primal-dual equations
-/// $\nabla f + y \nabla h = 0$, $y = \lambda + \rho h$ (Gill and Robinson, *A primal-dual augmented Lagrangian*, 2012):
-/// second derivatives have the weight $y$. With $\lambda + \rho h$ a row that curves would make the Hessian indefinite,
-/// and with $\lambda$ it would be that of a multiplier which is out of date until the barrier parameter changes.
+/// $\lambda h + \tfrac12 \rho h^2$ of an augmented Lagrangian (NW 17.3), and steps are those of the primal-dual
+/// equations $\nabla f + y \nabla h = 0$, $y = \lambda + \rho h$ (Gill and Robinson, *A primal-dual augmented
+/// Lagrangian*, 2012): second derivatives have the weight $y$. With $\lambda + \rho h$ a row that curves would make the
+/// Hessian indefinite, and $\lambda$ is out of date until the barrier parameter changes.
 #[derive(Debug, Default)]
 pub struct Iterate {
     /// The inequalities of the working set, by their indices.

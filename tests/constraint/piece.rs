@@ -55,6 +55,15 @@ fn by_pieces<K: Constraint>(model: &Model, rows: &K, x: &[Wide], pieces: &[Piece
     g
 }
 
+/// The state of seven joints at rest in lanes with these positions moved by an angle.
+fn state(numbers: &[f64], by: f64) -> Vec<Wide> {
+    let entry = |i: usize| match i < 7 {
+        true => Lanes(std::array::from_fn(|lane| numbers[LANES * i + lane] + by)),
+        false => Wide::splat(0.0),
+    };
+    (0..14).map(entry).collect()
+}
+
 proptest! {
     #![proptest_config(config(16))]
 
@@ -64,14 +73,7 @@ proptest! {
     fn rows_are_those_of_their_active_pieces(numbers in numbers(LANES * 7)) {
         let model = robot("kinova_gen3");
         let rows = three(&model);
-        let state = |moved: f64| -> Vec<Wide> {
-            let entry = |i: usize| match i < 7 {
-                true => Lanes(std::array::from_fn(|lane| numbers[LANES * i + lane] + moved)),
-                false => Wide::splat(0.0),
-            };
-            (0..14).map(entry).collect()
-        };
-        let (x, beside) = (state(0.0), state(1e-4));
+        let [x, beside] = [0.0, 1e-4].map(|by| state(&numbers, by));
         let (g, pieces) = noted(&model, &rows, &x);
         prop_assert!(pieces.is_sorted_by_key(|piece| piece.row) && !pieces.is_empty());
         prop_assert!(by_pieces(&model, &rows, &x, &pieces) == g);
@@ -103,14 +105,7 @@ proptest! {
     fn rows_beside_are_exact_from_a_value_on(numbers in numbers(LANES * 7), from in -0.2..0.1) {
         let model = robot("kinova_gen3");
         let rows = three(&model);
-        let state = |moved: f64| -> Vec<Wide> {
-            let entry = |i: usize| match i < 7 {
-                true => Lanes(std::array::from_fn(|lane| numbers[LANES * i + lane] + moved)),
-                false => Wide::splat(0.0),
-            };
-            (0..14).map(entry).collect()
-        };
-        let (x, moved) = (state(0.0), state(0.1));
+        let [x, moved] = [0.0, 0.1].map(|by| state(&numbers, by));
         let (_, known) = noted(&model, &rows, &x);
         let least = by_pieces(&model, &rows, &moved, &known);
         let (exact, _) = noted(&model, &rows, &moved);
