@@ -6,7 +6,7 @@ use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::cost::SMALLEST_COST;
 use crate::error::Result;
-use crate::transcription::{Grid, Maximum};
+use crate::transcription::{Grid, Maximum, Rows};
 use nalgebra::DVector;
 
 /// The points of its segment beside a maximum, at which rows are kept.
@@ -18,6 +18,20 @@ fn beside(grid: &Grid<f64>, maximum: &Maximum) -> [Option<usize>; 2] {
         (own.start..after.min(own.end)).rfind(asked),
         (after.max(own.start)..own.end).find(asked),
     ]
+}
+
+/// The share of the reserve of a row at a time from 0 to 1. A foot that lands is at the ground and at rest there, so the
+/// share of a row of one phase vanishes with its derivative at both ends of the phase; it is whole a hundredth from there.
+fn share_of_reserve<K, P>(rows: &Rows<'_, K, P>, row: usize, time: f64) -> f64
+where
+    K: Constraint,
+    P: CostWithControl,
+{
+    if !rows.is_of_phase(row) {
+        return 1.0;
+    }
+    let of_phase = (rows.cost.phases() as f64 * time).fract();
+    (of_phase * (1.0 - of_phase) / 0.01).powi(2).min(1.0)
 }
 
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
@@ -107,9 +121,12 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let with_ends = self.grid.times[0] == 0.0;
         let last = integrand.h.len() - rows.count();
         let reserve = |row: usize| {
-            // A foot that lands is at the ground.
-            if attributes.equalities[row] || rows.is_of_phase(row) {
+            if attributes.equalities[row] {
                 return 0.0;
+            }
+            // Its share vanishes at the ends.
+            if rows.is_of_phase(row) {
+                return self.search.reserve;
             }
             let ends = [row, last + row].into_iter().zip(fixed);
             let ends = ends.filter(|(_, fixed)| *fixed && with_ends && row < states);
@@ -126,11 +143,14 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// Sets the margins against rounding.
     pub(super) fn reserve(&mut self) {
         self.set_reserves();
-        let margins = self.reserves.iter().copied();
         let reserve = self.search.reserve;
         let (of_grid, beside) = self.margins.split_at_mut(self.first_of_points);
-        for (margin, of_row) in of_grid.iter_mut().zip(margins.cycle()) {
-            *margin = of_row;
+        let rows = &self.objective.cost().rows;
+        let points = of_grid.chunks_exact_mut(self.reserves.len().max(1));
+        for (time, margins) in self.grid.times.iter().zip(points) {
+            for (row, (margin, reserve)) in margins.iter_mut().zip(&self.reserves).enumerate() {
+                *margin = reserve * share_of_reserve(rows, row, *time);
+            }
         }
         let of_points = self.points.iter().flat_map(|point| &point.equalities);
         for (margin, _) in beside.iter_mut().zip(of_points).filter(|(_, held)| !**held) {
@@ -163,8 +183,9 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             if maximum.row < states && (at_ends || (of_phase && changes(maximum.time))) {
                 continue;
             }
-            let reserve = self.reserves[maximum.row];
             for g in beside(grid, maximum).into_iter().flatten() {
+                let share = share_of_reserve(&integrand.rows, maximum.row, grid.times[g]);
+                let reserve = self.reserves[maximum.row] * share;
                 let at = g * count + maximum.row;
                 if !grow {
                     let beside = reserve + maximum.height - integrand.h[at];
