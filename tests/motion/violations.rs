@@ -3,8 +3,8 @@
 use crate::common::constraint::{Held, in_balls};
 use crate::common::{assert_refused, robot, slider, wave};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, RowKind,
-    RowLabel, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, CoverClearance,
+    Evaluator, RowKind, RowLabel, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::curve::{Chebyshev, Curve};
 use aghf::geometry::Solid;
@@ -218,35 +218,56 @@ fn rows_of_an_arm_are_those_at_many_times() {
 #[test]
 fn rows_of_covers_are_exact_near_their_bounds() {
     let (model, curve, ..) = every_kind();
-    let cover = in_balls(&model, vec![Solid::half_space(&Vector3::z(), 0.25)]);
-    let state = AnyConstraint::Cover(cover.clone());
-    let all = of_state(vec![
-        AnyConstraint::Bounds(Bounds::positions(&model)),
-        state,
-    ]);
-    let found = violations(&model, &curve, &all, 1000).expect("same robot");
-    let first = all.state[0].dim();
-    let mut worst = vec![-cover.far; cover.dim()];
-    let mut evaluator = Evaluator::new(&model);
-    for s in sample(&model, &curve, 4000).expect("same robot") {
-        let (x, mut g) = ([s.q, s.v].concat(), vec![0.0; cover.dim()]);
-        let placed = evaluator.at(&x).expect("sizes agree");
-        placed.value(&cover, &mut g).expect("same robot");
-        for (worst, g) in worst.iter_mut().zip(g) {
-            *worst = worst.max(g);
+    let above = |height: f64, far: f64| CoverClearance {
+        far,
+        ..in_balls(&model, vec![Solid::half_space(&Vector3::z(), height)])
+    };
+    // Heights at which a row begins at its cutoff and comes within a twentieth of its bound.
+    let far = 0.2;
+    let (begin, worst) = of_cover(&model, &curve, &above(0.0, 10.0));
+    let rows = begin.iter().zip(&worst);
+    let heights = rows.filter(|(begin, worst)| *worst - *begin > far);
+    let mut heights: Vec<f64> = heights.map(|(_, worst)| -0.05 * far - worst).collect();
+    assert!(heights.len() > 2, "{worst:?}");
+    heights.truncate(3);
+    let (mut outside, mut at_cutoff) = (0, 0);
+    for height in heights.into_iter().chain([0.25]) {
+        let cover = above(height, far);
+        let state = AnyConstraint::Cover(cover.clone());
+        let all = of_state(vec![
+            AnyConstraint::Bounds(Bounds::positions(&model)),
+            state,
+        ]);
+        let found = violations(&model, &curve, &all, 1000).expect("same robot");
+        let first = all.state[0].dim();
+        let (_, worst) = of_cover(&model, &curve, &cover);
+        let near = -0.1 * far;
+        for (found, worst) in found[first..first + cover.dim()].iter().zip(&worst) {
+            let off = found.by - worst;
+            // At a kink a maximum between the times is missed by their distance.
+            let least = if *worst > near { -1e-3 } else { -far };
+            assert!((least..1e-3).contains(&off), "{found:?} {worst}");
+            outside += usize::from(*worst > 0.0);
+            at_cutoff += usize::from(*worst == -far);
         }
     }
-    let near = -0.1 * cover.far;
-    let (mut above, mut below) = (0, 0);
-    for (found, worst) in found[first..first + cover.dim()].iter().zip(&worst) {
-        let off = found.by - worst;
-        // At a kink a maximum between the times is missed by their distance.
-        let least = if *worst > near { -1e-3 } else { -cover.far };
-        assert!((least..1e-3).contains(&off), "{found:?} {worst}");
-        above += usize::from(*worst > 0.0);
-        below += usize::from(*worst == -cover.far);
+    assert!(outside > 0 && at_cutoff > 0, "{outside} {at_cutoff}");
+}
+
+/// The value of each row at the start, and the largest one at many times.
+fn of_cover(model: &Model, curve: &Curve, cover: &CoverClearance) -> (Vec<f64>, Vec<f64>) {
+    let (mut begin, mut worst) = (None, vec![-cover.far; cover.dim()]);
+    let mut evaluator = Evaluator::new(model);
+    for s in sample(model, curve, 4000).expect("same robot") {
+        let (x, mut g) = ([s.q, s.v].concat(), vec![0.0; cover.dim()]);
+        let placed = evaluator.at(&x).expect("sizes agree");
+        placed.value(cover, &mut g).expect("same robot");
+        for (worst, g) in worst.iter_mut().zip(&g) {
+            *worst = worst.max(*g);
+        }
+        begin.get_or_insert(g);
     }
-    assert!(above > 0 && below > 0, "{above} {below}");
+    (begin.expect("there are times"), worst)
 }
 
 /// The result of a row is independent of its position, to the last bit.
