@@ -39,7 +39,7 @@ impl Equality {
 /// equations $\nabla f + y \nabla h = 0$, $y = \lambda + \rho h$ (Gill and Robinson, *A primal-dual augmented
 /// Lagrangian*, 2012): second derivatives have the weight $y$. With $\lambda + \rho h$ a row that curves would make the
 /// Hessian indefinite, and $\lambda$ is out of date until the barrier parameter changes.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Iterate {
     /// The inequalities of the working set, by their indices.
     pub working: Vec<RowState>,
@@ -49,6 +49,14 @@ pub struct Iterate {
     /// The largest equality at the last update of their multipliers.
     before: f64,
     pub barrier: Barrier,
+    /// The share of the second derivatives of the inequalities in the Hessian, from 0 to 1.
+    pub share: f64,
+}
+
+impl Default for Iterate {
+    fn default() -> Self {
+        Self::new(Barrier::default(), Vec::new())
+    }
 }
 
 // By hand, so that the memory of the copy is kept.
@@ -62,7 +70,7 @@ impl Clone for Iterate {
     fn clone_from(&mut self, from: &Self) {
         self.working.clone_from(&from.working);
         self.equalities.clone_from(&from.equalities);
-        (self.before, self.barrier) = (from.before, from.barrier);
+        (self.before, self.barrier, self.share) = (from.before, from.barrier, from.share);
     }
 }
 
@@ -74,6 +82,7 @@ impl Iterate {
             equalities,
             before: f64::INFINITY,
             barrier,
+            share: 1.0,
         }
     }
 
@@ -172,6 +181,7 @@ impl Iterate {
     pub(crate) fn restart(&mut self, barrier: Barrier, equalities: Vec<Equality>) {
         self.working.clear();
         (self.equalities, self.before, self.barrier) = (equalities, f64::INFINITY, barrier);
+        self.share = 1.0;
     }
 
     /// Uses known multipliers $\lambda$ of the first rows, except those that are zero. An inequality whose slack is
@@ -270,6 +280,16 @@ impl Iterate {
         self.working.iter().map(product).sum()
     }
 
+    /// Adapts the [share](Self::share) of second derivatives after a step with a multiple of the norm, or without one.
+    pub fn adapt_share(&mut self, is_regularised: bool, options: &Options) {
+        let [less, more] = options.share_factors;
+        self.share = match is_regularised {
+            true if self.share > options.smallest_share => less * self.share,
+            true => 0.0,
+            false => (more * self.share).clamp(options.smallest_share, 1.0),
+        };
+    }
+
     /// The terms of an inequality of this value.
     pub fn term(&self, state: &RowState, h: f64) -> Term {
         let mu = self.barrier.mu;
@@ -284,7 +304,7 @@ impl Iterate {
         Term {
             slope: z + curvature * (h + mu / z - mu / (nu - z)),
             curvature,
-            multiplier: z,
+            multiplier: self.share * z,
             cost: nu * t - mu * (s * t).ln(),
         }
     }

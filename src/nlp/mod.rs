@@ -217,6 +217,13 @@ pub(crate) fn iterate<P: Nlp>(
         return Ok(Some(status));
     }
     let step = state.kkt.step(state.scale(), &mut state.progress, options);
+    let is_part = state.iterate.share < 1.0;
+    if is_part && state.is_within_tolerance(options) {
+        // A minimum is one with all second derivatives.
+        state.iterate.share = 1.0;
+        step.into_iter().for_each(|step| state.kkt.reuse(step));
+        return Ok(None);
+    }
     if state.is_stationary(options) {
         observe(&state.progress);
         return state.tighten_end(problem, options);
@@ -232,6 +239,7 @@ pub(crate) fn iterate<P: Nlp>(
     observe(&state.progress);
     let (alpha, used) = (state.progress.alpha, state.progress.regularisation);
     state.kkt.adapt(alpha, used, options);
+    state.iterate.adapt_share(used > 0.0, options);
     let at = BarrierState::after(state, taken.unwrap_or_default(), options);
     let solved = taken.is_none() || options.barrier.is_solved(&at);
     if solved && !state.is_last_barrier(options) {
@@ -246,6 +254,8 @@ pub(crate) fn iterate<P: Nlp>(
         if state.tighten(problem, 0.5 * before, options)? == Tightened::Coarse {
             return Ok(Some(Status::Coarse));
         }
+    } else if taken.is_none() && is_part {
+        state.iterate.share = 1.0;
     } else if taken.is_none() && !state.accepts_rounding(options) {
         return Ok(Some(Status::NoDescent));
     }

@@ -168,7 +168,7 @@ impl State {
     }
 
     /// Returns true if the Newton decrement is within the tolerance at the last barrier parameter.
-    fn is_within_tolerance(&self, options: &Options) -> bool {
+    pub(super) fn is_within_tolerance(&self, options: &Options) -> bool {
         self.is_last_barrier(options) && self.progress.stationarity <= options.tolerance
     }
 
@@ -334,6 +334,8 @@ impl State {
     pub(super) fn end<P: Nlp>(mut self, problem: &mut P, status: Status) -> Result<Solution> {
         let violation = problem.violation(&self.x)?;
         self.progress.complementarity = self.complementarity();
+        // Other users of its terms want those of the Lagrangian.
+        self.iterate.share = 1.0;
         Ok(Solution {
             x: self.x,
             iterate: self.iterate,

@@ -77,3 +77,19 @@ fn all_penalties_grow_where_violations_stay() {
     let [violated, _, kept] = [0, 1, 2].map(|k: usize| end.iterate.working[k].penalty);
     assert!(kept > 2.0 && violated > kept, "{violated} {kept}");
 }
+
+/// The distance from a point behind a ball.
+fn behind(x: &[HyperDual64]) -> (HyperDual64, Vec<HyperDual64>) {
+    let [a, b] = [x[0], x[1]];
+    let away = a + 2.0;
+    (away * away + b * b + 1.0, vec![-(a * a) - b * b + 1.0])
+}
+
+/// In front of a ball the distance from a point behind it is the least one but for the second derivatives of the ball.
+#[test]
+fn a_minimum_has_all_second_derivatives() {
+    let end = Dense::new(behind, &[2.0, 0.0], 0, 1).solve(&accurate());
+    assert_eq!(end.status, Status::Converged);
+    assert_near("behind", end.x.as_slice(), &[-2.0, 0.0], 1e-6);
+    assert_eq!(end.iterate.share, 1.0);
+}
