@@ -9,7 +9,7 @@ type Change = fn(&mut Options);
 #[test]
 fn options_with_which_a_search_would_not_end_are_refused() {
     assert!(Options::default().check().is_ok());
-    let cases: [(Change, &str); 9] = [
+    let cases: [(Change, &str); 10] = [
         (|o| o.tolerance = 0.0, "nlp: tolerance: it is 0"),
         (|o| o.last_barrier = f64::NAN, "last_barrier: it is NaN"),
         (
@@ -32,7 +32,8 @@ fn options_with_which_a_search_would_not_end_are_refused() {
             |o| o.regularisation_factors[2] = 3.0,
             "between 0 and 1 for the third",
         ),
-        (|o| o.share_factors[0] = 1.0, "share_factors: it is 1"),
+        (|o| o.share_factors[0] = 1.5, "share_factors: it is 1.5"),
+        (|o| o.share_factors[1] = 0.5, "more than 1 for the second"),
         (|o| o.smallest_share = 2.0, "smallest_share: it is 2"),
     ];
     for (change, words) in cases {
