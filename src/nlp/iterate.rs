@@ -49,7 +49,7 @@ pub struct Iterate {
     /// The largest equality at the last update of their multipliers.
     before: f64,
     pub barrier: Barrier,
-    /// The share of the second derivatives of the inequalities in the Hessian, from 0 to 1.
+    /// The share of second derivatives, from 0 to 1, that the Hessian has of inequalities that make it indefinite.
     pub share: f64,
 }
 
@@ -304,7 +304,7 @@ impl Iterate {
         Term {
             slope: z + curvature * (h + mu / z - mu / (nu - z)),
             curvature,
-            multiplier: self.share * z,
+            multiplier: z,
             cost: nu * t - mu * (s * t).ln(),
         }
     }

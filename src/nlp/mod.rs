@@ -65,11 +65,17 @@ pub trait Nlp {
     }
 
     /// Computes gradient and Hessian of the objective plus the weighted rows at `x`, the last evaluated point, with the
-    /// weights of `iterate`.
+    /// weights of `iterate`. Where the problem [has a share](Self::has_share), the Hessian has that of `iterate`.
     ///
     /// # Errors
     /// Those of [`value`](Self::value).
     fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()>;
+
+    /// Returns true if the Hessian has only the [share](Iterate::share) of the second derivatives of some inequalities
+    /// of the working set: those that make it indefinite by themselves, such as clearances.
+    fn has_share(&self) -> bool {
+        false
+    }
 
     /// The factor of the weights of all rows at `x`: the horizon.
     fn measure(&self, x: &DVector<f64>) -> f64;
@@ -239,7 +245,10 @@ pub(crate) fn iterate<P: Nlp>(
     observe(&state.progress);
     let (alpha, used) = (state.progress.alpha, state.progress.regularisation);
     state.kkt.adapt(alpha, used, options);
-    state.iterate.adapt_share(used > 0.0, options);
+    match problem.has_share() {
+        true => state.iterate.adapt_share(used > 0.0, options),
+        false => state.iterate.share = 1.0,
+    }
     let at = BarrierState::after(state, taken.unwrap_or_default(), options);
     let solved = taken.is_none() || options.barrier.is_solved(&at);
     if solved && !state.is_last_barrier(options) {

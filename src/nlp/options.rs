@@ -84,11 +84,11 @@ pub struct Options {
     pub long_fraction: f64,
     /// The largest multiple.
     pub largest_regularisation: f64,
-    /// The factors of the share of the second derivatives of inequalities after a step with a multiple of the norm and
-    /// after one without, and the smallest share but zero. A body that passes around another one has negative curvature
-    /// across the line between them, which makes the Hessian indefinite while multipliers are large; without it, as in
-    /// Gauss and Newton's method, steps are as long as the objective allows, where a multiple of the norm makes all of
-    /// them short (tuned on 67 problems of Fetch, UR5, Baxter and Panda: a fifth to a third fewer iterations than with
+    /// The factors of the [share](super::Iterate::share) of second derivatives after a step with a multiple of the norm
+    /// and after one without, and the smallest share but zero. A body that passes around another one has negative
+    /// curvature across the line between them, which makes the Hessian indefinite while multipliers are large; without
+    /// it, as in Gauss and Newton's method, steps are as long as the objective allows, where a multiple of the norm
+    /// makes all of them short (tuned on 67 problems of Fetch, UR5, Baxter and Panda: a fifth fewer iterations than with
     /// all of it; with 0.5 and 2, 0.25 and 2, or 0 and 10 the gain is half as large).
     pub share_factors: [f64; 2],
     pub smallest_share: f64,

@@ -31,7 +31,7 @@ pub struct Term {
     pub slope: f64,
     /// The weight of the product of its gradient with itself.
     pub curvature: f64,
-    /// The weight of its second derivative: the multiplier times the [share](super::Iterate::share).
+    /// The weight of its second derivative: the multiplier.
     pub multiplier: f64,
     /// The terms of the row in the barrier function.
     pub cost: f64,

@@ -164,7 +164,9 @@ impl Nlp for Dense {
             hessian.ger(term.curvature, slope, slope, 1.0);
         };
         for state in &iterate.working {
-            add(&state.row, iterate.term(state, h[state.row.at]));
+            let mut term = iterate.term(state, h[state.row.at]);
+            term.multiplier *= iterate.share;
+            add(&state.row, term);
         }
         for equality in &iterate.equalities {
             let row = &equality.row;
@@ -173,6 +175,10 @@ impl Nlp for Dense {
         out.gradient = gradient;
         out.hessian.matrix.diagonal[0] = hessian;
         Ok(())
+    }
+
+    fn has_share(&self) -> bool {
+        true
     }
 
     fn measure(&self, _: &DVector<f64>) -> f64 {

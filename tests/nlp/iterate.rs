@@ -236,13 +236,11 @@ fn rows_at_the_penalty() {
     assert!(!at(0.95).is_at_penalty(&[-1.0], 1e-6));
 }
 
-/// The share scales second derivatives alone; it falls to none with steps that need a multiple of the norm, and returns.
+/// A share falls to none with steps that need a multiple of the norm, and returns.
 #[test]
 fn a_share_of_second_derivatives() {
-    let mut iterate = one_row(Barrier { mu: 0.1, nu: 4.0 }, [0.5, 0.2, 0.25]);
-    let term = |iterate: &Iterate| iterate.term(&iterate.working[0], -0.3);
-    let (whole, options) = (term(&iterate), Options::default());
-    assert_eq!((iterate.share, whole.multiplier), (1.0, 1.0));
+    let mut iterate = Iterate::default();
+    assert_eq!(iterate.share, 1.0);
     for (is_regularised, share) in [
         (true, 0.25),
         (true, 0.0625),
@@ -257,18 +255,11 @@ fn a_share_of_second_derivatives() {
         (false, 1.0),
         (false, 1.0),
     ] {
-        iterate.adapt_share(is_regularised, &options);
+        iterate.adapt_share(is_regularised, &Options::default());
         assert_eq!(iterate.share, share);
-        let part = term(&iterate);
-        assert_eq!(part.multiplier, share);
-        let [a, b] = [whole, part].map(|of| [of.slope, of.curvature, of.cost]);
-        assert_eq!(a, b);
     }
 }
 
-/// The terms of an equality are those of $\lambda h + \rho h^2 / 2$, with its estimate as weight of second derivatives,
-/// and an update moves multiplier and estimate to the slope. The penalty grows unless the equality has shrunk to a
-/// quarter or is accepted; another working set of inequalities changes neither.
 #[test]
 fn equalities_have_the_terms_of_an_augmented_lagrangian() {
     let (row, penalty, h) = (Row { at: 1, weight: 0.5 }, 8.0, 0.25);

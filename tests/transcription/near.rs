@@ -115,12 +115,7 @@ fn rows_that_are_far_change_nothing() {
     let mut free = kept.clone();
     free.state.truncate(1);
     let [near, free] = [&kept, &free].map(|kept| around_the_post(&model, kept, (1, 12), default));
-    assert!(
-        near.cost > 1.0005 * free.cost,
-        "{} {}",
-        near.cost,
-        free.cost
-    );
+    assert!(near.cost > 1.001 * free.cost, "{} {}", near.cost, free.cost);
 }
 
 /// Lists of rows that are maxima of many functions change no motion, whether they are made anew at each point or not.
@@ -135,7 +130,7 @@ fn rows_of_covers_that_are_far_change_nothing() {
     kept.state[1] = AnyConstraint::Cover(cover);
     kept.state.truncate(2);
     let default = DirectSettings::constrained().search.moved;
-    let [lists, anew] = [default, 1e-6].map(|moved| around_the_post(&model, &kept, (3, 6), moved));
+    let [lists, anew] = [default, 1e-6].map(|moved| around_the_post(&model, &kept, (1, 12), moved));
     for end in [&lists, &anew] {
         assert!(end.converged && end.largest_violation < 1e-6, "{end:?}");
     }
@@ -146,7 +141,7 @@ fn rows_of_covers_that_are_far_change_nothing() {
         anew.cost
     );
     kept.state.truncate(1);
-    let free = around_the_post(&model, &kept, (3, 6), default);
+    let free = around_the_post(&model, &kept, (1, 12), default);
     assert!(
         lists.cost > 1.001 * free.cost,
         "{} {}",

@@ -225,8 +225,11 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         for state in iterate.working.iter().filter(|of| of.row.at < first) {
             let at = state.row.at;
             let h = self.objective.cost().h[at] + self.margins[at];
-            let term = self.term(iterate, state, h);
+            let mut term = self.term(iterate, state, h);
             let integrand = self.objective.cost_mut();
+            if integrand.rows.attributes().clearances[at % count] {
+                term.multiplier *= iterate.share;
+            }
             integrand.terms[at / count].push((at % count, term));
         }
         let integrand = self.objective.cost_mut();
@@ -341,6 +344,10 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
 
     fn longest(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64 {
         self.longest_on_border(x, step)
+    }
+
+    fn has_share(&self) -> bool {
+        self.working.has_clearances()
     }
 
     fn equalities(&self, density: f64) -> Vec<Equality> {

@@ -44,6 +44,11 @@ impl WorkingSet {
         self.inside.reserve(rows);
     }
 
+    /// Returns true if a clearance is in the working set.
+    pub fn has_clearances(&self) -> bool {
+        !self.inside.is_empty()
+    }
+
     /// Begins the lists of rows that may be in the working set or above the depth of a scan.
     pub fn begin_lists<K: Constraint, P: CostWithControl>(
         &self,

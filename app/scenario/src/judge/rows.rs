@@ -1,5 +1,6 @@
 //! The number of samples that the judge needs of a curve.
 
+use super::foot::standing;
 use super::{Intervals, Tolerances, Trajectory, checks};
 use crate::Scenario;
 use aghf::curve::Curve;
@@ -12,8 +13,8 @@ const INTERVALS: usize = 200;
 const HALVINGS: u32 = 6;
 
 /// The number of samples at equal distances, both ends included, with which `curve` passes as many of the judge's
-/// checks joint by joint as it does with any number: 201, or with intervals halved up to six times. Coarse samples fail
-/// where accelerations change or jump within an interval.
+/// checks joint by joint and of a standing foot as it does with any number: 201, or with intervals halved up to six
+/// times. Coarse samples fail where accelerations change or jump within an interval.
 ///
 /// Cost O(N p) per sample.
 ///
@@ -34,15 +35,11 @@ pub fn sufficient_samples(scenario: &Scenario, curve: &Curve) -> Result<usize> {
     Ok(best.1 + 1)
 }
 
-/// The number of checks joint by joint that a curve fails with this number of intervals.
+/// The number of checks joint by joint and of a standing foot that a curve fails with this number of intervals.
 fn failures(scenario: &Scenario, curve: &Curve, intervals: usize) -> Result<usize> {
-    let samples = sample(&scenario.model, curve, intervals)?;
-    let trajectory = Trajectory::of_samples(samples);
-    let rows = checks::by_joint(
-        scenario,
-        &trajectory,
-        &Intervals::new(&trajectory),
-        Tolerances::default().tolerance,
-    )?;
+    let trajectory = Trajectory::of_samples(sample(&scenario.model, curve, intervals)?);
+    let (intervals, tolerance) = (Intervals::new(&trajectory), Tolerances::default().tolerance);
+    let mut rows = checks::by_joint(scenario, &trajectory, &intervals, tolerance)?;
+    rows.extend(standing(scenario, &trajectory, &intervals, tolerance)?);
     Ok(rows.iter().filter(|row| !row.outcome.is_good()).count())
 }
