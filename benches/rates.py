@@ -5,10 +5,11 @@
     python3 benches/rates.py --seeds 1-100             # of each family near the limits
     python3 benches/rates.py --problems .../resources/panda/problems --stride 10
 
-Of MotionBenchMaker, which comes with the sources of `vamp-planner`, the free horizon stays; a problem of the families is
-given the larger of its own horizon and 1.25 times the least time of its joints within all three limits. The clearance is
-from obstacles, and left out where start or goal is nearer. Each motion is solved on one core with all defaults and
-judged. Prints one line per motion that is not optimal or not judged valid, and the table. Needs Python 3.9 alone.
+Of MotionBenchMaker, which comes with the sources of `vamp-planner`, the free horizon stays; a problem of the families
+is given the larger of its own horizon and 1.25 times the least time of its joints within all three limits. The
+clearance is from obstacles, and left out where start or goal is nearer. Each motion is solved on one core with all
+defaults and judged. Prints one line per motion that is not optimal or not judged valid, and the table. Needs Python
+3.9 alone.
 """
 
 import argparse
@@ -99,9 +100,11 @@ def main() -> int:
             found = solve(options.aghf, scenario, folder)
             families.setdefault(family, []).append(found)
             if found.get("verdict") != "optimal" or not found["judged"]:
-                print(problem, found.get("refused") or (found["verdict"], found["failure"], found["judged"]), flush=True)
-    print("| family | problems | valid | optimal | with 2 cm | iterations, median | median, ms | 99 %, ms | slowest, ms |")
-    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
+                outcome = found.get("refused") or (found["verdict"], found["failure"], found["judged"])
+                print(problem, outcome, flush=True)
+    columns = ["family", "problems", "valid", "optimal", "with 2 cm", "iterations, median"]
+    columns += ["median, ms", "99 %, ms", "slowest, ms"]
+    print("| " + " | ".join(columns) + " |\n" + "| --- " * len(columns) + "|")
     everything = [found for family in families.values() for found in family]
     for family, all_found in [*families.items(), ("all", everything)]:
         solved = [found for found in all_found if "refused" not in found]

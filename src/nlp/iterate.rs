@@ -1,38 +1,10 @@
 //! Slacks, elastic variables and multipliers of the rows.
 
-use super::{Barrier, Options, Row, RowState, RowStep, Term};
+use super::{Barrier, Equality, Options, Row, RowState, RowStep, Term};
 
 /// The fraction of its violation that an equality may keep from one update to the next before its penalty grows: 1/4 as
 /// in NW, framework 17.3.
 const PROGRESS: f64 = 0.25;
-
-/// A row that is an equality.
-#[derive(Clone, Copy, Debug)]
-pub struct Equality {
-    pub row: Row,
-    /// The penalty of its square without a search before.
-    pub first: f64,
-    /// The penalty $\rho$ of its square.
-    pub penalty: f64,
-    /// $\lambda$.
-    pub multiplier: f64,
-    /// The estimate $y$ of the multiplier that takes the Newton steps of the primal-dual equations.
-    pub estimate: f64,
-}
-
-impl Equality {
-    /// An equality with its first penalty, and `factor` times that to begin with.
-    #[must_use]
-    pub fn new(row: Row, first: f64, factor: f64) -> Self {
-        Self {
-            row,
-            first,
-            penalty: factor * first,
-            multiplier: 0.0,
-            estimate: 0.0,
-        }
-    }
-}
 
 /// The inequalities of the working set and the equalities, with their multipliers. Equalities have the terms
 /// $\lambda h + \tfrac12 \rho h^2$ of an augmented Lagrangian (NW 17.3), and steps are those of the primal-dual

@@ -34,11 +34,11 @@ mod row;
 mod state;
 
 pub use barrier::{Barrier, BarrierState, BarrierUpdate, Monotone};
-pub use iterate::{Equality, Iterate};
+pub use iterate::Iterate;
 pub(crate) use kkt::Memory;
 pub use kkt::{Bordered, Kkt};
 pub use options::Options;
-pub use row::{Row, RowState, RowStep, Term};
+pub use row::{Equality, Row, RowState, RowStep, Term};
 
 use crate::error::Result;
 use line_search::line_search;

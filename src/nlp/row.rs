@@ -12,6 +12,34 @@ pub struct Row {
     pub weight: f64,
 }
 
+/// A row that is an equality.
+#[derive(Clone, Copy, Debug)]
+pub struct Equality {
+    pub row: Row,
+    /// The penalty of its square without a search before.
+    pub first: f64,
+    /// The penalty $\rho$ of its square.
+    pub penalty: f64,
+    /// $\lambda$.
+    pub multiplier: f64,
+    /// The estimate $y$ of the multiplier that takes the Newton steps of the primal-dual equations.
+    pub estimate: f64,
+}
+
+impl Equality {
+    /// An equality with its first penalty, and `factor` times that to begin with.
+    #[must_use]
+    pub fn new(row: Row, first: f64, factor: f64) -> Self {
+        Self {
+            row,
+            first,
+            penalty: factor * first,
+            multiplier: 0.0,
+            estimate: 0.0,
+        }
+    }
+}
+
 /// The slack $s$, the elastic variable $t$, the multiplier $\lambda$ and the penalty $\nu$ of an inequality, with the
 /// conditions $s \lambda = \mu$ and $t (\nu - \lambda) = \mu$.
 #[derive(Clone, Copy, Debug)]

@@ -233,11 +233,8 @@ fn rows_of_covers_are_exact_near_their_bounds() {
     let (mut outside, mut at_cutoff) = (0, 0);
     for height in heights.into_iter().chain([0.25]) {
         let cover = above(height, far);
-        let state = AnyConstraint::Cover(cover.clone());
-        let all = of_state(vec![
-            AnyConstraint::Bounds(Bounds::positions(&model)),
-            state,
-        ]);
+        let bounds = AnyConstraint::Bounds(Bounds::positions(&model));
+        let all = of_state(vec![bounds, AnyConstraint::Cover(cover.clone())]);
         let found = violations(&model, &curve, &all, 1000).expect("same robot");
         let first = all.state[0].dim();
         let (_, worst) = of_cover(&model, &curve, &cover);

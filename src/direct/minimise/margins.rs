@@ -20,8 +20,8 @@ fn beside(grid: &Grid<f64>, maximum: &Maximum) -> [Option<usize>; 2] {
     ]
 }
 
-/// The share of the reserve of a row at a time from 0 to 1. A foot that lands is at the ground and at rest there, so the
-/// share of a row of one phase vanishes with its derivative at both ends of the phase; it is whole a hundredth from there.
+/// The share of the reserve of a row at a time from 0 to 1. A foot that lands is at the ground and at rest there, so
+/// that of a row of one phase vanishes with its derivative at both ends of it; it is whole a hundredth from there.
 fn share_of_reserve<K, P>(rows: &Rows<'_, K, P>, row: usize, time: f64) -> f64
 where
     K: Constraint,
