@@ -86,7 +86,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", type=seeds, default=range(1, 21), help="one seed, or FIRST-LAST")
     parser.add_argument("--problems", type=Path, help="the folder of MotionBenchMaker instead of the families")
-    parser.add_argument("--stride", type=int, default=1, help="every which of its problems")
+    parser.add_argument("--stride", type=int, default=1, help="the step from one of its problems to the next")
     parser.add_argument("--aghf", type=Path, default=AGHF, help="the program")
     options = parser.parse_args()
     families = {}

@@ -227,7 +227,9 @@ pub(crate) fn iterate<P: Nlp>(
     if is_part && state.is_within_tolerance(options) {
         // A minimum is one with all second derivatives.
         state.iterate.share = 1.0;
-        step.into_iter().for_each(|step| state.kkt.reuse(step));
+        if let Some(step) = step {
+            state.kkt.reuse(step);
+        }
         return Ok(None);
     }
     if state.is_stationary(options) {

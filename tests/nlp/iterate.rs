@@ -260,6 +260,9 @@ fn a_share_of_second_derivatives() {
     }
 }
 
+/// The terms of an equality are those of $\lambda h + \rho h^2 / 2$, with its estimate as weight of second derivatives,
+/// and an update moves multiplier and estimate to the slope. The penalty grows unless the equality has shrunk to a
+/// quarter or is accepted; another working set of inequalities changes neither.
 #[test]
 fn equalities_have_the_terms_of_an_augmented_lagrangian() {
     let (row, penalty, h) = (Row { at: 1, weight: 0.5 }, 8.0, 0.25);

@@ -6,7 +6,7 @@ use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::cost::SMALLEST_COST;
 use crate::error::Result;
-use crate::transcription::{Grid, Maximum, Rows};
+use crate::transcription::{Grid, Maximum};
 use nalgebra::DVector;
 
 /// The points of its segment beside a maximum, at which rows are kept.
@@ -20,17 +20,11 @@ fn beside(grid: &Grid<f64>, maximum: &Maximum) -> [Option<usize>; 2] {
     ]
 }
 
-/// The share of the reserve of a row at a time from 0 to 1. A foot that lands is at the ground and at rest there, so
-/// that of a row of one phase vanishes with its derivative at both ends of it; it is whole a hundredth from there.
-fn share_of_reserve<K, P>(rows: &Rows<'_, K, P>, row: usize, time: f64) -> f64
-where
-    K: Constraint,
-    P: CostWithControl,
-{
-    if !rows.is_of_phase(row) {
-        return 1.0;
-    }
-    let of_phase = (rows.cost.phases() as f64 * time).fract();
+/// The share of the reserve of a row that is kept in one of several phases, at a time from 0 to 1. A foot that lands is
+/// at the ground and at rest there, so it vanishes with its derivative at both ends of a phase; it is whole a hundredth
+/// from there.
+fn share_in_phase(phases: usize, time: f64) -> f64 {
+    let of_phase = (phases as f64 * time).fract();
     (of_phase * (1.0 - of_phase) / 0.01).powi(2).min(1.0)
 }
 
@@ -143,13 +137,20 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// Sets the margins against rounding.
     pub(super) fn reserve(&mut self) {
         self.set_reserves();
+        let margins = self.reserves.iter().copied();
         let reserve = self.search.reserve;
         let (of_grid, beside) = self.margins.split_at_mut(self.first_of_points);
+        for (margin, of_row) in of_grid.iter_mut().zip(margins.cycle()) {
+            *margin = of_row;
+        }
         let rows = &self.objective.cost().rows;
-        let points = of_grid.chunks_exact_mut(self.reserves.len().max(1));
-        for (time, margins) in self.grid.times.iter().zip(points) {
-            for (row, (margin, reserve)) in margins.iter_mut().zip(&self.reserves).enumerate() {
-                *margin = reserve * share_of_reserve(rows, row, *time);
+        let (count, phases) = (rows.count(), rows.cost.phases());
+        for phase in &rows.constraints.stage.phases {
+            let points = of_grid.chunks_exact_mut(count).zip(&self.grid.times);
+            for (margins, time) in points {
+                for margin in &mut margins[phase.rows.clone()] {
+                    *margin *= share_in_phase(phases, *time);
+                }
             }
         }
         let of_points = self.points.iter().flat_map(|point| &point.equalities);
@@ -173,8 +174,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         // Times are sums of intervals.
         let is_at = |time: f64, end: f64| (time - end).abs() <= 8.0 * f64::EPSILON;
         let is_fixed = |time: f64| (fixed[0] && is_at(time, 0.0)) || (fixed[1] && is_at(time, 1.0));
-        let phases = integrand.rows.cost.phases() as f64;
-        let changes = |time: f64| is_at(phases * time, (phases * time).round());
+        let phases = integrand.rows.cost.phases();
+        let changes = |time: f64| is_at(phases as f64 * time, (phases as f64 * time).round());
         for maximum in &self.look.found {
             // Margins do not change the state at a fixed end, nor the place of a foot that lands. Beside an end at its
             // bound they would ask for another derivative than the one that decides.
@@ -184,8 +185,11 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
                 continue;
             }
             for g in beside(grid, maximum).into_iter().flatten() {
-                let share = share_of_reserve(&integrand.rows, maximum.row, grid.times[g]);
-                let reserve = self.reserves[maximum.row] * share;
+                let share = match of_phase {
+                    true => share_in_phase(phases, grid.times[g]),
+                    false => 1.0,
+                };
+                let reserve = share * self.reserves[maximum.row];
                 let at = g * count + maximum.row;
                 if !grow {
                     let beside = reserve + maximum.height - integrand.h[at];

@@ -52,13 +52,11 @@ fn a_moved_goal_takes_a_seventh_of_the_iterations() {
             .expect("valid");
         counts.push((iterations, cold.iterations.len()));
     }
-    // One of twenty may find no way from the last plan, as one of thirty does with other seeds.
-    let found: Vec<_> = counts.iter().filter(|(warm, _)| *warm <= 100).collect();
     let [warm, cold] = [
-        found.iter().map(|(warm, _)| warm).sum::<usize>(),
-        found.iter().map(|(_, cold)| cold).sum(),
+        counts.iter().map(|(warm, _)| warm).sum::<usize>(),
+        counts.iter().map(|(_, cold)| cold).sum(),
     ];
-    assert!(found.len() >= 19 && 7 * warm <= cold, "{counts:?}");
+    assert!(7 * warm <= cold, "{counts:?}");
 }
 
 /// The limits of a robot, balls around its joints that keep clear of each other, and three obstacles that they and

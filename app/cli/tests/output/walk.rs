@@ -49,8 +49,13 @@ fn a_walk_has_a_folder_per_phase() {
                 "--force",
             ],
         );
-        let told = format!("{}{}", certified.stdout, certified.stderr);
-        assert_eq!(certified.code, Some(0), "{told}");
+        assert_eq!(
+            certified.code,
+            Some(0),
+            "{}{}",
+            certified.stdout,
+            certified.stderr
+        );
     }
     // Nothing is overwritten, nor left of a longer walk.
     assert_bad_input(
