@@ -79,8 +79,9 @@ def of_readme(ours: Results, peers: Results) -> list[tuple[str, list[Decimal]]]:
             [ours.of(MBM, name, "^all")[0] / 1000 for name in ("median ms", "worst")],
         ),
         (
-            "of all {}, balanced, {} are valid and {} minima",
-            [ours.of(MBM, name, "^all", 1)[0] for name in ("problems", "valid", "optimal")],
+            "of all {}, balanced, {} are valid and {} minima, median {} s",
+            [ours.of(MBM, name, "^all", 1)[0] for name in ("problems", "valid", "optimal")]
+            + [ours.of(MBM, "median ms", "^all", 1)[0] / 1000],
         ),
         ("or the folder of the {}", ours.of(MBM, "problems", "^all", 1)),
         ("on five arms, {} of {} solved", [sum(solved), Decimal(100 * len(solved))]),
