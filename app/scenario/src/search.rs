@@ -10,7 +10,7 @@ use aghf::motion::{Problem, Stopped};
 use std::time::Instant;
 
 /// The weights of time in a search for the least time, as multiples of the effort per second of the motion before. With
-/// a first one of 30 balanced motions among obstacles of four robots take an eighth more iterations.
+/// a first one of 30 balanced motions of four robots among obstacles take an eighth more iterations.
 const SHARE: f64 = 1000.0;
 
 /// The weight below which a search that leads to no faster motion gives up.
@@ -20,7 +20,7 @@ const LEAST_SHARE: f64 = 2.0;
 /// not in a hurry has no best motion.
 const LAST_SHARE: f64 = 100.0;
 
-/// The largest number of weights. Where nothing but inertia costs effort, two of them divide the duration by seven.
+/// The largest number of weights. Where nothing but inertia costs effort, each of them divides the duration by four.
 const STEPS: usize = 8;
 
 /// The longest duration of a balanced motion, as a multiple of the least one, and that from which its search starts at
