@@ -91,6 +91,11 @@ pub struct SearchOptions {
     /// The first penalty of a violation from a planned start or a given one, relative to the cost: a start that keeps
     /// all rows stays inside.
     pub planned_penalty: f64,
+    /// The factor of that penalty from one planned start to the next: the larger it is, the closer a motion stays to
+    /// its planned path, in narrow places too.
+    pub planned_penalty_factor: f64,
+    /// The largest such penalty. With 10 000 steps are so short that searches do not end.
+    pub largest_planned_penalty: f64,
     /// The number of checked configurations after which a path no longer keeps a margin.
     pub margin_checks: usize,
     /// The factor between successive horizons of a planned start.
@@ -136,6 +141,8 @@ impl Default for SearchOptions {
             planned_segments: 8,
             planned_degree: 6,
             planned_penalty: 10.0,
+            planned_penalty_factor: 10.0,
+            largest_planned_penalty: 1e3,
             margin_checks: 125_000,
             horizon_growth: 1.15,
             same_minimum: 1e-3,
@@ -187,6 +194,8 @@ impl SearchOptions {
             ("lower_last_barrier", self.lower_last_barrier),
             ("lower_feasible", self.lower_feasible),
             ("planned_penalty", self.planned_penalty),
+            ("planned_penalty_factor", self.planned_penalty_factor),
+            ("largest_planned_penalty", self.largest_planned_penalty),
             ("same_minimum", self.same_minimum),
         ] {
             check_positive("search", what, value)?;

@@ -199,8 +199,19 @@ impl Trial {
 }
 
 impl State {
+    /// Forgets the barrier function at the last iterates, for another barrier or working set.
+    pub(super) fn forget_merits(&mut self) {
+        self.merits.clear();
+        (self.decreased, self.stalled) = (f64::INFINITY, 0);
+    }
+
     /// Notes the barrier function at the current iterate; returns the largest of the last values.
     fn remember(&mut self, merit: f64, memory: usize) -> f64 {
+        let most = self.decreased - self.complementarity() * self.scale();
+        match merit < most {
+            true => (self.decreased, self.stalled) = (merit, 0),
+            false => self.stalled += 1,
+        }
         self.merits.push_back(merit);
         while self.merits.len() > memory {
             self.merits.pop_front();

@@ -20,8 +20,8 @@
 //!    slack and each multiplier keeps a part of its distance from its bounds, row by row (WB 2.2). Slacks follow the
 //!    rows themselves, multipliers the linearised ones (NW 19.12). Along negative curvature a step is doubled while
 //!    that decreases the barrier function further.
-//! 3. `barrier`: the barrier parameter is reduced when the predicted decrease of its problem is small
-//!    ([`BarrierUpdate`]).
+//! 3. `barrier`: the barrier parameter is reduced when the predicted decrease of its problem is small, or that of some
+//!    iterations was ([`BarrierUpdate`]).
 //! 4. [`Nlp::tighten`]: after each reduction the rows are evaluated between the points of the quadrature, and violated
 //!    rows at their penalties get larger ones (NW 18.36).
 

@@ -29,6 +29,10 @@ pub(crate) struct State {
     residual: f64,
     /// The barrier function at the last iterates with this barrier and working set.
     pub(super) merits: std::collections::VecDeque<f64>,
+    /// The barrier function when it last decreased by more than the barrier parameter summed over all rows, and the
+    /// number of iterations since then.
+    pub(super) decreased: f64,
+    pub(super) stalled: usize,
     /// Memory of a line search, of the rows of the working set, and of values of rows.
     pub(super) trial: Trial,
     pub(super) longer: Trial,
@@ -65,6 +69,8 @@ impl State {
             is_infeasible: false,
             residual: f64::INFINITY,
             merits: Default::default(),
+            decreased: f64::INFINITY,
+            stalled: 0,
             trial: Trial::default(),
             longer: Trial::default(),
             rows: Vec::new(),
@@ -107,7 +113,7 @@ impl State {
         (self.iterations, self.rounds) = (0, 0);
         (self.excess, self.residual) = (f64::INFINITY, f64::INFINITY);
         self.is_infeasible = false;
-        self.merits.clear();
+        self.forget_merits();
         Ok(())
     }
 
@@ -318,7 +324,7 @@ impl State {
 
     /// Evaluates the rows again after a change of margins.
     fn reset<P: Nlp>(&mut self, problem: &mut P, options: &Options) -> Result<()> {
-        self.merits.clear();
+        self.forget_merits();
         self.f = problem.value(&self.x, &mut self.h)?;
         problem.working_set(&self.h, &mut self.rows);
         if !self.f.is_finite() {

@@ -109,6 +109,85 @@ fn rules_see_relative_sums() {
     );
 }
 
+/// A rule by which no barrier problem is solved, and a record of all that it was shown.
+#[derive(Debug, Default)]
+struct Never {
+    seen: Mutex<Vec<BarrierState>>,
+}
+
+impl BarrierUpdate for Never {
+    fn is_solved(&self, state: &BarrierState) -> bool {
+        self.seen.lock().expect("no panic").push(*state);
+        false
+    }
+
+    fn next(&self, state: &BarrierState) -> f64 {
+        0.2 * state.mu
+    }
+}
+
+/// Iterations are counted while none decreases the barrier function by more than the barrier parameter. At the first
+/// one there is nothing to compare with; far from the minimum each decreases it by more, at the minimum none does.
+#[test]
+fn iterations_without_a_decrease_are_counted() {
+    let rule = Arc::new(Never::default());
+    let options = Options {
+        first_barrier: 1e-2,
+        iterations: 30,
+        barrier: rule.clone(),
+        ..accurate()
+    };
+    assert_eq!(program().solve(&options).status, Status::Iterations);
+    let seen = rule.seen.lock().expect("no panic");
+    let stalled: Vec<usize> = seen.iter().map(|state| state.stalled).collect();
+    assert_eq!(stalled[..3], [0, 0, 0], "{stalled:?}");
+    assert!(
+        stalled
+            .windows(2)
+            .all(|two| two[1] == 0 || two[1] == two[0] + 1),
+        "{stalled:?}"
+    );
+    let last: Vec<usize> = stalled[20..]
+        .iter()
+        .map(|count| count - stalled[20])
+        .collect();
+    assert_eq!(last, Vec::from_iter(0..10), "{stalled:?}");
+}
+
+/// With another barrier parameter the count begins anew.
+#[test]
+fn a_new_barrier_problem_has_not_stalled() {
+    let rule = Arc::new(Adaptive::default());
+    let options = Options {
+        barrier: rule.clone(),
+        ..accurate()
+    };
+    program().solve(&options);
+    let seen = rule.seen.lock().expect("no panic");
+    let reduced = seen.windows(2).filter(|two| two[1].mu < 0.9 * two[0].mu);
+    let stalled: Vec<_> = reduced.map(|two| two[1].stalled).collect();
+    assert!(
+        stalled.len() > 3 && stalled.iter().all(|count| *count == 0),
+        "{stalled:?}"
+    );
+}
+
+/// A problem whose predicted decrease remains large counts as solved after some iterations without one.
+#[test]
+fn a_stalled_barrier_problem_is_solved() {
+    let at = |stalled| BarrierState {
+        mu: 0.1,
+        complementarity: 0.1,
+        decrease: 10.0,
+        alpha: 1e-3,
+        has_equalities: false,
+        stalled,
+    };
+    let rule = Monotone::default();
+    let solved = [0, rule.stalled - 1, rule.stalled].map(|stalled| rule.is_solved(&at(stalled)));
+    assert_eq!(solved, [false, false, true]);
+}
+
 /// $(x^2 - 1)^2 + 1$, and a row far away.
 fn well(x: &[HyperDual64]) -> (HyperDual64, Vec<HyperDual64>) {
     let well = x[0] * x[0] - 1.0;

@@ -55,6 +55,17 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         (self.wanted && beyond.is_multiple_of(2)).then_some(first + beyond as u64 / 2)
     }
 
+    /// The first penalty of a violation from a planned start.
+    fn penalty(&self, start: usize) -> f64 {
+        let search = &self.settings.search;
+        let growth = search.planned_penalty_factor;
+        let paths = self.number(start).unwrap_or_default();
+        let factors = (0..paths).map(|_| growth);
+        let grown = factors.fold(search.planned_penalty, |penalty, factor| penalty * factor);
+        let most = search.largest_planned_penalty.max(search.planned_penalty);
+        grown.min(most)
+    }
+
     /// The number of the bends of a start without a path.
     pub fn bends(&self, start: usize) -> u64 {
         let ends = self.context.goal.map_or(1, |goal| goal.ends.len());
@@ -88,7 +99,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         let problem = &problem.with_horizon(horizon)?;
         Ok(Some(Candidate {
             times: nearest_times(&path, problem, &self.settings.waypoints),
-            penalty: Some(self.settings.search.planned_penalty),
+            penalty: Some(self.penalty(start)),
             ..Candidate::new(path, horizon)
         }))
     }
