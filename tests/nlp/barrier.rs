@@ -172,20 +172,24 @@ fn a_new_barrier_problem_has_not_stalled() {
     );
 }
 
-/// A problem whose predicted decrease remains large counts as solved after some iterations without one.
+/// A problem whose predicted decrease remains large counts as solved after some iterations without one, unless there are
+/// equalities.
 #[test]
 fn a_stalled_barrier_problem_is_solved() {
-    let at = |stalled| BarrierState {
+    let at = |stalled, has_equalities| BarrierState {
         mu: 0.1,
         complementarity: 0.1,
         decrease: 10.0,
         alpha: 1e-3,
-        has_equalities: false,
+        has_equalities,
         stalled,
     };
     let rule = Monotone::default();
-    let solved = [0, rule.stalled - 1, rule.stalled].map(|stalled| rule.is_solved(&at(stalled)));
-    assert_eq!(solved, [false, false, true]);
+    let counts = [0, rule.stalled - 1, rule.stalled];
+    let [without, with] =
+        [false, true].map(|has| counts.map(|stalled| rule.is_solved(&at(stalled, has))));
+    assert_eq!(without, [false, false, true]);
+    assert_eq!(with, [false; 3]);
 }
 
 /// $(x^2 - 1)^2 + 1$, and a row far away.
