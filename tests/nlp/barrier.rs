@@ -172,8 +172,8 @@ fn a_new_barrier_problem_has_not_stalled() {
     );
 }
 
-/// A problem whose predicted decrease remains large counts as solved after some iterations without one, unless there are
-/// equalities.
+/// A problem whose predicted decrease remains large counts as solved after some iterations without one, unless there
+/// are equalities.
 #[test]
 fn a_stalled_barrier_problem_is_solved() {
     let at = |stalled, has_equalities| BarrierState {
