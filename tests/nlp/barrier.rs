@@ -19,16 +19,17 @@ fn program() -> Dense {
     }
 }
 
-/// A share of the complementarity after every step, and a record of all that it was shown.
+/// A share of the complementarity after every step, or never another parameter, and a record of all that it was shown.
 #[derive(Debug, Default)]
 struct Adaptive {
+    never: bool,
     seen: Mutex<Vec<BarrierState>>,
 }
 
 impl BarrierUpdate for Adaptive {
     fn is_solved(&self, state: &BarrierState) -> bool {
         self.seen.lock().expect("no panic").push(*state);
-        true
+        !self.never
     }
 
     fn next(&self, state: &BarrierState) -> f64 {
@@ -109,28 +110,14 @@ fn rules_see_relative_sums() {
     );
 }
 
-/// A rule by which no barrier problem is solved, and a record of all that it was shown.
-#[derive(Debug, Default)]
-struct Never {
-    seen: Mutex<Vec<BarrierState>>,
-}
-
-impl BarrierUpdate for Never {
-    fn is_solved(&self, state: &BarrierState) -> bool {
-        self.seen.lock().expect("no panic").push(*state);
-        false
-    }
-
-    fn next(&self, state: &BarrierState) -> f64 {
-        0.2 * state.mu
-    }
-}
-
 /// Iterations are counted while none decreases the barrier function by more than the barrier parameter. At the first
 /// one there is nothing to compare with; far from the minimum each decreases it by more, at the minimum none does.
 #[test]
 fn iterations_without_a_decrease_are_counted() {
-    let rule = Arc::new(Never::default());
+    let rule = Arc::new(Adaptive {
+        never: true,
+        ..Adaptive::default()
+    });
     let options = Options {
         first_barrier: 1e-2,
         iterations: 30,

@@ -5,6 +5,15 @@ use crate::{across, outside, point, ring, wall_with_a_gap};
 use aghf::constraint::{AnyConstraint, Constraints, TorqueLimits};
 use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, PlannedStarts};
 
+/// Rows of the state alone.
+fn keeping(state: Vec<AnyConstraint>) -> Constraints<Vec<AnyConstraint>> {
+    Constraints {
+        state,
+        torque: TorqueLimits(Vec::new()),
+        stage: Default::default(),
+    }
+}
+
 fn solve(
     state: Vec<AnyConstraint>,
     planned_starts: PlannedStarts,
@@ -12,11 +21,7 @@ fn solve(
 ) -> DirectSolution {
     let model = point();
     let problem = across(&model);
-    let kept = Constraints {
-        state,
-        torque: TorqueLimits(Vec::new()),
-        stage: Default::default(),
-    };
+    let kept = keeping(state);
     let settings = DirectSettings {
         degree: 9,
         planned_starts,
@@ -72,11 +77,7 @@ fn a_planned_start_gets_through_a_gap_without_a_margin() {
 fn later_planned_starts_have_larger_penalties() {
     let model = point();
     let problem = across(&model);
-    let kept = Constraints {
-        state: wall_with_a_gap(),
-        torque: TorqueLimits(Vec::new()),
-        stage: Default::default(),
-    };
+    let kept = keeping(wall_with_a_gap());
     let found = |factor| {
         let mut settings = DirectSettings {
             degree: 9,
@@ -120,11 +121,7 @@ fn planned_starts_are_for_what_is_not_found() {
 fn a_planned_first_start_keeps_what_is_asked() {
     let model = point();
     let problem = across(&model);
-    let kept = Constraints {
-        state: wall_with_a_gap(),
-        torque: TorqueLimits(Vec::new()),
-        stage: Default::default(),
-    };
+    let kept = keeping(wall_with_a_gap());
     let solve = |iterations| {
         let settings = DirectSettings {
             planned_starts: PlannedStarts::First,

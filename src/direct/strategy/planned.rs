@@ -58,12 +58,10 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
     /// The first penalty of a violation from a planned start.
     fn penalty(&self, start: usize) -> f64 {
         let search = &self.settings.search;
-        let growth = search.planned_penalty_factor;
-        let paths = self.number(start).unwrap_or_default();
-        let factors = (0..paths).map(|_| growth);
-        let grown = factors.fold(search.planned_penalty, |penalty, factor| penalty * factor);
+        let before = self.number(start).unwrap_or_default();
+        let growth = search.planned_penalty_factor.powf(before as f64);
         let most = search.largest_planned_penalty.max(search.planned_penalty);
-        grown.min(most)
+        (growth * search.planned_penalty).min(most)
     }
 
     /// The number of the bends of a start without a path.
