@@ -202,7 +202,7 @@ impl State {
     /// Forgets the barrier function at the last iterates, for another barrier or working set.
     pub(super) fn forget_merits(&mut self) {
         self.merits.clear();
-        (self.decreased, self.stalled) = (f64::INFINITY, 0);
+        self.decreased = f64::INFINITY;
     }
 
     /// Notes the barrier function at the current iterate; returns the largest of the last values.

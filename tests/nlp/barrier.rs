@@ -141,24 +141,6 @@ fn iterations_without_a_decrease_are_counted() {
     assert_eq!(last, Vec::from_iter(0..10), "{stalled:?}");
 }
 
-/// With another barrier parameter the count begins anew.
-#[test]
-fn a_new_barrier_problem_has_not_stalled() {
-    let rule = Arc::new(Adaptive::default());
-    let options = Options {
-        barrier: rule.clone(),
-        ..accurate()
-    };
-    program().solve(&options);
-    let seen = rule.seen.lock().expect("no panic");
-    let reduced = seen.windows(2).filter(|two| two[1].mu < 0.9 * two[0].mu);
-    let stalled: Vec<_> = reduced.map(|two| two[1].stalled).collect();
-    assert!(
-        stalled.len() > 3 && stalled.iter().all(|count| *count == 0),
-        "{stalled:?}"
-    );
-}
-
 /// A problem whose predicted decrease remains large counts as solved after some iterations without one, unless there
 /// are equalities.
 #[test]
@@ -183,6 +165,25 @@ fn a_stalled_barrier_problem_is_solved() {
 fn well(x: &[HyperDual64]) -> (HyperDual64, Vec<HyperDual64>) {
     let well = x[0] * x[0] - 1.0;
     (well * well + 1.0, vec![x[0] - 1e3])
+}
+
+/// With another barrier parameter the count begins anew: a smaller one makes the barrier function of the row far away
+/// larger.
+#[test]
+fn a_new_barrier_problem_has_not_stalled() {
+    let rule = Arc::new(Adaptive::default());
+    let options = Options {
+        barrier: rule.clone(),
+        ..accurate()
+    };
+    Dense::new(well, &[1.01], 0, 1).solve(&options);
+    let seen = rule.seen.lock().expect("no panic");
+    let reduced = seen.windows(2).filter(|two| two[1].mu < 0.9 * two[0].mu);
+    let stalled: Vec<_> = reduced.map(|two| two[1].stalled).collect();
+    assert!(
+        stalled.len() > 3 && stalled.iter().all(|count| *count == 0),
+        "{stalled:?}"
+    );
 }
 
 /// Where the objective has negative curvature, the predicted decrease is that of the longest step down the slope, of
