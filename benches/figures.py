@@ -72,7 +72,9 @@ def of_readme(ours: Results, peers: Results) -> list[tuple[str, list[Decimal]]]:
     times = [peers.of(MBM, "median ms", rf"\| {who}") for who in ("VAMP, TOPP-RA, spline", "ours$")]
     costs, starts = ours.both(STEP, "cost, least to largest", "^ours"), ours.of(STEP, "valid", "^ours")
     valid = [peers.of(MBM, "valid", rf"\| {who}") for who in ("ours$", "VAMP.*spline", "VAMP.*corners")]
+    mutations = (ROOT / "tests/mutations/list.toml").read_text(encoding="utf-8").count("[[mutation]]")
     return [
+        ("{} deliberate errors", [Decimal(mutations)]),
         ("{} of {} MotionBenchMaker problems", ours.of(MBM, "valid", "^all") + ours.of(MBM, "problems", "^all")),
         (
             "median {} s, the slowest {} s",

@@ -23,7 +23,7 @@ fn problems() -> Vec<String> {
         "kinova_free_03",
         "kinova_table_01",
         "digit_free_stretch",
-        "digit_obstacles_01",
+        "digit_obstacles_2",
         "two_arms_01",
         "acrobot_swingup",
         "cart_pole_swingup",
@@ -72,6 +72,12 @@ fn regularisation(x: &mut [f64; 3], by: f64) {
     fraction(after, by);
 }
 
+fn shares(x: &mut [f64; 2], by: f64) {
+    let [less, more] = x;
+    fraction(less, by);
+    factor(more, by);
+}
+
 /// The options by name, each with the function that changes it.
 macro_rules! options {
     ($($change:ident: $($group:ident.$option:ident),*;)*) => {
@@ -88,24 +94,27 @@ fn options() -> Vec<(&'static str, Change)> {
             search.reserve, search.near, search.share_of_cutoff, search.moved, search.last_barrier_of_bounds,
             search.motor_penalty, search.equality_penalty, search.passive_share, search.deviation,
             search.lower_tolerance, search.lower_quadrature_tolerance, search.lower_last_barrier, search.lower_feasible,
-            search.planned_penalty, search.same_minimum;
+            search.planned_penalty, search.largest_planned_penalty, search.point_penalty, search.same_minimum;
         count: search.most_points, search.scan, search.last_scan, search.exact_margins, search.largest_passive_size,
             search.wave, search.lower_iterations, search.segment_iterations, search.more_starts, search.most_starts,
             search.planned_segments, search.planned_degree, search.margin_checks, search.kept_ends;
         both: search.hopeless;
-        factor: search.horizon_growth;
+        factor: search.horizon_growth, search.planned_penalty_factor;
+        fraction: search.share_of_starts;
         scaled: nlp.feasible, nlp.first_barrier, nlp.warm_barrier, nlp.last_barrier, nlp.longest_step, nlp.tangent,
-            nlp.penalty, nlp.largest_penalty, nlp.infeasible_cost, nlp.sufficient_decrease, nlp.largest_warm_slack,
+            nlp.penalty, nlp.penalty_of_multipliers, nlp.row_penalty_of_multipliers,
+            nlp.largest_penalty, nlp.infeasible_cost, nlp.sufficient_decrease, nlp.largest_warm_slack,
             nlp.multiplier_range, nlp.first_regularisation, nlp.smallest_regularisation, nlp.largest_regularisation,
             nlp.saddle_step;
         count: nlp.memory, nlp.cuts, nlp.rounds;
         fraction: nlp.fraction_to_boundary, nlp.infeasible_progress, nlp.backtracking, nlp.short_fraction,
-            nlp.long_fraction;
+            nlp.long_fraction, nlp.smallest_share;
+        shares: nlp.share_factors;
         factor: nlp.row_penalty_factor, nlp.penalty_factor, nlp.equality_factor;
         regularisation: nlp.regularisation_factors;
     }
     .to_vec();
-    let rules: [(_, Change); 3] = [
+    let rules: [(_, Change); 4] = [
         ("barrier.factor", |settings, by| {
             monotone(settings, |rule| fraction(&mut rule.factor, by))
         }),
@@ -114,6 +123,9 @@ fn options() -> Vec<(&'static str, Change)> {
         }),
         ("barrier.done", |settings, by| {
             monotone(settings, |rule| both(&mut rule.done, by))
+        }),
+        ("barrier.stalled", |settings, by| {
+            monotone(settings, |rule| count(&mut rule.stalled, by))
         }),
     ];
     all.extend(rules);
