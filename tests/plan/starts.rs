@@ -4,6 +4,8 @@ use crate::common::direct::solved_within;
 use crate::{across, outside, point, ring, wall_with_a_gap};
 use aghf::constraint::{AnyConstraint, Constraints, TorqueLimits};
 use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, PlannedStarts};
+use aghf::motion::Interrupt;
+use std::time::Duration;
 
 /// Rows of the state alone.
 fn keeping(state: Vec<AnyConstraint>) -> Constraints<Vec<AnyConstraint>> {
@@ -211,4 +213,31 @@ fn a_planned_start_has_the_time_that_it_needs() {
         "{}",
         planned.violation
     );
+}
+
+/// A search with a time limit that is stopped at its first iteration ends with the planned start, which satisfies the
+/// constraints.
+#[test]
+fn a_search_that_is_cut_off_has_a_planned_motion() {
+    let model = point();
+    let problem = across(&model);
+    let kept = keeping(wall_with_a_gap());
+    let cut_off = |time_limit| {
+        let interrupt = Interrupt::default();
+        let settings = DirectSettings {
+            time_limit,
+            interrupt: interrupt.clone(),
+            ..DirectSettings::constrained()
+        };
+        let solver = Direct::new(&problem).constraints(&kept).settings(settings);
+        let solver = solver.observe(|_| interrupt.raise());
+        solver.solve().expect("valid")
+    };
+    let found = cut_off(Some(Duration::from_secs(3600)));
+    assert!(found.kept && !found.converged);
+    assert!(found.largest_violation <= DirectSettings::FEASIBLE);
+    assert_eq!(found.best_start, Some(1));
+    // Without a limit paths are planned when other starts have failed.
+    let without = cut_off(None);
+    assert!(!without.kept && without.largest_violation > 0.01);
 }

@@ -13,6 +13,7 @@ use crate::error::Result;
 use crate::motion::Path;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 use std::thread::{ScopedJoinHandle, scope};
 
@@ -47,157 +48,238 @@ struct Run {
     candidate: Candidate,
 }
 
+/// The starts of a search.
+struct Multistart<'s, 'c, 'a, K, P> {
+    context: Context<'c, 'a, K, P>,
+    settings: &'s DirectSettings,
+    levels: &'s [Level],
+    planned: &'s Planned<'c, 'a, K, P>,
+    /// The least cost within the constraints per level.
+    least: Vec<f64>,
+    first_costs: Vec<f64>,
+    /// The starts that have come to their end.
+    ends: Vec<Run>,
+}
+
 /// Continues as many starts as requested through all bases, and further ones while none of them succeeds.
 ///
 /// Starts are processed in waves, whose members run in parallel. Whether a start is continued depends only on those
 /// before it, in the order of their numbers: its cost must be hardly more than the best of theirs. Therefore additional
 /// starts do not change the results of the others, on any number of cores, and more starts never give a worse result if
 /// one of fewer ends within the constraints. Of the starts beyond the requested ones, the first of which is tried by
-/// itself, every other one is planned if there are obstacles, or the first one if requested.
-pub(crate) fn multistart<K: Constraint + Send + Sync, P: CostWithControl>(
-    context: Context<'_, '_, K, P>,
-    settings: &DirectSettings,
+/// itself, every other one is planned if there are obstacles, or the first one if requested. If none of them satisfies
+/// the constraints, the reserve of the planned starts is the last one, whether or not there is time left.
+pub(crate) fn multistart<'c, K: Constraint + Send + Sync, P: CostWithControl>(
+    context: Context<'c, '_, K, P>,
+    settings: &'c DirectSettings,
     levels: &[Level],
-    planned: &Planned<'_, '_, K, P>,
+    planned: &Planned<'c, '_, K, P>,
     log: &mut dyn FnMut(Iteration),
 ) -> Result<Outcome> {
-    let search = &settings.search;
-    let stopped = || context.watch.stopped().is_some();
+    let mut all = Multistart {
+        context,
+        settings,
+        levels,
+        planned,
+        least: vec![f64::INFINITY; levels.len()],
+        first_costs: Vec::new(),
+        ends: Vec::new(),
+    };
     // What comes after the starts needs its part of the time.
     let goes_on = settings.free_horizon.is_some() || settings.degree_tolerance.is_some();
-    let share = if goes_on { search.share_of_starts } else { 1.0 };
-    let passive = context.rows.constraints.torque.has_passive();
-    // A start is a single polynomial, whatever it is to become.
-    let basis = &levels[0].basis;
-    let one = Basis::new(1, basis.degree(), basis.continuity());
-    // Who asks for a start that keeps the constraints is content with a motion that does.
-    let content = settings.planned_starts == PlannedStarts::First;
-    let is_found = |end: &Run| {
-        let end = &end.candidate;
-        end.converged || (content && end.kept)
+    let share = match goes_on {
+        true => settings.search.share_of_starts,
+        false => 1.0,
     };
-    let mut least = vec![f64::INFINITY; levels.len()];
-    let (mut first_costs, mut ends) = (Vec::new(), Vec::<Run>::new());
     let mut next = 0;
     loop {
-        let found_before = ends.iter().any(is_found);
-        // Beyond what was asked for only as long as nothing is found, so that little is tried at once.
-        let wave = match settings.time_limit {
+        let wave = all.wave(next);
+        next = wave.end;
+        let starts = side_by_side(wave.collect(), settings.threads, |number| all.start(number));
+        let runs = starts.into_iter().collect::<Result<_>>()?;
+        all.climb(runs, log)?;
+        let more = match settings.time_limit {
+            Some(_) => next < DirectSettings::LARGEST_STARTS,
+            None => {
+                next < settings.starts || (!all.is_found() && next < settings.search.most_starts)
+            }
+        };
+        if all.stopped() || context.watch.is_late(share) || !more {
+            break;
+        }
+    }
+    all.add_reserve(log)?;
+    Ok(all.outcome())
+}
+
+impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, P> {
+    fn stopped(&self) -> bool {
+        self.context.watch.stopped().is_some()
+    }
+
+    /// Returns true if a start has led to a motion. With a planned first start, which keeps the constraints, that need
+    /// not be a minimum.
+    fn is_found(&self) -> bool {
+        let content = self.settings.planned_starts == PlannedStarts::First;
+        let mut ends = self.ends.iter().map(|end| &end.candidate);
+        ends.any(|end| end.converged || (content && end.kept))
+    }
+
+    /// The numbers of the starts of the next wave: beyond those asked for only as long as nothing is found, so that
+    /// little is tried at once.
+    fn wave(&self, next: usize) -> Range<usize> {
+        let (settings, search) = (self.settings, &self.settings.search);
+        match settings.time_limit {
             _ if next < settings.starts => next..settings.starts.min(next + search.wave),
             Some(_) => next..next + search.wave,
             // The planned start mostly succeeds.
             None if next == settings.starts => next..next + 1,
             None => next..(next + search.more_starts).min(search.most_starts),
+        }
+    }
+
+    fn start(&self, number: usize) -> Result<Run> {
+        let (context, settings) = (&self.context, self.settings);
+        let problem = self.planned.problem(number)?;
+        // A planned start has its own basis and enters at the highest degree.
+        let (first, mut candidate) = match self.planned.start(number, &problem)? {
+            Some(candidate) => (self.levels.len() - 1, candidate),
+            None => {
+                // A start is a single polynomial, whatever it is to become.
+                let basis = &self.levels[0].basis;
+                let one = Basis::new(1, basis.degree(), basis.continuity());
+                let line = Path::line(&problem, one);
+                let bends = self.planned.bends(number);
+                let path = line.start(settings.start_amplitude, settings.seed, bends);
+                let path = path.in_basis(basis.clone());
+                let times = times_by_length(&problem, &settings.waypoints, number);
+                let path = path.through(&settings.waypoints, number, &times);
+                let candidate = Candidate::new(path, context.problem.horizon());
+                (0, Candidate { times, ..candidate })
+            }
         };
-        next = wave.end;
-        let start = |number| {
-            let problem = planned.problem(number)?;
-            // A planned start has its own basis and enters at the highest degree.
-            let (first, mut candidate) = match planned.start(number, &problem)? {
-                Some(candidate) => (levels.len() - 1, candidate),
-                None => {
-                    let bends = planned.bends(number);
-                    let line = Path::line(&problem, one.clone());
-                    let path = line.start(settings.start_amplitude, settings.seed, bends);
-                    let path = path.in_basis(levels[0].basis.clone());
-                    let times = times_by_length(&problem, &settings.waypoints, number);
-                    let path = path.through(&settings.waypoints, number, &times);
-                    let horizon = context.problem.horizon();
-                    let candidate = Candidate::new(path, horizon);
-                    (0, Candidate { times, ..candidate })
-                }
-            };
-            candidate.alternative = context.goal.map_or(0, |goal| goal.end(number).alternative);
-            Ok(Run {
-                number,
-                first,
-                guess: candidate.clone(),
-                candidate,
-            })
-        };
-        let starts = side_by_side(wave.collect(), settings.threads, start);
-        let mut runs = starts.into_iter().collect::<Result<Vec<_>>>()?;
-        for (index, level) in levels.iter().enumerate() {
+        candidate.alternative = context.goal.map_or(0, |goal| goal.end(number).alternative);
+        Ok(Run {
+            number,
+            first,
+            guess: candidate.clone(),
+            candidate,
+        })
+    }
+
+    /// Continues the starts of a wave from level to level while they are promising.
+    fn climb(&mut self, mut runs: Vec<Run>, log: &mut dyn FnMut(Iteration)) -> Result<()> {
+        let found_before = self.is_found();
+        for (index, level) in self.levels.iter().enumerate() {
             // Those that come in at the top wait.
             let (waiting, here) = runs.into_iter().partition(|run| run.first > index);
             runs = waiting;
-            let found = side_by_side(here, settings.threads, |run| {
-                // One candidate is needed; a first look at the others would go on for long after the end.
-                if run.number > 0 && index == run.first && stopped() {
-                    return Ok(None);
-                }
-                let mut candidate = run.candidate.clone();
-                if run.first < index {
-                    candidate.change_basis(level.basis.clone());
-                }
-                let mut iterations = Vec::new();
-                let mut log = |iteration| iterations.push(iteration);
-                let found = if index + 1 == levels.len() {
-                    let least = least[index];
-                    minimise_to_the_end(context, candidate, level.stage, least, &mut log)?
-                } else {
-                    minimise(context, candidate, level.stage, &mut log)?
-                };
-                let candidate = found;
-                let run = Run { candidate, ..run };
-                Ok(Some((run, iterations)))
-            });
-            for found in found {
+            let work = |run| self.minimised(run, index);
+            for found in side_by_side(here, self.settings.threads, work) {
                 let Some((run, iterations)) = found? else {
                     continue;
                 };
-                let candidate = &run.candidate;
                 for iteration in iterations {
                     let start = Some(run.number);
                     log(Iteration { start, ..iteration });
                 }
-                if index == run.first && !stopped() {
-                    first_costs.push(candidate.objective);
-                }
-                // The first one has nothing to be compared with, and at the top all have come to their end. What a
-                // passive joint is given at a low level says nothing of what the motion costs without.
-                let goes_on = match (levels.len() - 1 - index).checked_sub(1) {
-                    Some(left) if least[index].is_finite() && !passive => {
-                        let hopeless = search.hopeless[left.min(search.hopeless.len() - 1)];
-                        candidate.objective <= least[index] + hopeless * least[index].abs()
-                    }
-                    _ => true,
-                };
-                let inside = candidate.violation <= level.stage.feasible
-                    && candidate.passive_share <= search.passive_share
-                    && (!level.stage.last || candidate.deviation <= search.deviation);
-                if inside {
-                    least[index] = least[index].min(candidate.objective);
-                }
-                if goes_on || !found_before {
+                if self.is_promising(&run, index) || !found_before {
                     runs.push(run);
                 }
             }
-            if index + 1 < levels.len() && context.goal.is_some() {
-                keep_best(&mut runs, index, level.stage.feasible, search.kept_ends);
+            if index + 1 < self.levels.len() && self.context.goal.is_some() {
+                let kept = self.settings.search.kept_ends;
+                keep_best(&mut runs, index, level.stage.feasible, kept);
             }
             runs.sort_by_key(|run| run.number);
         }
-        ends.extend(runs);
-        let found = ends.iter().any(is_found);
-        let more = match settings.time_limit {
-            Some(_) => next < DirectSettings::LARGEST_STARTS,
-            None => next < settings.starts || (!found && next < search.most_starts),
+        self.ends.extend(runs);
+        Ok(())
+    }
+
+    /// Minimises a start at a level, with its iterations; `None` if there is no time for it.
+    fn minimised(&self, mut run: Run, index: usize) -> Result<Option<(Run, Vec<Iteration>)>> {
+        let level = &self.levels[index];
+        // One candidate is needed; a first look at the others would go on for long after the end.
+        if run.number > 0 && index == run.first && self.stopped() {
+            return Ok(None);
+        }
+        if run.first < index {
+            run.candidate.change_basis(level.basis.clone());
+        }
+        let mut iterations = Vec::new();
+        let mut log = |iteration| iterations.push(iteration);
+        run.candidate = if index + 1 == self.levels.len() {
+            let least = self.least[index];
+            minimise_to_the_end(self.context, run.candidate, level.stage, least, &mut log)?
+        } else {
+            minimise(self.context, run.candidate, level.stage, &mut log)?
         };
-        if stopped() || context.watch.is_late(share) || !more {
-            break;
+        Ok(Some((run, iterations)))
+    }
+
+    /// Returns true if a start that is minimised at a level goes on, and takes down its cost.
+    fn is_promising(&mut self, run: &Run, index: usize) -> bool {
+        let (search, candidate) = (&self.settings.search, &run.candidate);
+        let (stage, least) = (self.levels[index].stage, self.least[index]);
+        if index == run.first && !self.stopped() {
+            self.first_costs.push(candidate.objective);
+        }
+        let inside = candidate.violation <= stage.feasible
+            && candidate.passive_share <= search.passive_share
+            && (!stage.last || candidate.deviation <= search.deviation);
+        if inside {
+            self.least[index] = least.min(candidate.objective);
+        }
+        let passive = self.context.rows.constraints.torque.has_passive();
+        // The first one has nothing to be compared with, and at the top all have come to their end. What a passive
+        // joint is given at a low level says nothing of what the motion costs without.
+        match (self.levels.len() - 1 - index).checked_sub(1) {
+            Some(left) if least.is_finite() && !passive => {
+                let hopeless = search.hopeless[left.min(search.hopeless.len() - 1)];
+                candidate.objective <= least + hopeless * least.abs()
+            }
+            _ => true,
         }
     }
-    ends.sort_by(|a, b| rank(&a.candidate, &b.candidate));
-    let (minima, curves) = minima_of(&ends, search.same_minimum);
-    let best = ends.swap_remove(0);
-    Ok(Outcome {
-        best: best.candidate,
-        first_costs,
-        minima,
-        curves,
-        best_start: (best.number, best.guess),
-    })
+
+    /// Minimises the reserve in the time that is left, if nothing satisfies the constraints.
+    fn add_reserve(&mut self, log: &mut dyn FnMut(Iteration)) -> Result<()> {
+        let number = self.settings.starts;
+        let mut ends = self.ends.iter();
+        let enough = |end: &Run| {
+            let Candidate {
+                converged, kept, ..
+            } = end.candidate;
+            converged || kept || end.number == number
+        };
+        if self.planned.reserve.is_none() || ends.any(enough) {
+            return Ok(());
+        }
+        let mut run = self.start(number)?;
+        let stage = self.levels[run.first].stage;
+        let mut log = |iteration| {
+            let start = Some(number);
+            log(Iteration { start, ..iteration });
+        };
+        run.candidate = minimise(self.context, run.candidate, stage, &mut log)?;
+        self.ends.push(run);
+        Ok(())
+    }
+
+    fn outcome(mut self) -> Outcome {
+        let same = self.settings.search.same_minimum;
+        self.ends.sort_by(|a, b| rank(&a.candidate, &b.candidate));
+        let (minima, curves) = minima_of(&self.ends, same);
+        let best = self.ends.swap_remove(0);
+        Outcome {
+            best: best.candidate,
+            first_costs: self.first_costs,
+            minima,
+            curves,
+            best_start: (best.number, best.guess),
+        }
+    }
 }
 
 /// Drops all but the best `kept` of the runs at this level, for a goal that is a set: they differ in their ends, of

@@ -21,6 +21,8 @@ pub(crate) struct Planned<'c, 'a, K, P> {
     wanted: bool,
     /// The curve of the first start, if it is planned.
     first: Option<Path>,
+    /// The first planned start of a search that may be cut off: the motion until a better one is found.
+    pub reserve: Option<Candidate>,
 }
 
 impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
@@ -34,6 +36,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             )
         };
         let wanted = settings.planned_starts != PlannedStarts::Never
+            && settings.start.is_none()
             && sets_with_equalities(state).is_ok()
             && !rows.clone().all(bounds);
         let mut planned = Self {
@@ -41,9 +44,13 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             settings,
             wanted,
             first: None,
+            reserve: None,
         };
         if wanted && settings.planned_starts == PlannedStarts::First {
             planned.first = planned.path(0, (0, &planned.problem(0)?))?;
+        } else if wanted && settings.time_limit.is_some() {
+            let number = settings.starts;
+            planned.reserve = planned.start(number, &planned.problem(number)?)?;
         }
         Ok(planned)
     }
@@ -81,6 +88,9 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
     /// The curve of a planned start for a problem like that of the context, with the time that it needs if the horizon
     /// is free; `None` if the start is not planned or no path was found.
     pub fn start(&self, start: usize, problem: &Problem<'_>) -> Result<Option<Candidate>> {
+        if start == self.settings.starts && self.reserve.is_some() {
+            return Ok(self.reserve.clone());
+        }
         let path = match (&self.first, self.number(start)) {
             (Some(first), _) if start == 0 => Some(first.clone()),
             (_, Some(number)) => self.path(number, (start, problem))?,
@@ -90,7 +100,15 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             return Ok(None);
         };
         let horizon = match self.context.free_horizon {
-            Some(free) => self.horizon(&path, problem, free.longest)?,
+            Some(free) => {
+                let horizon = self.horizon(&path, problem, free.longest)?;
+                // Rows may be larger between the points, which nothing mends in a search that is cut off.
+                let growth = match self.settings.time_limit {
+                    Some(_) => self.settings.search.horizon_growth,
+                    None => 1.0,
+                };
+                (growth * horizon).min(free.longest)
+            }
             None => problem.horizon(),
         };
         let path = path.between_ends_of(&problem.with_horizon(horizon)?);
