@@ -18,6 +18,7 @@ TITLES = {
     "mbm": "MotionBenchMaker",
 }
 HEADS = ["family", "method", "success", "valid", "effort, N²m²s", "of the best", "duration, s", "median ms", "90 %"]
+MOST_FAILURES = 60
 PACKAGES = ["casadi", "crocoddyl", "pin", "toppra"]
 
 
@@ -31,10 +32,11 @@ def mean(values):
 
 
 def lines(rows):
-    """A line for each family and method of a section: the entries of `HEADS`."""
+    """A line for each family and method of a section: the entries of `HEADS`; of MotionBenchMaker also for all."""
     result = []
-    for family in dict.fromkeys(row.family for row in rows):
-        of_family = [row for row in rows if row.family == family]
+    families = dict.fromkeys(row.family for row in rows)
+    for family in [*families, *(["all"] if rows[0].section == "mbm" else [])]:
+        of_family = [row for row in rows if family in (row.family, "all")]
         best = {}
         for row in of_family:
             if row.success:
@@ -84,13 +86,15 @@ def machine():
 
 
 def failures(rows):
-    """A line for each row that is not a success or not valid."""
-    for row in rows:
-        if not (row.success and row.valid):
-            what = "valid" if row.valid else "not valid"
-            yield f"{row.scenario}, {row.method}: final error {number(row.error, 2)}, {what}" + (
-                f"; {row.note}" if row.note else ""
-            )
+    """A line for each row that is not a success or not valid, for the first of them."""
+    bad = [row for row in rows if not (row.success and row.valid)]
+    for row in bad[:MOST_FAILURES]:
+        what = "valid" if row.valid else "not valid"
+        yield f"{row.scenario}, {row.method}: final error {number(row.error, 2)}, {what}" + (
+            f"; {row.note}" if row.note else ""
+        )
+    if len(bad) > MOST_FAILURES:
+        yield f"{len(bad) - MOST_FAILURES} others, in `results.csv`"
 
 
 def sections(table, notes):

@@ -29,9 +29,9 @@ NOTE = (
     'between the points. "Corners" are the path as it is, stopping at each waypoint: it stays where VAMP '
     "proved it free; the spline leaves it. Ours is within the same limits of position, velocity and torque, "
     "without one of acceleration: of least effort in a duration of its own choice, of least effort in at most "
-    "1.25 times its least time, and of least time; of every so many of the latter, TOPP-RA times the path anew, with the "
-    "whole of the limits at 401 points and jumps of the acceleration, also at rest. Times: planning, simplification, spline and timing; TOPP-RA's part "
-    "is Python and C."
+    "1.25 times its least time, and of least time; of every so many of the latter, TOPP-RA times the path anew, with "
+    "the whole of the limits at 401 points and jumps of the acceleration, also at rest. Times: planning, "
+    "simplification, spline and timing; TOPP-RA's part is Python and C."
 )
 FAMILIES = [
     "bookshelf_small",
@@ -254,10 +254,9 @@ def ours(table, problems, kind, objective):
         table.add(row)
 
 
-def anew(table, problems):
-    """Says of motions of least time by what share they last longer than TOPP-RA takes along their paths."""
+def anew(problems):
+    """The shares by which motions of least time last longer than TOPP-RA takes along their paths."""
     timing = Timing(robot("panda"), whole=True)
-    shares = []
     for _, _, values in problems[::ANEW]:
         file = WORK / "least_time.json"
         file.write_text(json.dumps({**values, "robot": "panda", "objective": "least-time"}))
@@ -268,7 +267,22 @@ def anew(table, problems):
         at = np.unique(np.searchsorted(s, np.linspace(0, s[-1], KNOTS)))
         timed = timing(toppra.SplineInterpolator(s[at], motion.q[at], bc_type="natural"), 401)
         if timed:
-            shares.append(motion.t[-1] / timed.duration - 1)
+            yield motion.t[-1] / timed.duration - 1
+
+
+def compared(table, problems):
+    """Prints our motions beside those of the peer, where both are valid."""
+    rows = {(row.scenario, row.method): row for row in table.rows if row.section == SECTION and row.valid}
+    pairs = [(method, "VAMP, TOPP-RA, spline") for method in OURS] + [("ours, balanced", "ours, least time")]
+    for method, beside in pairs:
+        both = [(row, rows.get((row.scenario, beside))) for row in rows.values() if row.method == method]
+        both = [pair for pair in both if pair[1]]
+        for what in ("duration", "effort"):
+            shares = [getattr(row, what) / getattr(other, what) for row, other in both]
+            mean = np.exp(np.mean(np.log(shares))) if shares else np.nan
+            median = common.percentile(shares, 0.5)
+            print(f"{what}, {method} / {beside}: mean {mean:.3f}, median {median:.3f} of {len(shares)}")
+    shares = list(anew(problems))
     told = ", ".join(f"{100 * common.percentile(shares, share):.2f} % ({share:.0%})" for share in (0.5, 0.95, 1.0))
     print(f"longer than TOPP-RA along the same path, {len(shares)} motions of least time: {told}")
 
@@ -285,4 +299,4 @@ def run(table, options):
     for kind, objective in OURS.items():
         ours(table, problems, kind, objective)
     peers(table, problems, options.repeats)
-    anew(table, problems)
+    compared(table, problems)

@@ -3,7 +3,7 @@
 use crate::common::direct::solved_within;
 use crate::{across, outside, point, ring, wall_with_a_gap};
 use aghf::constraint::{AnyConstraint, Constraints, TorqueLimits};
-use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, PlannedStarts};
+use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, Iteration, PlannedStarts};
 use aghf::motion::Interrupt;
 use std::time::Duration;
 
@@ -240,4 +240,36 @@ fn a_search_that_is_cut_off_has_a_planned_motion() {
     // Without a limit paths are planned when other starts have failed.
     let without = cut_off(None);
     assert!(!without.kept && without.largest_violation > 0.01);
+}
+
+/// As soon as something is found, further starts within a time limit are bent: start 3 would be planned otherwise.
+#[test]
+fn paths_are_planned_until_something_is_found() {
+    let model = point();
+    let problem = across(&model);
+    let kept = keeping(wall_with_a_gap());
+    let interrupt = Interrupt::default();
+    let mut settings = DirectSettings {
+        degree: 9,
+        time_limit: Some(Duration::from_secs(3600)),
+        interrupt: interrupt.clone(),
+        ..DirectSettings::constrained()
+    };
+    settings.search.wave = 2;
+    let raise = |iteration: &Iteration| {
+        if iteration.start >= Some(3) {
+            interrupt.raise();
+        }
+    };
+    let solver = Direct::new(&problem).constraints(&kept).settings(settings);
+    let found = solver.observe(raise).solve().expect("valid");
+    assert!(found.converged);
+    let segments = |start| {
+        let mut of = found.iterations.iter().filter(|i| i.start == Some(start));
+        of.next().expect("it was tried").segments
+    };
+    assert_eq!(
+        [0, 1, 3].map(|start| segments(start) > 1),
+        [false, true, false]
+    );
 }

@@ -67,8 +67,9 @@ struct Multistart<'s, 'c, 'a, K, P> {
 /// before it, in the order of their numbers: its cost must be hardly more than the best of theirs. Therefore additional
 /// starts do not change the results of the others, on any number of cores, and more starts never give a worse result if
 /// one of fewer ends within the constraints. Of the starts beyond the requested ones, the first of which is tried by
-/// itself, every other one is planned if there are obstacles, or the first one if requested. If none of them satisfies
-/// the constraints, the reserve of the planned starts is the last one, whether or not there is time left.
+/// itself, every other one is planned if there are obstacles, or the first one if requested, until one succeeds. If
+/// none of them satisfies the constraints, the reserve of the planned starts is the last one, whether or not there is
+/// time left.
 pub(crate) fn multistart<'c, K: Constraint + Send + Sync, P: CostWithControl>(
     context: Context<'c, '_, K, P>,
     settings: &'c DirectSettings,
@@ -141,8 +142,13 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
     fn start(&self, number: usize) -> Result<Run> {
         let (context, settings) = (&self.context, self.settings);
         let problem = self.planned.problem(number)?;
+        // A path is for what is not found; bent starts lead to more minima in the same time.
+        let planned = match self.is_found() {
+            true => None,
+            false => self.planned.start(number, &problem)?,
+        };
         // A planned start has its own basis and enters at the highest degree.
-        let (first, mut candidate) = match self.planned.start(number, &problem)? {
+        let (first, mut candidate) = match planned {
             Some(candidate) => (self.levels.len() - 1, candidate),
             None => {
                 // A start is a single polynomial, whatever it is to become.
