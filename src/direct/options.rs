@@ -94,7 +94,8 @@ pub struct SearchOptions {
     /// The factor of that penalty from one planned start to the next: the larger it is, the closer a motion stays to
     /// its planned path, in narrow places too.
     pub planned_penalty_factor: f64,
-    /// The largest such penalty. With 10 000 steps are so short that searches do not end.
+    /// The largest such penalty, after which the first one follows again. With 10 000 steps are so short that searches
+    /// do not end, and with 1000 from every later start some do not either.
     pub largest_planned_penalty: f64,
     /// The number of checked configurations after which a path no longer keeps a margin.
     pub margin_checks: usize,

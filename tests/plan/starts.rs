@@ -74,13 +74,14 @@ fn a_planned_start_gets_through_a_gap_without_a_margin() {
     assert!(last_start(&found) <= Some(6), "{:?}", last_start(&found));
 }
 
-/// A planned start with a small penalty leaves its path; the penalty of the next one is larger.
+/// A planned start with a small penalty leaves its path; the penalty of the next one is larger, unless that is beyond
+/// the largest one: then it is the first again.
 #[test]
 fn later_planned_starts_have_larger_penalties() {
     let model = point();
     let problem = across(&model);
     let kept = keeping(wall_with_a_gap());
-    let found = |factor| {
+    let found = |factor, largest| {
         let mut settings = DirectSettings {
             degree: 9,
             planned_starts: PlannedStarts::Later,
@@ -88,13 +89,15 @@ fn later_planned_starts_have_larger_penalties() {
         };
         settings.search.planned_penalty = 1e-6;
         settings.search.planned_penalty_factor = factor;
+        settings.search.largest_planned_penalty = largest;
         settings.search.most_starts = 6;
         let found = solved_within(&problem, &settings, &kept);
         (found.converged, last_start(&found))
     };
     // Every other start is planned.
-    assert_eq!(found(1e7), (true, Some(3)));
-    assert_eq!(found(1.0), (false, Some(5)));
+    assert_eq!(found(1e7, 1000.0), (true, Some(3)));
+    assert_eq!(found(1.0, 1000.0), (false, Some(5)));
+    assert_eq!(found(1e7, 1.0), (false, Some(5)));
 }
 
 /// If the first start succeeds, planned ones change nothing; if no path exists, all starts are tried.

@@ -62,13 +62,18 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         (self.wanted && beyond.is_multiple_of(2)).then_some(first + beyond as u64 / 2)
     }
 
-    /// The first penalty of a violation from a planned start.
+    /// The first penalty of a violation from a planned start: larger from one to the next, up to the largest one, and
+    /// again.
     fn penalty(&self, start: usize) -> f64 {
         let search = &self.settings.search;
-        let before = self.number(start).unwrap_or_default();
-        let growth = search.planned_penalty_factor.powf(before as f64);
-        let most = search.largest_planned_penalty.max(search.planned_penalty);
-        (growth * search.planned_penalty).min(most)
+        let mut penalty = search.planned_penalty;
+        for _ in 0..self.number(start).unwrap_or_default() {
+            penalty *= search.planned_penalty_factor;
+            if penalty > search.largest_planned_penalty {
+                penalty = search.planned_penalty;
+            }
+        }
+        penalty
     }
 
     /// The number of the bends of a start without a path.
