@@ -1,6 +1,6 @@
 //! Iterations and successes of the direct method with each numerical option halved and doubled.
 //!
-//! `cargo bench --bench sensitivity` prints a table over forty mixed problems, which takes hours;
+//! `cargo bench --bench sensitivity` prints a table over forty mixed problems, which takes half an hour;
 //! `cargo bench --bench sensitivity -- NAME...` one over scenarios by name or file.
 
 use aghf::direct::{Direct, DirectSettings};
