@@ -54,7 +54,9 @@ pub(crate) use minimise::working_set::{WorkingSet, equalities};
 use minimise::{Candidate, Context, minimise};
 pub(crate) use minimise::{Integrand, Stage};
 pub(crate) use settings::Level;
-use strategy::{Planned, minimise_to_the_end, multistart, nearest_times, refine};
+use strategy::{
+    MultistartOutcome, Planned, minimise_to_the_end, multistart, nearest_times, refine,
+};
 
 /// A problem with a running cost, constraints and settings, to be solved.
 ///
@@ -178,13 +180,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
         self.check_phases(phases)?;
         let grids = Grids::default();
         let rows = Rows::new(problem.model(), self.constraints, self.cost.clone())?;
-        if let Some(known) = &settings.multipliers
-            && known.rows() != rows.count()
-        {
-            let (found, needed) = (known.rows(), rows.count());
-            let condition = format!("they are those of {found} rows, there are {needed}");
-            return Err(Error::input("settings", "multipliers", condition));
-        }
+        self.check_multipliers(rows.count())?;
         let watch = Watch::start(settings.time_limit, &settings.interrupt);
         let given = Context {
             problem,
@@ -196,14 +192,12 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
             goal: settings.goal.as_ref(),
         };
         let planned = Planned::new(given, settings)?;
-        let mut problem = problem.clone();
         let longest = settings.free_horizon.map(|free| free.longest);
-        if let Some(curve) = &settings.start {
-            problem = problem_of_start(&problem, curve, settings)?;
-        } else if let Some(longest) = longest.or(settings.longest_horizon) {
-            problem = problem.with_horizon(planned.first_horizon(longest)?)?;
-        }
-        let from = problem.clone();
+        let from = match (&settings.start, longest.or(settings.longest_horizon)) {
+            (Some(curve), _) => problem_of_start(problem, curve, settings)?,
+            (None, Some(longest)) => problem.with_horizon(planned.first_horizon(longest)?)?,
+            (None, None) => problem.clone(),
+        };
         let context = Context {
             problem: &from,
             ..given
@@ -214,75 +208,68 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
             observe(&iteration);
             iterations.push(iteration);
         };
-        let highest = settings.highest();
-        let passive = self.constraints.torque.has_passive();
-        let (mut starts, mut minima, mut minima_curves) = (Vec::new(), Vec::new(), Vec::new());
-        let mut best_start = None;
-        let first_guess;
-        let found = if let Some(curve) = &settings.start {
-            let start = Candidate::of_curve(curve, &problem, settings);
-            let start = Candidate {
-                times: nearest_times(&start.path, &problem, &settings.waypoints),
-                multipliers: settings.multipliers.clone().unwrap_or_default(),
-                penalty: Some(settings.search.planned_penalty),
-                alternative: settings.goal.as_ref().map_or(0, |goal| goal.nearest(curve)),
-                ..start
-            };
-            first_guess = start.curve(&problem)?;
-            minimise_to_the_end(context, start, highest, f64::INFINITY, &mut log)?
-        } else {
-            let outcome = multistart(
-                context,
-                settings,
-                &settings.levels(
-                    settings.continuity(&problem),
-                    passive,
-                    phases.max(settings.parts.len()),
-                ),
-                &planned,
-                &mut log,
-            )?;
-            (starts, minima) = (outcome.first_costs, outcome.minima);
-            starts.sort_by(f64::total_cmp);
-            let curves = outcome.curves.iter().map(|end| end.curve(&problem));
-            minima_curves = curves.collect::<Result<_>>()?;
-            let (number, guess) = outcome.best_start;
-            best_start = Some(number);
-            first_guess = guess.curve(&problem)?;
-            outcome.best
+        let outcome = match &settings.start {
+            Some(curve) => from_curve(context, curve, &mut log)?,
+            None => {
+                let passive = self.constraints.torque.has_passive();
+                let phases = phases.max(settings.parts.len());
+                let levels = settings.levels(settings.continuity(&from), passive, phases);
+                multistart(context, settings, &levels, &planned, &mut log)?
+            }
         };
-        let (found, adapted) = refine(settings, found, |from, basis| {
-            let mut higher = from.clone();
-            higher.change_basis(basis);
-            minimise(context, higher, highest, &mut log)
-        })?;
+        let (found, adapted) =
+            refine(settings, outcome.best.clone(), |from: &Candidate, basis| {
+                let mut higher = from.clone();
+                higher.change_basis(basis);
+                minimise(context, higher, settings.highest(), &mut log)
+            })?;
         Ok(DirectSolution {
-            curve: found.curve(&problem)?,
-            cost: found.cost,
-            gradient_norm: found.gradient_norm,
-            stationarity: found.stationarity,
-            smallest_curvature: found.smallest_curvature,
-            largest_violation: found.violation,
-            passive_share: found.passive_share,
-            points: found.points,
-            quadrature_error: found.quadrature_error,
-            converged: found.converged,
-            kept: found.kept,
             stopped: watch.stopped(),
             adapted,
-            unknowns: found.path.basis.free().len() * problem.model().dof(),
-            complementarity: found.complementarity,
-            start_costs: starts,
-            minima,
-            minima_curves,
-            best_start,
-            alternative: found.alternative,
-            waypoint_times: found.times.iter().map(|time| found.time(*time)).collect(),
-            first_guess,
-            multipliers: found.multipliers,
             iterations,
+            ..DirectSolution::of(&from, found, outcome)?
         })
     }
+
+    /// Refuses multipliers of another number of rows.
+    fn check_multipliers(&self, needed: usize) -> Result<()> {
+        match &self.settings.multipliers {
+            Some(known) if known.rows() != needed => {
+                let found = known.rows();
+                let condition = format!("they are those of {found} rows, there are {needed}");
+                Err(Error::input("settings", "multipliers", condition))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// One minimisation from a given curve.
+fn from_curve<K: Constraint, P: CostWithControl>(
+    context: Context<'_, '_, K, P>,
+    curve: &Curve,
+    log: &mut dyn FnMut(Iteration),
+) -> Result<MultistartOutcome> {
+    let Context {
+        problem, settings, ..
+    } = context;
+    let start = Candidate::of_curve(curve, problem, settings);
+    let start = Candidate {
+        times: nearest_times(&start.path, problem, &settings.waypoints),
+        multipliers: settings.multipliers.clone().unwrap_or_default(),
+        penalty: Some(settings.search.planned_penalty),
+        alternative: settings.goal.as_ref().map_or(0, |goal| goal.nearest(curve)),
+        ..start
+    };
+    let guess = start.clone();
+    let best = minimise_to_the_end(context, start, settings.highest(), f64::INFINITY, log)?;
+    Ok(MultistartOutcome {
+        best,
+        first_costs: Vec::new(),
+        minima: Vec::new(),
+        curves: Vec::new(),
+        best_start: (None, guess),
+    })
 }
 
 /// The problem with the horizon of an initial curve, if the horizon is free, and with its end, if the goal is a set.

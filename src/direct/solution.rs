@@ -1,8 +1,11 @@
 //! The results of the direct method.
 
+use super::minimise::Candidate;
+use super::strategy::MultistartOutcome;
 use super::{DegreeRefinement, LocalMinimum, Multipliers};
 use crate::curve::Curve;
-use crate::motion::Stopped;
+use crate::error::Result;
+use crate::motion::{Problem, Stopped};
 
 /// One iteration of the minimiser.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,4 +102,40 @@ pub struct DirectSolution {
 impl DirectSolution {
     /// The number of minima whose curves are stored.
     pub const MINIMA_CURVES: usize = 4;
+
+    /// The solution with the best of the starts, or that from it at a higher degree, without iterations.
+    pub(super) fn of(
+        problem: &Problem<'_>,
+        found: Candidate,
+        outcome: MultistartOutcome,
+    ) -> Result<Self> {
+        let (best_start, guess) = outcome.best_start;
+        let curves = outcome.curves.iter().map(|end| end.curve(problem));
+        Ok(Self {
+            curve: found.curve(problem)?,
+            cost: found.cost,
+            gradient_norm: found.gradient_norm,
+            stationarity: found.stationarity,
+            smallest_curvature: found.smallest_curvature,
+            largest_violation: found.violation,
+            passive_share: found.passive_share,
+            points: found.points,
+            quadrature_error: found.quadrature_error,
+            converged: found.converged,
+            kept: found.kept,
+            stopped: None,
+            adapted: None,
+            unknowns: found.path.basis.free().len() * problem.model().dof(),
+            start_costs: outcome.first_costs,
+            complementarity: found.complementarity,
+            minima: outcome.minima,
+            minima_curves: curves.collect::<Result<_>>()?,
+            best_start,
+            alternative: found.alternative,
+            waypoint_times: found.times.iter().map(|time| found.time(*time)).collect(),
+            first_guess: guess.curve(problem)?,
+            multipliers: found.multipliers,
+            iterations: Vec::new(),
+        })
+    }
 }

@@ -36,7 +36,7 @@ use crate::cost::check_integral;
 use crate::curve::Basis;
 use crate::error::{Error, Result};
 use crate::motion::{Problem, Watch, passive_share};
-use crate::nlp::{Equality, Nlp, Options, Progress, Status, solve};
+use crate::nlp::{Equality, Nlp, Options, Progress, Solution, Status, solve};
 use crate::transcription::{Grid, Grids, Rows};
 use program::Program;
 use std::sync::Arc;
@@ -128,7 +128,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     // Not a multiple, so that it sees between the points.
     let finer = grids.get(&basis, points * 3 / 2 + 7);
     let refinable = points < settings.search.most_points * basis.degree();
-    let both = (grid.clone(), Some(finer));
+    let both = (grid, Some(finer));
     let mut program = Program::new(context, candidate, both, stage, refinable);
     let goal = context
         .goal
@@ -137,26 +137,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     if let Some(period) = &settings.period {
         program.set_period(period);
     }
-    let options = Options {
-        tolerance: stage.tolerance,
-        feasible: stage.feasible,
-        penalty: candidate.penalty.unwrap_or(settings.nlp.penalty),
-        penalty_of_multipliers: 0.0,
-        // The multipliers of a lower degree may be those of violated rows.
-        row_penalty_of_multipliers: match candidate.penalty {
-            Some(_) => settings.nlp.row_penalty_of_multipliers,
-            None => 0.0,
-        },
-        iterations: stage.iterations,
-        last_barrier: match rows.count() {
-            0 => settings
-                .search
-                .last_barrier_of_bounds
-                .min(stage.last_barrier),
-            _ => stage.last_barrier,
-        },
-        ..settings.nlp.clone()
-    };
+    let options = options_of(settings, stage, candidate.penalty, rows.count());
     let kkt = program.kkt().ok_or_else(|| {
         Error::input(
             "basis",
@@ -164,21 +145,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
             "the norm of velocities is not positive definite",
         )
     })?;
-    let mut log = |progress: &Progress| {
-        observe(Iteration {
-            start: None,
-            horizon: progress.measure,
-            segments: basis.segments(),
-            degree: basis.degree(),
-            points,
-            cost: progress.objective,
-            gradient_norm: progress.stationarity,
-            damping: progress.regularisation,
-            step: progress.step * progress.alpha,
-            factorisations: progress.factorisations,
-            violation: progress.infeasibility,
-        });
-    };
+    let mut log = |progress: &Progress| observe(iteration_of(progress, &basis, points));
     program.equality_penalty = candidate.equality_penalty;
     let x = program.unknowns(candidate);
     program.set_first_margins(&x)?;
@@ -188,23 +155,35 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         program.kept.push(x.clone());
     }
     let end = solve(&mut program, x, known, kkt, &options, &mut log)?;
+    take_end(context, &mut program, candidate, &end, stage)?;
+    Ok(end.status)
+}
+
+/// Changes the candidate to the end of a search, or to the last iterate that satisfied the constraints.
+fn take_end<K: Constraint, P: CostWithControl>(
+    context: Context<'_, '_, K, P>,
+    program: &mut Program<'_, '_, K, P>,
+    candidate: &mut Candidate,
+    end: &Solution,
+    stage: Stage,
+) -> Result<()> {
+    let (rows, settings) = (context.rows, context.settings);
     let all = end.iterate.multipliers(program.margins.len());
-    candidate.multipliers.put(&grid, rows, &all);
+    candidate.multipliers.put(&program.grid, rows, &all);
     candidate.multipliers.of_points = all[program.range_of_points()].to_vec();
     if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
         candidate.equality_penalty = penalty / first;
     }
-    let (mut x, mut violation) = (end.x.clone(), end.violation);
     candidate.converged =
         end.status == Status::Converged && program.finer_cost[1] <= stage.quadrature_tolerance;
-    if stage.last && violation > stage.feasible {
-        // The last curve that satisfied the constraints.
-        while let Some(earlier) = program.kept.pop() {
-            let of = program.violation(&earlier)?;
-            if of <= stage.feasible {
-                (x, violation) = (earlier, of);
-                break;
-            }
+    let (mut x, mut violation) = (end.x.clone(), end.violation);
+    while stage.last && violation > stage.feasible {
+        let Some(earlier) = program.kept.pop() else {
+            break;
+        };
+        let of = program.violation(&earlier)?;
+        if of <= stage.feasible {
+            (x, violation) = (earlier, of);
         }
     }
     (candidate.violation, candidate.deviation) = (violation, program.deviation);
@@ -222,7 +201,51 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         candidate.stationarity = program.stationarity(&x, &end.iterate)?;
         candidate.smallest_curvature = program.smallest_curvature(&end.x, &end.iterate)?;
     }
-    Ok(end.status)
+    Ok(())
+}
+
+/// The options of the interior-point method from a start with this penalty, or that of the options.
+fn options_of(
+    settings: &DirectSettings,
+    stage: Stage,
+    penalty: Option<f64>,
+    rows: usize,
+) -> Options {
+    let of_bounds = settings.search.last_barrier_of_bounds;
+    Options {
+        tolerance: stage.tolerance,
+        feasible: stage.feasible,
+        penalty: penalty.unwrap_or(settings.nlp.penalty),
+        penalty_of_multipliers: 0.0,
+        // The multipliers of a lower degree may be those of violated rows.
+        row_penalty_of_multipliers: match penalty {
+            Some(_) => settings.nlp.row_penalty_of_multipliers,
+            None => 0.0,
+        },
+        iterations: stage.iterations,
+        last_barrier: match rows {
+            0 => of_bounds.min(stage.last_barrier),
+            _ => stage.last_barrier,
+        },
+        ..settings.nlp.clone()
+    }
+}
+
+/// An iteration of the interior-point method in a basis as one of the search.
+fn iteration_of(progress: &Progress, basis: &Basis, points: usize) -> Iteration {
+    Iteration {
+        start: None,
+        horizon: progress.measure,
+        segments: basis.segments(),
+        degree: basis.degree(),
+        points,
+        cost: progress.objective,
+        gradient_norm: progress.stationarity,
+        damping: progress.regularisation,
+        step: progress.step * progress.alpha,
+        factorisations: progress.factorisations,
+        violation: progress.infeasibility,
+    }
 }
 
 /// The number of points per segment at which equalities are collocated: `degree - 1`, as of a second-order equation,

@@ -11,7 +11,7 @@ pub use degree::DegreeRefinement;
 pub(super) use degree::refine;
 pub use horizon::FreeHorizon;
 pub use multistart::LocalMinimum;
-pub(super) use multistart::multistart;
+pub(super) use multistart::{MultistartOutcome, multistart};
 pub(super) use passive::minimise_to_the_end;
 pub(super) use planned::Planned;
 pub(super) use through::nearest_times;

@@ -26,17 +26,17 @@ pub struct LocalMinimum {
     pub starts: usize,
 }
 
-/// The result of all starts.
-pub(crate) struct Outcome {
+/// The result of all starts, or of a given one.
+pub(crate) struct MultistartOutcome {
     pub best: Candidate,
-    /// The cost of each start in its first basis (the lowest one except for some planned starts), wave by wave.
+    /// The costs of all starts in their first basis (the lowest one except for some planned starts), ascending.
     pub first_costs: Vec<f64>,
     /// The minima, by cost.
     pub minima: Vec<LocalMinimum>,
     /// The first candidate that led to each of the first few minima.
     pub curves: Vec<Candidate>,
-    /// The number of the start that led to the best minimum, and its initial curve.
-    pub best_start: (usize, Candidate),
+    /// The number of the start that led to the best minimum, unless it was given, and its initial curve.
+    pub best_start: (Option<usize>, Candidate),
 }
 
 /// A start on its way to higher degrees.
@@ -76,7 +76,7 @@ pub(crate) fn multistart<'c, K: Constraint + Send + Sync, P: CostWithControl>(
     levels: &[Level],
     planned: &Planned<'c, '_, K, P>,
     log: &mut dyn FnMut(Iteration),
-) -> Result<Outcome> {
+) -> Result<MultistartOutcome> {
     let mut all = Multistart {
         context,
         settings,
@@ -273,17 +273,18 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
         Ok(())
     }
 
-    fn outcome(mut self) -> Outcome {
+    fn outcome(mut self) -> MultistartOutcome {
         let same = self.settings.search.same_minimum;
+        self.first_costs.sort_by(f64::total_cmp);
         self.ends.sort_by(|a, b| rank(&a.candidate, &b.candidate));
         let (minima, curves) = minima_of(&self.ends, same);
         let best = self.ends.swap_remove(0);
-        Outcome {
+        MultistartOutcome {
             best: best.candidate,
             first_costs: self.first_costs,
             minima,
             curves,
-            best_start: (best.number, best.guess),
+            best_start: (Some(best.number), best.guess),
         }
     }
 }
