@@ -11,7 +11,8 @@ Start and goal are drawn uniformly within the position limits, such that the mot
 that by Pinocchio, and the joint positions are forgotten. The horizon is one second more than one and a half times the
 least one of the joint goal at its velocity limits; all limits are enforced. Both scenarios are solved on one core with
 all defaults, and judged; `cpu` is the processor time of the whole program, loading and tests included. With --obstacle
-a ball of 0.1 m is halfway between the frame at start and goal, if all joints at both are clear of it by 0.1 m.
+a ball of 0.1 m is halfway between the frame at start and goal, if all joints at both are clear of it by 0.1 m. Draws
+with a state in self-collision, which are refused, are drawn again.
 """
 
 import argparse
@@ -19,6 +20,7 @@ import json
 import resource
 import statistics
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -28,6 +30,8 @@ import pinocchio
 ROOT = Path(__file__).parents[1]
 AGHF = ROOT / "target" / "release" / "aghf"
 RADIUS, CLEAR = 0.1, 0.1
+# The largest number of refused draws, relative to those that are asked for.
+MOST_REFUSED = 10
 
 
 class Robot:
@@ -111,13 +115,18 @@ def main() -> None:
     options = ["--starts", str(given.starts)] if given.starts else []
     builtin = ROOT / "robots" / given.robot / f"{given.robot}.urdf"
     robot = Robot(builtin if builtin.exists() else Path(given.robot), given.frame, given.seed)
-    rows, drawn = [], 0
+    rows, drawn, refused = [], 0, []
     with tempfile.TemporaryDirectory() as folder:
         while len(rows) < given.count:
             made, pose = scenario(robot, given.robot, given.obstacle)
             drawn += 1
             joint, why = solve(made, Path(folder), [])
-            row = {"draw": drawn, "joint": joint and joint["success"]}
+            if joint is None:
+                refused.append(why)
+                if len(refused) > MOST_REFUSED * given.count:
+                    sys.exit(f"{len(refused)} of {drawn} draws are refused, the last one: {why}")
+                continue
+            row = {"draw": drawn, "joint": joint["success"]}
             rotation = pinocchio.Quaternion(pose.rotation)
             goal = {"frame": given.frame, "position_m": list(pose.translation)}
             goal["orientation_xyzw"] = list(rotation.normalized().coeffs())
@@ -131,7 +140,7 @@ def main() -> None:
                 row["rotation"] = float(np.linalg.norm(pinocchio.log3(pose.rotation.T @ reached.rotation)))
                 row |= {"seconds": found["solve_seconds"], "cpu": found["cpu"], "starts": details["starts_tried"]}
                 row["verdict"] = found["verdict"]
-                if joint and joint["success"]:
+                if joint["success"]:
                     row["ratio"] = details["cost"] / joint["cost"]
                     row |= {"joint_seconds": joint["solve_seconds"], "joint_cpu": joint["cpu"]}
             if not row["solved"]:
@@ -139,6 +148,7 @@ def main() -> None:
             rows.append(row)
     if given.json:
         given.json.write_text(json.dumps(rows))
+    print(f"{len(refused)} draws were refused, as start or goal are in self-collision")
     report(rows)
 
 
