@@ -146,8 +146,6 @@ impl Options {
     /// # Errors
     /// A value is out of range.
     pub fn check(&self) -> Result<()> {
-        let [first, later, after] = self.regularisation_factors;
-        let [less, more] = self.share_factors;
         for (what, value) in [
             ("tolerance", self.tolerance),
             ("feasible", self.feasible),
@@ -173,100 +171,55 @@ impl Options {
         if self.longest_step != f64::INFINITY {
             check_positive("nlp", "longest_step", self.longest_step)?;
         }
+        self.check_factors()
+    }
+
+    /// Refuses factors out of range.
+    fn check_factors(&self) -> Result<()> {
+        let [first, later, after] = self.regularisation_factors;
+        let [less, more] = self.share_factors;
+        let [for_first, for_second, for_third] =
+            [" for the first", " for the second", " for the third"];
+        let of_row = self.row_penalty_of_multipliers;
         for (what, value) in [
             ("penalty_of_multipliers", self.penalty_of_multipliers),
-            (
-                "row_penalty_of_multipliers",
-                self.row_penalty_of_multipliers,
-            ),
+            ("row_penalty_of_multipliers", of_row),
         ] {
-            if !(value >= 0.0 && value.is_finite()) {
-                let condition = format!("it is {value}, not negative is needed");
-                return Err(Error::input("nlp", what, condition));
-            }
+            let good = value >= 0.0 && value.is_finite();
+            needs(what, value, good, "not negative", "")?;
         }
-        let growing = |x: f64| x > 1.0 && x.is_finite();
-        let shrinking = |x: f64| x > 0.0 && x < 1.0;
-        for (what, value, good, condition) in [
-            (
-                "penalty_factor",
-                self.penalty_factor,
-                growing as fn(f64) -> bool,
-                "more than 1",
-            ),
-            (
-                "row_penalty_factor",
-                self.row_penalty_factor,
-                growing,
-                "more than 1",
-            ),
-            (
-                "equality_factor",
-                self.equality_factor,
-                growing,
-                "more than 1",
-            ),
-            (
-                "multiplier_range",
-                self.multiplier_range,
-                growing,
-                "more than 1",
-            ),
-            (
-                "regularisation_factors",
-                first,
-                growing,
-                "more than 1 for the first",
-            ),
-            (
-                "regularisation_factors",
-                later,
-                growing,
-                "more than 1 for the second",
-            ),
-            (
-                "regularisation_factors",
-                after,
-                shrinking,
-                "a number between 0 and 1 for the third",
-            ),
-            (
-                "share_factors",
-                less,
-                shrinking,
-                "a number between 0 and 1 for the first",
-            ),
-            ("share_factors", more, growing, "more than 1 for the second"),
-            (
-                "smallest_share",
-                self.smallest_share,
-                shrinking,
-                "a number between 0 and 1",
-            ),
-            (
-                "fraction_to_boundary",
-                self.fraction_to_boundary,
-                shrinking,
-                "a number between 0 and 1",
-            ),
-            (
-                "sufficient_decrease",
-                self.sufficient_decrease,
-                shrinking,
-                "a number between 0 and 1",
-            ),
-            (
-                "backtracking",
-                self.backtracking,
-                shrinking,
-                "a number between 0 and 1",
-            ),
+        for (what, value, which) in [
+            ("penalty_factor", self.penalty_factor, ""),
+            ("row_penalty_factor", self.row_penalty_factor, ""),
+            ("equality_factor", self.equality_factor, ""),
+            ("multiplier_range", self.multiplier_range, ""),
+            ("regularisation_factors", first, for_first),
+            ("regularisation_factors", later, for_second),
+            ("share_factors", more, for_second),
         ] {
-            if !good(value) {
-                let condition = format!("it is {value}, {condition} is needed");
-                return Err(Error::input("nlp", what, condition));
-            }
+            let good = value > 1.0 && value.is_finite();
+            needs(what, value, good, "more than 1", which)?;
+        }
+        for (what, value, which) in [
+            ("regularisation_factors", after, for_third),
+            ("share_factors", less, for_first),
+            ("smallest_share", self.smallest_share, ""),
+            ("fraction_to_boundary", self.fraction_to_boundary, ""),
+            ("sufficient_decrease", self.sufficient_decrease, ""),
+            ("backtracking", self.backtracking, ""),
+        ] {
+            let good = value > 0.0 && value < 1.0;
+            needs(what, value, good, "a number between 0 and 1", which)?;
         }
         Ok(())
     }
+}
+
+/// Refuses a value that is not good.
+fn needs(what: &str, value: f64, good: bool, condition: &str, which: &str) -> Result<()> {
+    if good {
+        return Ok(());
+    }
+    let condition = format!("it is {value}, {condition}{which} is needed");
+    Err(Error::input("nlp", what, condition))
 }
