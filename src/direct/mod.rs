@@ -12,7 +12,7 @@
 //!    from their previous end, and so on up to the degree and the segments of the settings. While none of them ends
 //!    within the constraints, more starts are tried, every other one along a path that [`plan`](crate::plan) finds
 //!    around the obstacles. If the first start is planned, it satisfies all constraints, and so does the final motion,
-//!    whether or not it is a minimum.
+//!    whether or not it is a minimum. Within a time limit a path is planned first, for a search that is cut off.
 //! 2. `minimise`: one minimisation, a nonlinear program whose unknowns are the coefficients and a free horizon, and
 //!    whose rows are those of the constraints at the quadrature points. `nlp` solves it by a primal-dual interior-point
 //!    method with exact Hessians and a line search (Nocedal and Wright, chapter 19; Wächter and Biegler, 2006). Each
