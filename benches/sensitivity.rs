@@ -96,7 +96,7 @@ fn options() -> Vec<(&'static str, Change)> {
             search.lower_tolerance, search.lower_quadrature_tolerance, search.lower_last_barrier, search.lower_feasible,
             search.planned_penalty, search.largest_planned_penalty, search.point_penalty, search.same_minimum;
         count: search.most_points, search.scan, search.last_scan, search.exact_margins, search.largest_passive_size,
-            search.wave, search.lower_iterations, search.segment_iterations, search.more_starts, search.most_starts,
+            search.batch, search.lower_iterations, search.segment_iterations, search.more_starts, search.most_starts,
             search.planned_segments, search.planned_degree, search.margin_checks, search.kept_ends;
         both: search.hopeless;
         factor: search.horizon_growth, search.planned_penalty_factor;

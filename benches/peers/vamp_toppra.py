@@ -283,8 +283,8 @@ def compared(table, problems):
             median = common.percentile(shares, 0.5)
             print(f"{what}, {method} / {beside}: mean {mean:.3f}, median {median:.3f} of {len(shares)}")
     shares = list(anew(problems))
-    told = ", ".join(f"{100 * common.percentile(shares, share):.2f} % ({share:.0%})" for share in (0.5, 0.95, 1.0))
-    print(f"longer than TOPP-RA along the same path, {len(shares)} motions of least time: {told}")
+    summary = ", ".join(f"{100 * common.percentile(shares, share):.2f} % ({share:.0%})" for share in (0.5, 0.95, 1.0))
+    print(f"longer than TOPP-RA along the same path, {len(shares)} motions of least time: {summary}")
 
 
 def run(table, options):

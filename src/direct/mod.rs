@@ -191,7 +191,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
             free_horizon: settings.free_horizon,
             goal: settings.goal.as_ref(),
         };
-        let planned = Planned::new(given, settings)?;
+        let planned = Planned::new(given)?;
         let longest = settings.free_horizon.map(|free| free.longest);
         let from = match (&settings.start, longest.or(settings.longest_horizon)) {
             (Some(curve), _) => problem_of_start(problem, curve, settings)?,
@@ -208,26 +208,26 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
             observe(&iteration);
             iterations.push(iteration);
         };
-        let outcome = match &settings.start {
+        let mut outcome = match &settings.start {
             Some(curve) => from_curve(context, curve, &mut log)?,
             None => {
                 let passive = self.constraints.torque.has_passive();
                 let phases = phases.max(settings.parts.len());
                 let levels = settings.levels(settings.continuity(&from), passive, phases);
-                multistart(context, settings, &levels, &planned, &mut log)?
+                multistart(context, &levels, &planned, &mut log)?
             }
         };
-        let (found, adapted) =
-            refine(settings, outcome.best.clone(), |from: &Candidate, basis| {
-                let mut higher = from.clone();
-                higher.change_basis(basis);
-                minimise(context, higher, settings.highest(), &mut log)
-            })?;
+        let (best, adapted) = refine(settings, outcome.best, |from, basis| {
+            let mut higher = from.clone();
+            higher.change_basis(basis);
+            minimise(context, higher, settings.highest(), &mut log)
+        })?;
+        outcome.best = best;
         Ok(DirectSolution {
             stopped: watch.stopped(),
             adapted,
             iterations,
-            ..DirectSolution::of(&from, found, outcome)?
+            ..DirectSolution::of(&from, outcome)?
         })
     }
 

@@ -58,13 +58,13 @@ pub struct SearchOptions {
     /// The largest product of degree and number of segments when these are increased for passive joints or equalities.
     pub largest_passive_size: usize,
     /// The number of starts that are processed in parallel.
-    pub wave: usize,
+    pub batch: usize,
     /// The fraction of a time limit spent on starts if a horizon or a degree is searched after them.
     pub share_of_starts: f64,
     /// The relative excess over the cost of the best start before it beyond which a start is dropped, on the last basis
     /// but one and on lower ones: low degrees are a poor indicator.
     pub hopeless: [f64; 2],
-    /// The number of starts of a wave that go on to the next basis if the goal is a set.
+    /// The number of starts of a batch that go on to the next basis if the goal is a set.
     pub kept_ends: usize,
     /// The relative gradient norm at the end in the bases below the last one: a curve there is only the start of the
     /// next.
@@ -127,7 +127,7 @@ impl Default for SearchOptions {
             passive_share: 5e-4,
             deviation: 1e-6,
             largest_passive_size: 512,
-            wave: 8,
+            batch: 8,
             share_of_starts: 0.5,
             hopeless: [0.1, 1.0],
             kept_ends: 1,
@@ -222,7 +222,7 @@ impl SearchOptions {
             ("scan", self.scan, 1..=most),
             ("last_scan", self.last_scan, 1..=1_000_000),
             ("largest_passive_size", self.largest_passive_size, 1..=4096),
-            ("wave", self.wave, starts.clone()),
+            ("batch", self.batch, starts.clone()),
             (
                 "lower_iterations",
                 self.lower_iterations,

@@ -1,6 +1,5 @@
 //! The results of the direct method.
 
-use super::minimise::Candidate;
 use super::strategy::MultistartOutcome;
 use super::{DegreeRefinement, LocalMinimum, Multipliers};
 use crate::curve::Curve;
@@ -103,13 +102,9 @@ impl DirectSolution {
     /// The number of minima whose curves are stored.
     pub const MINIMA_CURVES: usize = 4;
 
-    /// The solution with the best of the starts, or that from it at a higher degree, without iterations.
-    pub(super) fn of(
-        problem: &Problem<'_>,
-        found: Candidate,
-        outcome: MultistartOutcome,
-    ) -> Result<Self> {
-        let (best_start, guess) = outcome.best_start;
+    /// The solution with the best of the starts, without iterations.
+    pub(super) fn of(problem: &Problem<'_>, outcome: MultistartOutcome) -> Result<Self> {
+        let (found, (best_start, guess)) = (outcome.best, outcome.best_start);
         let curves = outcome.curves.iter().map(|end| end.curve(problem));
         Ok(Self {
             curve: found.curve(problem)?,

@@ -75,7 +75,7 @@ fn what_was_found_before_the_interrupt_is_kept() {
     assert_eq!(few.stopped, None);
     let all: BTreeSet<_> = few.iterations.iter().map(|i| i.start).collect();
     assert_eq!(all, (0..8).map(Some).collect());
-    // Starts come in waves of eight.
+    // Starts come in batches of eight.
     let stopped = stopped_when(settings(400), |i| i.start >= Some(8));
     assert!(stopped.converged);
     assert_eq!((stopped.cost, &stopped.minima), (few.cost, &few.minima));

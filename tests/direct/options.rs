@@ -10,7 +10,7 @@ fn options_out_of_range_are_errors() {
     let model = robot("pendulum_2");
     let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.0, 0.0, 0.0], 1.0).expect("valid");
     let cases: [(Change, &str); 7] = [
-        (|s| s.search.wave = 0, "wave: it is 0, at least 1"),
+        (|s| s.search.batch = 0, "batch: it is 0, at least 1"),
         (|s| s.search.more_starts = 0, "more_starts: it is 0"),
         (
             |s| s.search.points = 1e9,

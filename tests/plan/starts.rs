@@ -258,7 +258,7 @@ fn paths_are_planned_until_something_is_found() {
         interrupt: interrupt.clone(),
         ..DirectSettings::constrained()
     };
-    settings.search.wave = 2;
+    settings.search.batch = 2;
     let raise = |iteration: &Iteration| {
         if iteration.start >= Some(3) {
             interrupt.raise();

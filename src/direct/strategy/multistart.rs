@@ -51,7 +51,6 @@ struct Run {
 /// The starts of a search.
 struct Multistart<'s, 'c, 'a, K, P> {
     context: Context<'c, 'a, K, P>,
-    settings: &'s DirectSettings,
     levels: &'s [Level],
     planned: &'s Planned<'c, 'a, K, P>,
     /// The least cost within the constraints per level.
@@ -63,7 +62,7 @@ struct Multistart<'s, 'c, 'a, K, P> {
 
 /// Continues as many starts as requested through all bases, and further ones while none of them succeeds.
 ///
-/// Starts are processed in waves, whose members run in parallel. Whether a start is continued depends only on those
+/// Starts are processed in batches, whose members run in parallel. Whether a start is continued depends only on those
 /// before it, in the order of their numbers: its cost must be hardly more than the best of theirs. Therefore additional
 /// starts do not change the results of the others, on any number of cores, and more starts never give a worse result if
 /// one of fewer ends within the constraints. Of the starts beyond the requested ones, the first of which is tried by
@@ -72,14 +71,13 @@ struct Multistart<'s, 'c, 'a, K, P> {
 /// time left.
 pub(crate) fn multistart<'c, K: Constraint + Send + Sync, P: CostWithControl>(
     context: Context<'c, '_, K, P>,
-    settings: &'c DirectSettings,
     levels: &[Level],
     planned: &Planned<'c, '_, K, P>,
     log: &mut dyn FnMut(Iteration),
 ) -> Result<MultistartOutcome> {
+    let settings = context.settings;
     let mut all = Multistart {
         context,
-        settings,
         levels,
         planned,
         least: vec![f64::INFINITY; levels.len()],
@@ -94,11 +92,13 @@ pub(crate) fn multistart<'c, K: Constraint + Send + Sync, P: CostWithControl>(
     };
     let mut next = 0;
     loop {
-        let wave = all.wave(next);
-        next = wave.end;
-        let starts = side_by_side(wave.collect(), settings.threads, |number| all.start(number));
+        let batch = all.batch(next);
+        next = batch.end;
+        let starts = side_by_side(batch.collect(), settings.threads, |number| {
+            all.start(number)
+        });
         let runs = starts.into_iter().collect::<Result<_>>()?;
-        all.climb(runs, log)?;
+        all.minimise_on_all_levels(runs, log)?;
         let more = match settings.time_limit {
             Some(_) => next < DirectSettings::LARGEST_STARTS,
             None => {
@@ -121,18 +121,19 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
     /// Returns true if a start has led to a motion. With a planned first start, which keeps the constraints, that need
     /// not be a minimum.
     fn is_found(&self) -> bool {
-        let content = self.settings.planned_starts == PlannedStarts::First;
+        let content = self.context.settings.planned_starts == PlannedStarts::First;
         let mut ends = self.ends.iter().map(|end| &end.candidate);
         ends.any(|end| end.converged || (content && end.kept))
     }
 
-    /// The numbers of the starts of the next wave: beyond those asked for only as long as nothing is found, so that
+    /// The numbers of the starts of the next batch: beyond those asked for only as long as nothing is found, so that
     /// little is tried at once.
-    fn wave(&self, next: usize) -> Range<usize> {
-        let (settings, search) = (self.settings, &self.settings.search);
+    fn batch(&self, next: usize) -> Range<usize> {
+        let settings = self.context.settings;
+        let search = &settings.search;
         match settings.time_limit {
-            _ if next < settings.starts => next..settings.starts.min(next + search.wave),
-            Some(_) => next..next + search.wave,
+            _ if next < settings.starts => next..settings.starts.min(next + search.batch),
+            Some(_) => next..next + search.batch,
             // The planned start mostly succeeds.
             None if next == settings.starts => next..next + 1,
             None => next..(next + search.more_starts).min(search.most_starts),
@@ -140,7 +141,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
     }
 
     fn start(&self, number: usize) -> Result<Run> {
-        let (context, settings) = (&self.context, self.settings);
+        let (context, settings) = (&self.context, self.context.settings);
         let problem = self.planned.problem(number)?;
         // A path is for what is not found; bent starts lead to more minima in the same time.
         let planned = match self.is_found() {
@@ -173,15 +174,19 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
         })
     }
 
-    /// Continues the starts of a wave from level to level while they are promising.
-    fn climb(&mut self, mut runs: Vec<Run>, log: &mut dyn FnMut(Iteration)) -> Result<()> {
+    /// Continues the starts of a batch from level to level while they are promising.
+    fn minimise_on_all_levels(
+        &mut self,
+        mut runs: Vec<Run>,
+        log: &mut dyn FnMut(Iteration),
+    ) -> Result<()> {
         let found_before = self.is_found();
         for (index, level) in self.levels.iter().enumerate() {
             // Those that come in at the top wait.
             let (waiting, here) = runs.into_iter().partition(|run| run.first > index);
             runs = waiting;
             let work = |run| self.minimised(run, index);
-            for found in side_by_side(here, self.settings.threads, work) {
+            for found in side_by_side(here, self.context.settings.threads, work) {
                 let Some((run, iterations)) = found? else {
                     continue;
                 };
@@ -189,12 +194,14 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
                     let start = Some(run.number);
                     log(Iteration { start, ..iteration });
                 }
-                if self.is_promising(&run, index) || !found_before {
+                let goes_on = self.is_promising(&run, index) || !found_before;
+                self.record(&run, index);
+                if goes_on {
                     runs.push(run);
                 }
             }
             if index + 1 < self.levels.len() && self.context.goal.is_some() {
-                let kept = self.settings.search.kept_ends;
+                let kept = self.context.settings.search.kept_ends;
                 keep_best(&mut runs, index, level.stage.feasible, kept);
             }
             runs.sort_by_key(|run| run.number);
@@ -224,10 +231,25 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
         Ok(Some((run, iterations)))
     }
 
-    /// Returns true if a start that is minimised at a level goes on, and takes down its cost.
-    fn is_promising(&mut self, run: &Run, index: usize) -> bool {
-        let (search, candidate) = (&self.settings.search, &run.candidate);
-        let (stage, least) = (self.levels[index].stage, self.least[index]);
+    /// Returns true if the cost of a start at a level is hardly more than the least one before it.
+    fn is_promising(&self, run: &Run, index: usize) -> bool {
+        let (least, hopeless) = (self.least[index], &self.context.settings.search.hopeless);
+        let passive = self.context.rows.constraints.torque.has_passive();
+        // The first one has nothing to be compared with, and at the top all have come to their end. What a passive
+        // joint is given at a low level says nothing of what the motion costs without.
+        match (self.levels.len() - 1 - index).checked_sub(1) {
+            Some(left) if least.is_finite() && !passive => {
+                let hopeless = hopeless[left.min(hopeless.len() - 1)];
+                run.candidate.objective <= least + hopeless * least.abs()
+            }
+            _ => true,
+        }
+    }
+
+    /// Takes the cost of a start at a level into account for those after it.
+    fn record(&mut self, run: &Run, index: usize) {
+        let (search, candidate) = (&self.context.settings.search, &run.candidate);
+        let stage = self.levels[index].stage;
         if index == run.first && !self.stopped() {
             self.first_costs.push(candidate.objective);
         }
@@ -235,23 +257,13 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
             && candidate.passive_share <= search.passive_share
             && (!stage.last || candidate.deviation <= search.deviation);
         if inside {
-            self.least[index] = least.min(candidate.objective);
-        }
-        let passive = self.context.rows.constraints.torque.has_passive();
-        // The first one has nothing to be compared with, and at the top all have come to their end. What a passive
-        // joint is given at a low level says nothing of what the motion costs without.
-        match (self.levels.len() - 1 - index).checked_sub(1) {
-            Some(left) if least.is_finite() && !passive => {
-                let hopeless = search.hopeless[left.min(search.hopeless.len() - 1)];
-                candidate.objective <= least + hopeless * least.abs()
-            }
-            _ => true,
+            self.least[index] = self.least[index].min(candidate.objective);
         }
     }
 
     /// Minimises the reserve in the time that is left, if nothing satisfies the constraints.
     fn add_reserve(&mut self, log: &mut dyn FnMut(Iteration)) -> Result<()> {
-        let number = self.settings.starts;
+        let number = self.context.settings.starts;
         let mut ends = self.ends.iter();
         let enough = |end: &Run| {
             let Candidate {
@@ -274,7 +286,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
     }
 
     fn outcome(mut self) -> MultistartOutcome {
-        let same = self.settings.search.same_minimum;
+        let same = self.context.settings.search.same_minimum;
         self.first_costs.sort_by(f64::total_cmp);
         self.ends.sort_by(|a, b| rank(&a.candidate, &b.candidate));
         let (minima, curves) = minima_of(&self.ends, same);

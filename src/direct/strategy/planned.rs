@@ -3,7 +3,6 @@
 use crate::constraint::{Constraint, RowKind};
 use crate::cost::CostWithControl;
 use crate::curve::Basis;
-use crate::direct::DirectSettings;
 use crate::direct::minimise::{Candidate, Context};
 use crate::direct::settings::PlannedStarts;
 use crate::direct::strategy::through::nearest_times;
@@ -16,7 +15,6 @@ use nalgebra::DMatrix;
 /// The planned starts: the first start, or the first, third and so on beyond the requested ones.
 pub(crate) struct Planned<'c, 'a, K, P> {
     context: Context<'c, 'a, K, P>,
-    settings: &'c DirectSettings,
     /// True if there are obstacles.
     wanted: bool,
     /// The curve of the first start, if it is planned.
@@ -26,7 +24,8 @@ pub(crate) struct Planned<'c, 'a, K, P> {
 }
 
 impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
-    pub fn new(context: Context<'c, 'a, K, P>, settings: &'c DirectSettings) -> Result<Self> {
+    pub fn new(context: Context<'c, 'a, K, P>) -> Result<Self> {
+        let settings = context.settings;
         let (state, model) = (&context.rows.constraints.state, context.problem.model());
         let rows = 0..state.dim();
         let bounds = |row: usize| {
@@ -41,7 +40,6 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             && !rows.clone().all(bounds);
         let mut planned = Self {
             context,
-            settings,
             wanted,
             first: None,
             reserve: None,
@@ -58,14 +56,14 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
     /// The number of the path of a planned start.
     fn number(&self, start: usize) -> Option<u64> {
         let first = u64::from(self.first.is_some());
-        let beyond = start.checked_sub(self.settings.starts)?;
+        let beyond = start.checked_sub(self.context.settings.starts)?;
         (self.wanted && beyond.is_multiple_of(2)).then_some(first + beyond as u64 / 2)
     }
 
     /// The first penalty of a violation from a planned start: larger from one to the next, up to the largest one, and
     /// again.
     fn penalty(&self, start: usize) -> f64 {
-        let search = &self.settings.search;
+        let search = &self.context.settings.search;
         let mut penalty = search.planned_penalty;
         for _ in 0..self.number(start).unwrap_or_default() {
             penalty *= search.planned_penalty_factor;
@@ -93,7 +91,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
     /// The curve of a planned start for a problem like that of the context, with the time that it needs if the horizon
     /// is free; `None` if the start is not planned or no path was found.
     pub fn start(&self, start: usize, problem: &Problem<'_>) -> Result<Option<Candidate>> {
-        if start == self.settings.starts && self.reserve.is_some() {
+        if start == self.context.settings.starts && self.reserve.is_some() {
             return Ok(self.reserve.clone());
         }
         let path = match (&self.first, self.number(start)) {
@@ -107,9 +105,9 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         let horizon = match self.context.free_horizon {
             Some(free) => {
                 let horizon = self.horizon(&path, problem, free.longest)?;
-                // Rows may be larger between the points, which nothing mends in a search that is cut off.
-                let growth = match self.settings.time_limit {
-                    Some(_) => self.settings.search.horizon_growth,
+                // Rows may be larger between the points, and no iteration follows in a search that is cut off.
+                let growth = match self.context.settings.time_limit {
+                    Some(_) => self.context.settings.search.horizon_growth,
                     None => 1.0,
                 };
                 (growth * horizon).min(free.longest)
@@ -119,7 +117,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         let path = path.between_ends_of(&problem.with_horizon(horizon)?);
         let problem = &problem.with_horizon(horizon)?;
         Ok(Some(Candidate {
-            times: nearest_times(&path, problem, &self.settings.waypoints),
+            times: nearest_times(&path, problem, &self.context.settings.waypoints),
             penalty: Some(self.penalty(start)),
             ..Candidate::new(path, horizon)
         }))
@@ -129,9 +127,9 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
     /// path.
     fn path(&self, number: u64, (start, problem): (usize, &Problem<'_>)) -> Result<Option<Path>> {
         let constraint = &self.context.rows.constraints.state;
-        let search = &self.settings.search;
+        let search = &self.context.settings.search;
         let n = problem.model().dof();
-        let waypoints = self.settings.waypoints.iter();
+        let waypoints = self.context.settings.waypoints.iter();
         let waypoints = waypoints.map(|waypoint| waypoint.guess(start));
         let mut path = vec![problem.start()[..n].to_vec()];
         for to in waypoints.chain([&problem.goal()[..n]]) {
@@ -144,14 +142,15 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             path.extend(found.into_iter().skip(1));
         }
         let segments = search.planned_segments.max(path.len() - 1);
-        let basis = if self.settings.segments >= segments {
-            self.settings.basis(problem)
+        let basis = if self.context.settings.segments >= segments {
+            self.context.settings.basis(problem)
         } else {
-            let continuity = self.settings.continuity(problem);
+            let continuity = self.context.settings.continuity(problem);
             Basis::new(segments, search.planned_degree, continuity)
         };
         let plans = self.plans(number);
         let stops = self
+            .context
             .settings
             .waypoints
             .iter()
@@ -163,7 +162,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
     /// The settings of the planner for paths of this number.
     fn plans(&self, number: u64) -> PlanSettings {
         PlanSettings {
-            seed: self.settings.seed,
+            seed: self.context.settings.seed,
             number,
             // Slopes make the curve round.
             roundings: 0,
@@ -176,7 +175,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         let Context { rows, watch, .. } = self.context;
         let constraint = &rows.constraints.state;
         let mut plans = self.plans(number);
-        let most = self.settings.search.margin_checks;
+        let most = self.context.settings.search.margin_checks;
         let budget = std::mem::replace(&mut plans.most_checks, most);
         let stopped = || watch.stopped().is_some();
         let mut found = plan(problem, constraint, &plans, &stopped)?;
@@ -186,8 +185,8 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             found = plan(problem, constraint, &plans, &stopped)?;
         }
         // The configurations of a path within equalities are close together.
-        let legs = self.settings.waypoints.len() + 1;
-        let lines = self.settings.search.planned_segments.div_ceil(legs);
+        let legs = self.context.settings.waypoints.len() + 1;
+        let lines = self.context.settings.search.planned_segments.div_ceil(legs);
         match found {
             Plan::Found(path) if rows.attributes().equalities.contains(&true) => {
                 Ok(Some(thinned(path, lines)))
@@ -237,7 +236,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             if kept {
                 break;
             }
-            horizon = (self.settings.search.horizon_growth * horizon).min(longest);
+            horizon = (self.context.settings.search.horizon_growth * horizon).min(longest);
         }
         Ok(horizon)
     }

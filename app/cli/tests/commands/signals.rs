@@ -56,7 +56,7 @@ fn ctrl_c_keeps_the_best_motion_and_says_so() {
         .filter(|(_, number)| !is_ignored(*number));
     for (signal, _) in signals.chain([("-TERM", 15)]) {
         let folder = empty_folder(&format!("signal{signal}"));
-        // The first wave has ended by then, and something was found.
+        // The first batch has ended by then, and something was found.
         let (code, stdout) = interrupted(&folder, signal, "start 4");
         assert_eq!(code, Some(0), "{signal}: {stdout}");
         assert!(
