@@ -39,6 +39,8 @@ pub struct Checker<'a, K: ?Sized> {
     x: Vec<Wide>,
     g: Vec<Wide>,
     checks: usize,
+    /// The number of configurations after which a line counts as not free.
+    most_checks: usize,
     parts: Vec<Part>,
     /// The pairs of each part.
     near: Vec<usize>,
@@ -81,6 +83,7 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
             x: vec![zero; 2 * model.dof()],
             g: vec![zero; rows],
             checks: 0,
+            most_checks: usize::MAX,
             parts: Vec::new(),
             near: Vec::new(),
             found: Vec::new(),
@@ -94,6 +97,11 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
         checker.order = (0..distances.pairs()).collect();
         checker.distances = distances;
         Ok(checker)
+    }
+
+    /// Takes a line for not free where so many configurations do not decide it, as between ends that are far apart.
+    pub(super) fn limit(&mut self, most_checks: usize) {
+        self.most_checks = most_checks;
     }
 
     /// Takes configurations to these sets, which they keep then, within bounds of the joints.
@@ -193,7 +201,7 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
             end: 1.0,
             pairs: 0..self.near.len(),
         });
-        let mut next = 0;
+        let (mut next, before) = (0, self.checks);
         while let Some(Part { begin, end, pairs }) = self.parts.get(next).cloned() {
             // The first ones include the end, which is most often not free.
             let (first, spacing) = match next {
@@ -201,6 +209,9 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
                 _ => (begin + (end - begin) / 8.0, (end - begin) / 4.0),
             };
             next += 1;
+            if self.checks - before >= self.most_checks {
+                return Ok(false);
+            }
             for lane in 0..LANES {
                 let share = (first + spacing * lane as f64).min(1.0);
                 for ((x, a), b) in self.x.iter_mut().zip(from).zip(to) {

@@ -65,7 +65,7 @@ pub struct PlanSettings {
     pub resolution: f64,
     /// The length of the longest edge of a tree, rad.
     pub range: f64,
-    /// The number of configurations checked after which no further one is sampled.
+    /// The number of configurations checked after which no further one is sampled, and the largest number per line.
     pub most_checks: usize,
     /// The number of shortcuts tried.
     pub shortcuts: usize,
@@ -165,6 +165,7 @@ pub fn plan<K: Constraint + ?Sized>(
         }
     }
     checker.keep(settings.margin, ends)?;
+    checker.limit(settings.most_checks);
     let ranges = ranges(problem.model(), ends);
     checker.project_onto(&sets, ranges.clone())?;
     let mut one = |path| -> Result<Plan> {

@@ -79,7 +79,7 @@ pub(super) fn connect<K: Constraint + ?Sized>(
     }
     let (mut trees, range) = (ends.map(Tree::new), settings.range);
     if checker.is_projected()
-        && let Some(met) = reach(checker, &mut trees[0], ends[1], range)?
+        && let Some(met) = reach(checker, &mut trees[0], ends[1], settings)?
     {
         let mut path = trees[0].to_root(met);
         path.reverse();
@@ -105,7 +105,7 @@ pub(super) fn connect<K: Constraint + ?Sized>(
             continue;
         }
         let new = trees[own].add(&to, near);
-        if let Some(met) = reach(checker, &mut trees[1 - own], &to, range)? {
+        if let Some(met) = reach(checker, &mut trees[1 - own], &to, settings)? {
             let [mut path, rest] = match own {
                 0 => [trees[0].to_root(new), trees[1].to_root(met)],
                 _ => [trees[0].to_root(met), trees[1].to_root(new)],
@@ -146,15 +146,16 @@ pub(super) fn step<K: Constraint + ?Sized>(
     Ok(checker.is_line_free(from, &next)?.then_some(next))
 }
 
-/// Grows a tree straight towards a configuration as far as the line is free; returns the last node.
+/// Grows a tree straight towards a configuration as far as the line is free and the number of checks allows; returns
+/// the last node if it is that configuration.
 fn reach<K: Constraint + ?Sized>(
     checker: &mut Checker<'_, K>,
     tree: &mut Tree,
     to: &[f64],
-    range: f64,
+    settings: &PlanSettings,
 ) -> Result<Option<usize>> {
-    let (mut at, _) = tree.nearest(to);
-    loop {
+    let (range, (mut at, _)) = (settings.range, tree.nearest(to));
+    while checker.checks() < settings.most_checks {
         let from = tree.node(at);
         let far = distance(from, to);
         let last = far <= range;
@@ -166,4 +167,5 @@ fn reach<K: Constraint + ?Sized>(
             return Ok(Some(at));
         }
     }
+    Ok(None)
 }

@@ -235,6 +235,30 @@ fn what_cannot_be_ends_by_its_budget() {
     assert!((by - (0.01 - 0.0025) / 0.2).abs() < 1e-12, "{by}");
 }
 
+/// Neither one line nor the steps of a tree take many more configurations than are allowed, so that ends far apart end.
+#[test]
+fn long_lines_end_by_the_budget() {
+    let model = point();
+    let problem = across(&model);
+    let checks = |state: &[AnyConstraint], range| {
+        let settings = PlanSettings {
+            most_checks: 100,
+            margin: 0.0,
+            range,
+            ..PlanSettings::default()
+        };
+        match planned(&problem, state, &settings) {
+            Plan::OutOfBudget { checks } => checks,
+            other => panic!("{other:?}"),
+        }
+    };
+    let along = (0..=100).map(|k| [0.01 * f64::from(k), 0.1001]);
+    let beside = checks(&outside(along, 0.1), 0.5);
+    assert!((100..120).contains(&beside), "{beside}");
+    let blocked = checks(&outside([[0.7, 0.0]], 0.1), 1e-4);
+    assert!((100..120).contains(&blocked), "{blocked}");
+}
+
 #[test]
 fn it_stops_when_told() {
     let model = point();

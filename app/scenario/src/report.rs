@@ -216,7 +216,10 @@ pub(super) fn report_of(
     let simulated = method != Method::Direct || !passive.is_empty();
     // Before its end the curve of the published flow is no motion: velocities are not the rates of positions.
     let ended = completed || method != Method::Flow;
-    let verdict = match ended && feasible && (reached || !simulated) {
+    let overflow = (!effort.control_effort.is_finite())
+        .then(|| "the torques of the motion are no finite numbers".to_owned());
+    let kept = feasible && overflow.is_none();
+    let verdict = match ended && kept && (reached || !simulated) {
         true if completed => Verdict::Optimal,
         true => Verdict::Valid,
         false => Verdict::NotValid,
@@ -242,6 +245,7 @@ pub(super) fn report_of(
     let reasons = [
         failure,
         feasibility.reason(tolerance),
+        overflow,
         missed,
         scenario.fixed_horizon(),
     ];

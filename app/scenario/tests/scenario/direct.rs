@@ -3,7 +3,7 @@
 use crate::common::direct::solved_within;
 use crate::written::{load, with};
 use aghf::direct::{DirectSettings, FreeHorizon};
-use aghf_scenario::{Details, DirectOptions, Scenario, Solve};
+use aghf_scenario::{Details, DirectOptions, Scenario, Solve, Verdict};
 use serde_json::json;
 
 #[test]
@@ -106,4 +106,27 @@ fn a_far_obstacle_changes_nothing() {
         assert_eq!(free.curve.x(), far.curve.x(), "{name}");
         assert_eq!(free.summary.control_effort, far.summary.control_effort);
     }
+}
+
+/// A motion between states so far apart that its torques overflow is not valid.
+#[test]
+fn a_motion_whose_torques_overflow_is_not_valid() {
+    let scenario = json!({
+        "robot": "pendulum_2", "horizon_s": 2.0,
+        "q_start": [-1e134, 0], "v_start": [0, 0], "q_goal": [1.0, 0.5], "v_goal": [0, 0],
+        "enforced_limits": { "position": false, "velocity": false, "torque": false }
+    });
+    let scenario = load("far", &scenario).expect("it is good");
+    let options = DirectOptions {
+        starts: Some(1),
+        ..Default::default()
+    };
+    let report = Solve::new(&scenario).options(options).run();
+    let summary = report.expect("a result").summary;
+    assert_eq!(summary.verdict, Verdict::NotValid);
+    let failure = summary.failure.expect("there are reasons");
+    assert!(
+        failure.contains("torques of the motion are no finite numbers"),
+        "{failure}"
+    );
 }
