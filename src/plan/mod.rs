@@ -10,8 +10,9 @@
 //! 1. `tree.rs`: RRT-Connect (Kuffner and LaValle, ICRA 2000): a tree from the start and one from the goal, each grown
 //!    towards random configurations and then towards the other.
 //! 2. `shorten.rs`: unnecessary waypoints are removed, random shortcuts are taken, then corners are rounded. Shortcuts
-//!    rarely lead to the other side of an obstacle, so a long path is planned again with other random numbers, and the
-//!    shortest one is kept.
+//!    rarely lead to the other side of an obstacle, so a long path is planned again with other random numbers, among
+//!    configurations that are on shorter paths (`sampler.rs`; Gammell, Srinivasa and Barfoot, *Informed RRT\**, IROS
+//!    2014), and the shortest one is kept.
 //! 3. `fit.rs`: the path as a curve of cubics, as smooth as the obstacles permit.
 //!
 //! [`InverseKinematics`] finds configurations that keep rows, such as the pose of a frame.
@@ -23,6 +24,7 @@ mod checker;
 mod distances;
 mod fit;
 mod inverse_kinematics;
+mod sampler;
 mod shorten;
 mod tree;
 
@@ -37,6 +39,7 @@ use crate::model::{JointKind, Model};
 use crate::motion::Problem;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use sampler::Sampler;
 use shorten::Along;
 use std::f64::consts::PI;
 
@@ -67,6 +70,8 @@ pub struct PlanSettings {
     pub range: f64,
     /// The number of configurations checked after which no further one is sampled, and the largest number per line.
     pub most_checks: usize,
+    /// The number of configurations checked after which no path beyond the first one is planned or continued.
+    pub further_checks: usize,
     /// The number of shortcuts tried.
     pub shortcuts: usize,
     /// The number of passes in which corners are rounded.
@@ -83,6 +88,8 @@ impl Default for PlanSettings {
             resolution: 0.002,
             range: 0.5,
             most_checks: 1_000_000,
+            // Some 20 ms of an arm of seven joints.
+            further_checks: 40_000,
             shortcuts: 60,
             roundings: 6,
         }
@@ -166,21 +173,18 @@ pub fn plan<K: Constraint + ?Sized>(
     }
     checker.keep(settings.margin, ends)?;
     checker.limit(settings.most_checks);
-    let ranges = ranges(problem.model(), ends);
-    checker.project_onto(&sets, ranges.clone())?;
-    let mut one = |path| -> Result<Plan> {
-        let mut rng = settings.generator(path);
-        let found = tree::connect(&mut checker, ends, &ranges, settings, &mut rng, stopped)?;
-        let Plan::Found(mut waypoints) = found else {
-            return Ok(found);
-        };
-        if !shorten::shorten(&mut checker, &mut waypoints, settings, &mut rng, stopped)? {
-            return Ok(Plan::Stopped);
-        }
-        Ok(Plan::Found(waypoints))
+    let mut sampler = Sampler {
+        ends,
+        ranges: ranges(problem.model(), ends),
+        shortest: None,
+    };
+    checker.project_onto(&sets, sampler.ranges.clone())?;
+    let mut shortest = one(0, &mut checker, &sampler, (settings, stopped))?;
+    let further = PlanSettings {
+        most_checks: settings.most_checks.min(settings.further_checks),
+        ..settings.clone()
     };
     let length = |waypoints: &[Vec<f64>]| Along::new(waypoints).length();
-    let mut shortest = one(0)?;
     for path in 1..settings.paths {
         let Plan::Found(waypoints) = &shortest else {
             break;
@@ -189,13 +193,32 @@ pub fn plan<K: Constraint + ?Sized>(
         if least <= SHORT * distance(ends[0], ends[1]) {
             break;
         }
-        match one(path)? {
+        sampler.shortest = Some(least);
+        match one(path, &mut checker, &sampler, (&further, stopped))? {
             Plan::Found(other) if length(&other) < least => shortest = Plan::Found(other),
             Plan::Found(_) | Plan::OutOfBudget { .. } => {}
             ended => return Ok(ended),
         }
     }
     Ok(shortest)
+}
+
+/// Plans a path by trees and shortens it.
+fn one<K: Constraint + ?Sized>(
+    path: usize,
+    checker: &mut Checker<'_, K>,
+    sampler: &Sampler<'_>,
+    (settings, stopped): (&PlanSettings, &dyn Fn() -> bool),
+) -> Result<Plan> {
+    let mut rng = settings.generator(path);
+    let found = tree::connect(checker, sampler, settings, &mut rng, stopped)?;
+    let Plan::Found(mut waypoints) = found else {
+        return Ok(found);
+    };
+    if !shorten::shorten(checker, &mut waypoints, settings, &mut rng, stopped)? {
+        return Ok(Plan::Stopped);
+    }
+    Ok(Plan::Found(waypoints))
 }
 
 /// The sets of poses with equalities, onto which configurations can be projected.

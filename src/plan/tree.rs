@@ -1,9 +1,9 @@
 //! The RRT-Connect algorithm.
 
+use super::sampler::Sampler;
 use super::{Checker, Plan, PlanSettings, between, distance};
 use crate::constraint::Constraint;
 use crate::error::Result;
-use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 /// The share of a step by which it comes nearer after its projection, and by how much longer it may then be.
@@ -68,12 +68,12 @@ impl Tree {
 /// Grows a tree from each end until they meet.
 pub(super) fn connect<K: Constraint + ?Sized>(
     checker: &mut Checker<'_, K>,
-    ends: [&[f64]; 2],
-    ranges: &[[f64; 2]],
+    sampler: &Sampler<'_>,
     settings: &PlanSettings,
     rng: &mut ChaCha8Rng,
     stopped: &dyn Fn() -> bool,
 ) -> Result<Plan> {
+    let ends = sampler.ends;
     if !checker.is_projected() && checker.is_line_free(ends[0], ends[1])? {
         return Ok(Plan::Found(ends.map(<[f64]>::to_vec).to_vec()));
     }
@@ -85,14 +85,12 @@ pub(super) fn connect<K: Constraint + ?Sized>(
         path.reverse();
         return Ok(Plan::Found(path));
     }
-    let mut sample = vec![0.0; ranges.len()];
+    let mut sample = vec![0.0; ends[0].len()];
     while checker.checks() < settings.most_checks {
         if stopped() {
             return Ok(Plan::Stopped);
         }
-        for (q, [least, most]) in sample.iter_mut().zip(ranges) {
-            *q = least + (most - least) * rng.random::<f64>();
-        }
+        sampler.sample(&mut sample, rng);
         // The smaller tree grows, so that both keep about the same size.
         let own = usize::from(trees[1].len() < trees[0].len());
         let (near, square) = trees[own].nearest(&sample);
