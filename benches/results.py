@@ -77,7 +77,7 @@ def scenarios(folder: str) -> str:
             short(s["open_loop_error_inf"]),
             "" if clearance is None else f"{clearance:.1e}",
             f"{s['gradient_norm']:.1e}",
-            f"{s['smallest_curvature']:.2f}",
+            "" if s["smallest_curvature"] is None else f"{s['smallest_curvature']:.2f}",
             f"{1e3 * s['solve_seconds']:.0f}",
             f"{s['quadrature_points']} / {s['iterations']} / {s['factorisations']}",
         ])

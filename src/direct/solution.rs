@@ -49,7 +49,7 @@ pub struct DirectSolution {
     /// [`largest_violation`](Self::largest_violation) and [`complementarity`](Self::complementarity).
     pub stationarity: f64,
     /// The smallest eigenvalue of the Hessian relative to the Gauss-Newton metric: positive at a minimum, one for a
-    /// linear problem.
+    /// linear problem; NaN if the search has not converged.
     pub smallest_curvature: f64,
     /// The violation of the worst constraint at the worst time, in rad, rad/s, m, N m or N; zero without constraints.
     pub largest_violation: f64,

@@ -32,6 +32,7 @@ pub use checker::Checker;
 pub(crate) use fit::along;
 pub use fit::curve_along;
 pub use inverse_kinematics::{InverseKinematics, Posture};
+pub use sampler::Sampler;
 
 use crate::constraint::{AnyConstraint, Constraint};
 use crate::error::{Error, Result, check_count, check_positive};
@@ -39,7 +40,6 @@ use crate::model::{JointKind, Model};
 use crate::motion::Problem;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use sampler::Sampler;
 use shorten::Along;
 use std::f64::consts::PI;
 
@@ -138,7 +138,7 @@ pub enum Plan {
         /// The number of checked configurations.
         checks: usize,
     },
-    /// The planner was interrupted.
+    /// The planner was interrupted before it found a path.
     Stopped,
 }
 
@@ -196,8 +196,8 @@ pub fn plan<K: Constraint + ?Sized>(
         sampler.shortest = Some(least);
         match one(path, &mut checker, &sampler, (&further, stopped))? {
             Plan::Found(other) if length(&other) < least => shortest = Plan::Found(other),
-            Plan::Found(_) | Plan::OutOfBudget { .. } => {}
-            ended => return Ok(ended),
+            Plan::Stopped => break,
+            _ => {}
         }
     }
     Ok(shortest)
@@ -215,9 +215,7 @@ fn one<K: Constraint + ?Sized>(
     let Plan::Found(mut waypoints) = found else {
         return Ok(found);
     };
-    if !shorten::shorten(checker, &mut waypoints, settings, &mut rng, stopped)? {
-        return Ok(Plan::Stopped);
-    }
+    shorten::shorten(checker, &mut waypoints, settings, &mut rng, stopped)?;
     Ok(Plan::Found(waypoints))
 }
 

@@ -6,7 +6,8 @@ use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 
 /// The configurations among which trees between two ends sample.
-pub(super) struct Sampler<'a> {
+#[derive(Clone, Debug)]
+pub struct Sampler<'a> {
     /// The first and the last configuration of a path.
     pub ends: [&'a [f64]; 2],
     /// The least and the largest position per joint; both ends are within.
@@ -16,7 +17,7 @@ pub(super) struct Sampler<'a> {
 }
 
 impl Sampler<'_> {
-    /// Samples a configuration. Cost: O(N).
+    /// Samples a configuration of `N` entries, as many as each end has. Cost: O(N).
     pub fn sample(&self, q: &mut [f64], rng: &mut ChaCha8Rng) {
         match self.shortest {
             Some(length) => self.within(length, q, rng),
@@ -29,8 +30,8 @@ impl Sampler<'_> {
     }
 
     /// Samples evenly among the configurations on paths of at most this length, a spheroid with the ends as its foci
-    /// (Gammell, Srinivasa and Barfoot, *Informed RRT\**, IROS 2014, Algorithm 2). Those outside the ranges are taken to their bounds, which
-    /// brings them no farther from either end.
+    /// (Gammell, Srinivasa and Barfoot, *Informed RRT\**, IROS 2014, Algorithm 2). Those outside the ranges are taken to
+    /// their bounds, which brings them no farther from either end.
     fn within(&self, length: f64, q: &mut [f64], rng: &mut ChaCha8Rng) {
         let [from, to] = self.ends;
         let (n, far) = (q.len(), distance(from, to));

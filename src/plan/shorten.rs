@@ -10,42 +10,39 @@ use rand_chacha::ChaCha8Rng;
 /// The number of edges into which a path is cut before its corners are rounded.
 const EDGES: usize = 24;
 
-/// Removes waypoints, takes shortcuts and rounds corners; returns false if it was interrupted.
+/// Removes waypoints, takes shortcuts and rounds corners, until it is interrupted.
 pub(super) fn shorten<K: Constraint + ?Sized>(
     checker: &mut Checker<'_, K>,
     path: &mut Vec<Vec<f64>>,
     settings: &PlanSettings,
     rng: &mut ChaCha8Rng,
     stopped: &dyn Fn() -> bool,
-) -> Result<bool> {
+) -> Result<()> {
     let projected = checker.is_projected();
     if !projected {
         leave_out(checker, path)?;
     }
     for _ in 0..settings.shortcuts {
-        if path.len() == 2 {
-            return Ok(true);
-        }
-        if stopped() {
-            return Ok(false);
+        if path.len() == 2 || stopped() {
+            return Ok(());
         }
         shortcut(checker, path, settings.range, rng)?;
     }
     // Lines between distant configurations leave the sets with equalities, and so do rounded corners.
     if projected {
-        return Ok(true);
+        return Ok(());
     }
     leave_out(checker, path)?;
     if path.len() > 2 && settings.roundings > 0 {
         cut(path);
         for _ in 0..settings.roundings {
             if stopped() {
-                return Ok(false);
+                return Ok(());
             }
             round(checker, path)?;
         }
     }
-    Ok(true)
+    Ok(())
 }
 
 /// Joins each waypoint to the last one that it reaches by a free line.

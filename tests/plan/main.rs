@@ -8,6 +8,7 @@ mod distances;
 mod fit;
 mod inverse_kinematics;
 mod paths;
+mod sampler;
 mod starts;
 
 use aghf::constraint::{AnyConstraint, CollisionSphere, Sphere, SphereClearance};

@@ -272,6 +272,36 @@ fn it_stops_when_told() {
     assert_eq!(found.expect("valid"), Plan::Stopped);
 }
 
+/// The first path is the result from the moment that it is found, and gets shorter until the end.
+#[test]
+fn a_path_that_is_found_remains_when_it_is_stopped() {
+    let model = point();
+    let (problem, state) = (across(&model), wall_with_a_gap());
+    let after = |calls: usize| {
+        let left = Cell::new(calls);
+        let stopped = || left.replace(left.get().saturating_sub(1)) == 0;
+        let found = plan(&problem, &state, &PlanSettings::default(), &stopped);
+        match found.expect("valid") {
+            Plan::Found(path) => Some(path),
+            other => {
+                assert_eq!(other, Plan::Stopped);
+                None
+            }
+        }
+    };
+    let first = (0..).find(|calls| after(*calls).is_some());
+    let first = first.expect("there is one");
+    let paths = [first, first + 20, usize::MAX].map(|calls| after(calls).expect("it is found"));
+    for path in &paths {
+        assert!(worst(&problem, &state, path) <= 0.0);
+    }
+    let lengths = paths.map(|path| length(&path));
+    assert!(
+        lengths[0] > lengths[1] && lengths[1] > lengths[2],
+        "{lengths:?}"
+    );
+}
+
 #[test]
 fn what_it_cannot_do_is_refused() {
     let model = point();

@@ -240,6 +240,10 @@ fn a_search_that_is_cut_off_has_a_planned_motion() {
     assert!(found.kept && !found.converged);
     assert!(found.largest_violation <= DirectSettings::FEASIBLE);
     assert_eq!(found.best_start, Some(1));
+    assert!(found.smallest_curvature.is_nan());
+    // The other start, which violates them, was not continued.
+    let mut others = found.iterations.iter().filter(|i| i.start == Some(0));
+    assert!(others.all(|i| i.degree == found.iterations[0].degree));
     // Without a limit paths are planned when other starts have failed.
     let without = cut_off(None);
     assert!(!without.kept && without.largest_violation > 0.01);

@@ -194,7 +194,8 @@ pub struct DirectDetails {
     /// The final gradient norm.
     #[serde(deserialize_with = "not_finite_for_null")]
     pub gradient_norm: f64,
-    /// The smallest eigenvalue of the Hessian in the Gauss-Newton metric: positive at a minimum.
+    /// The smallest eigenvalue of the Hessian in the Gauss-Newton metric: positive at a minimum. NaN, `null` in JSON,
+    /// if the search has not converged.
     #[serde(deserialize_with = "not_finite_for_null")]
     pub smallest_curvature: f64,
     /// The largest violation of a constraint, in its own unit; `None` without constraints.

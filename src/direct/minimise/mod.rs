@@ -199,7 +199,11 @@ fn take_end<K: Constraint, P: CostWithControl>(
     candidate.complementarity = end.progress.complementarity;
     if stage.last {
         candidate.stationarity = program.stationarity(&x, &end.iterate)?;
-        candidate.smallest_curvature = program.smallest_curvature(&end.x, &end.iterate)?;
+        // Elsewhere the gradient does not vanish, and curvature tells nothing of a minimum.
+        candidate.smallest_curvature = match candidate.converged {
+            true => program.smallest_curvature(&end.x, &end.iterate)?,
+            false => f64::NAN,
+        };
     }
     Ok(())
 }

@@ -216,7 +216,11 @@ fn direct_rows(summary: &Summary, d: &DirectDetails) -> (String, Vec<(&'static s
             "gradient norm, relative",
             format!("{:.1e}", d.gradient_norm),
         ),
-        ("smallest curvature, relative", short(d.smallest_curvature)),
+    ]);
+    if !d.smallest_curvature.is_nan() {
+        rows.push(("smallest curvature, relative", short(d.smallest_curvature)));
+    }
+    rows.extend([
         ("cost of the starts at the lowest degree", starts.join(", ")),
         ("work", work),
     ]);
