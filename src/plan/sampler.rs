@@ -30,8 +30,8 @@ impl Sampler<'_> {
     }
 
     /// Samples evenly among the configurations on paths of at most this length, a spheroid with the ends as its foci
-    /// (Gammell, Srinivasa and Barfoot, *Informed RRT\**, IROS 2014, Algorithm 2). Those outside the ranges are taken to
-    /// their bounds, which brings them no farther from either end.
+    /// (Gammell, Srinivasa and Barfoot, *Informed RRT\**, IROS 2014, Algorithm 2). Those outside the ranges are taken
+    /// to their bounds, which brings them no farther from either end.
     fn within(&self, length: f64, q: &mut [f64], rng: &mut ChaCha8Rng) {
         let [from, to] = self.ends;
         let (n, far) = (q.len(), distance(from, to));
