@@ -32,6 +32,7 @@ pub use checker::Checker;
 pub(crate) use fit::along;
 pub use fit::curve_along;
 pub use inverse_kinematics::{InverseKinematics, Posture};
+#[doc(hidden)]
 pub use sampler::Sampler;
 
 use crate::constraint::{AnyConstraint, Constraint};
