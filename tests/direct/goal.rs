@@ -9,7 +9,7 @@ use aghf::constraint::{
 use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, GoalEnd, GoalSet};
 use aghf::error::Result;
 use aghf::model::Model;
-use aghf::motion::Problem;
+use aghf::motion::{Interrupt, Problem, Stopped};
 use aghf::scalar::AlgebraOver;
 use nalgebra::{DVector, Vector3};
 use num_dual::Dual64;
@@ -147,6 +147,44 @@ fn of_several_alternatives_the_motion_takes_the_cheapest() {
             solution.largest_violation
         );
     }
+}
+
+/// A search that is stopped goes on with the alternative that was kept, though it is not that of the first start and
+/// violates a limit of velocity, which none can keep.
+#[test]
+fn a_search_that_is_stopped_has_the_best_of_its_ends() {
+    let model = point_mass(&[Vector3::x(), Vector3::y()]);
+    let problem = Problem::new(&model, vec![0.0; 4], vec![0.0; 4], 1.0).expect("valid");
+    let line = |b| {
+        let (a, edge) = (vec![1.0, 0.0], true);
+        other(Half { a, b, edge })
+    };
+    let ends = vec![end(&[2.0, 0.0], 0), end(&[-1.0, 0.0], 1)];
+    let interrupt = Interrupt::default();
+    let settings = DirectSettings {
+        interrupt: interrupt.clone(),
+        ..with_goal([2.0, -1.0].map(line).to_vec(), ends)
+    };
+    let bound = |(side, value)| Bound {
+        entry: 2,
+        side,
+        value,
+    };
+    let constraints = Constraints {
+        state: Bounds(
+            [(Side::Lower, -0.5), (Side::Upper, 0.5)]
+                .map(bound)
+                .to_vec(),
+        ),
+        torque: TorqueLimits(Vec::new()),
+        stage: StageConstraints::NONE,
+    };
+    let solver = Direct::new(&problem).constraints(&constraints);
+    let solver = solver.settings(settings).observe(|_| interrupt.raise());
+    let found = solver.solve().expect("valid");
+    assert_eq!(found.stopped, Some(Stopped::Interrupt));
+    assert_eq!((found.best_start, found.alternative), (Some(1), 1));
+    assert!(found.largest_violation > 0.1 && !found.kept);
 }
 
 /// The configuration beside `q` that keeps the rows, moved along their null space.

@@ -213,11 +213,13 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
     /// Minimises a start at a level, with its iterations; `None` if there is no time for it.
     fn minimised(&self, mut run: Run, index: usize) -> Result<Option<(Run, Vec<Iteration>)>> {
         let level = &self.levels[index];
-        // One candidate is needed; a first look at the others would go on for long after the end, and so would a last
-        // one at those that violate the constraints.
-        let needed = run.number == 0 && self.planned.reserve.is_none();
-        let hopeful = index > run.first && run.candidate.violation <= level.stage.feasible;
-        if self.stopped() && !needed && !hopeful {
+        // After the end one candidate is needed: the reserve if there is one, or else the first start. A first look at
+        // the others would go on for long, and so would a last one at those that the reserve is better than.
+        let is_needed = match self.planned.reserve {
+            Some(_) => index > run.first && run.candidate.violation <= level.stage.feasible,
+            None => index > run.first || run.number == 0,
+        };
+        if self.stopped() && !is_needed {
             return Ok(None);
         }
         if run.first < index {
