@@ -3,6 +3,10 @@
 /// The fraction of a bracket within which a vertex is too near to the middle to narrow it.
 const NEARLY: f64 = 0.05;
 
+/// The height of a settled vertex above the middle value, relative to that of the middle above the lower end. With the
+/// vertex within [`NEARLY`] of the middle that of a parabola is a hundredth at most.
+const SETTLED: f64 = 0.02;
+
 /// Three times of which the middle one has the largest value of a row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bracket {
@@ -14,6 +18,10 @@ impl Bracket {
     /// The number of further values by which a maximum is refined: enough for the corner of an obstacle that is passed
     /// in a tenth of an interval.
     pub const REFINEMENTS: usize = 4;
+
+    /// The largest number of further values where the vertex does not settle: by then a step is between times that
+    /// differ by less than a thousandth of an interval.
+    pub const MOST_REFINEMENTS: usize = 24;
 
     /// Returns true if a function that is concave between the times may exceed a bound there.
     pub fn may_exceed(&self, bound: f64) -> bool {
@@ -49,6 +57,23 @@ impl Bracket {
             (time, height)
         } else {
             (self.times[end], self.values[end])
+        }
+    }
+
+    /// Returns true if the vertex is hardly above the middle value, as that of a smooth maximum is once it is refined.
+    pub fn is_settled(&self) -> bool {
+        let [a, b, c] = self.values;
+        self.vertex().1 - b <= SETTLED * (b - a.min(c))
+    }
+
+    /// The maximum: time and height. It is the vertex if that [is settled](Self::is_settled), otherwise the middle: a
+    /// row which is the largest of several functions may have a step between the times, and all its values are then far
+    /// below the parabola.
+    pub fn maximum(&self) -> (f64, f64) {
+        if self.is_settled() {
+            self.vertex()
+        } else {
+            (self.times[1], self.values[1])
         }
     }
 

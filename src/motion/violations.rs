@@ -28,7 +28,7 @@ pub struct Violation {
 /// On each segment of the curve the rows are evaluated at `intervals + 1` equally spaced times, both ends included,
 /// because the control may jump between segments. A maximum between the times is that of the parabola through three
 /// neighbours, with an error of O(h^3) for a spacing of `h`; if it may be a violation, of parabolas through further
-/// values of the row. Each entry depends on its row alone. Cost per time: O(N p)
+/// values of the row until it is settled. Each entry depends on its row alone. Cost per time: O(N p)
 /// for the curve, O(N) for the dynamics, and that of the rows.
 ///
 /// # Errors
@@ -180,7 +180,7 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
         Ok(&self.largest)
     }
 
-    /// Evaluates rows at the estimated times of their maxima, and estimates them again.
+    /// Evaluates rows at the estimated times of their maxima, and estimates them again until they are settled.
     fn refine(&mut self, motion: &mut impl Motion) -> Result<()> {
         for segment in 0..motion.segments() {
             let begin = motion.begin(segment);
@@ -192,7 +192,11 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
             if self.own.is_empty() {
                 continue;
             }
-            for _ in 0..Bracket::REFINEMENTS {
+            for k in 0..Bracket::MOST_REFINEMENTS {
+                let mut all = self.own.iter();
+                if k >= Bracket::REFINEMENTS && all.all(|(_, bracket)| bracket.is_settled()) {
+                    break;
+                }
                 self.times.clear();
                 self.times
                     .extend(self.own.iter().map(|(_, bracket)| bracket.next()));
@@ -208,7 +212,7 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
                 }
             }
             for (row, bracket) in &self.own {
-                let (time, height) = bracket.vertex();
+                let (time, height) = bracket.maximum();
                 (self.largest[*row].at_s, self.largest[*row].by) = (begin + time, height);
             }
         }

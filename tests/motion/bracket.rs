@@ -50,6 +50,36 @@ fn a_corner() {
     }
 }
 
+/// A row that is exact near its bound alone may have a step below it. The parabola through the values next to it may be
+/// above all of them, the maximum is not.
+#[test]
+fn a_step() {
+    let f = |t: f64| {
+        if (1.1..1.3).contains(&t) {
+            -0.02
+        } else {
+            -0.04
+        }
+    };
+    let times = [1.0, 1.28, 1.31];
+    let bracket = Bracket {
+        times,
+        values: times.map(f),
+    };
+    assert!(bracket.vertex().1 > 0.0 && !bracket.is_settled());
+    assert_eq!(bracket.maximum(), (1.28, -0.02));
+    for middle in [1.11, 1.2, 1.29] {
+        let times = [0.0, middle, 2.0];
+        let values = times.map(f);
+        let mut bracket = Bracket { times, values };
+        for _ in 0..Bracket::MOST_REFINEMENTS {
+            bracket.narrow(bracket.next(), f(bracket.next()));
+        }
+        let (time, height) = bracket.maximum();
+        assert!((-0.02..-0.0195).contains(&height), "{height} at {time}");
+    }
+}
+
 /// A maximum between an end and its neighbour is seen from the end, one beyond it is not.
 #[test]
 fn a_maximum_at_an_end() {
