@@ -72,79 +72,76 @@ fn main() {
     report(&mut times);
 }
 
-/// The terms of ten spheres alone, and the flow with them and limits on the torque: for the joint frames and for swept
-/// links.
+/// The flow among spheres, for the joint frames and for swept links.
 fn constrained(criterion: &mut Criterion, times: &mut Times, model: &Model, node: Node<'_, f64>) {
     let n = model.dof();
     let swept: Vec<CollisionSphere> = Capsule::along_links(model, 0.05)
         .iter()
         .flat_map(|capsule| capsule.balls(0.1).expect("positive"))
         .collect();
-    let sphere = |i: u32| Sphere {
-        centre: Vector3::new(0.5, 0.1, 0.4).map(|x| (x * f64::from(i)).sin()),
-        radius: 0.2,
-    };
-    let penalty = Penalty {
-        k_cons: 1e4,
-        c_cons: 20.0,
-    };
     for (name, balls) in [
         ("joint frames", CollisionSphere::joint_frames(model)),
         ("swept", swept),
     ] {
         println!("{name}: {} rows for {n} joints", 10 * balls.len());
-        let spheres = (1..=10).map(sphere).collect();
-        let constraints = Penalised {
-            constraints: Constraints {
-                state: SphereClearance { balls, spheres },
-                torque: TorqueLimits::of(model),
-                stage: Default::default(),
-            },
-            weights: PenaltyWeights {
-                state: penalty,
-                torque: penalty,
-            },
-        };
-        let (mut omega, mut blocks) = (vec![0.0; 2 * n], NodeBlocks::new(n));
-        let mut terms = constraints.state_penalty(model);
-        measure(criterion, times, &format!("terms omega {name}"), n, || {
-            terms
-                .omega(black_box(node), K, &mut omega)
-                .expect("lengths agree");
-        });
-        measure(
-            criterion,
-            times,
-            &format!("terms jacobian {name}"),
-            n,
-            || {
-                terms
-                    .evaluate(black_box(node), K, &mut blocks)
-                    .expect("lengths agree");
-            },
-        );
-        let mut rhs = constraints.right_hand_side(model);
-        measure(
-            criterion,
-            times,
-            &format!("constrained omega {name}"),
-            n,
-            || {
-                rhs.omega(black_box(node), K, &mut omega)
-                    .expect("lengths agree");
-            },
-        );
-        let mut jacobian = JacobianKind::ControlForm.build_constrained(model, &constraints);
-        measure(
-            criterion,
-            times,
-            &format!("constrained jacobian {name}"),
-            n,
-            || {
-                jacobian
-                    .evaluate(black_box(node), K, &mut blocks)
-                    .expect("lengths agree");
-            },
-        );
+        among_spheres(criterion, times, model, node, name, balls);
     }
+}
+
+/// The terms of ten spheres alone, and the flow with them and limits on the torque.
+fn among_spheres(
+    criterion: &mut Criterion,
+    times: &mut Times,
+    model: &Model,
+    node: Node<'_, f64>,
+    name: &str,
+    balls: Vec<CollisionSphere>,
+) {
+    let n = model.dof();
+    let sphere = |i: u32| Sphere {
+        centre: Vector3::new(0.5, 0.1, 0.4).map(|x| (x * f64::from(i)).sin()),
+        radius: 0.2,
+    };
+    let spheres = (1..=10).map(sphere).collect();
+    let penalty = Penalty {
+        k_cons: 1e4,
+        c_cons: 20.0,
+    };
+    let constraints = Penalised {
+        constraints: Constraints {
+            state: SphereClearance { balls, spheres },
+            torque: TorqueLimits::of(model),
+            stage: Default::default(),
+        },
+        weights: PenaltyWeights {
+            state: penalty,
+            torque: penalty,
+        },
+    };
+    let (mut omega, mut blocks) = (vec![0.0; 2 * n], NodeBlocks::new(n));
+    let mut terms = constraints.state_penalty(model);
+    measure(criterion, times, &format!("terms omega {name}"), n, || {
+        terms
+            .omega(black_box(node), K, &mut omega)
+            .expect("lengths agree");
+    });
+    let row = format!("terms jacobian {name}");
+    measure(criterion, times, &row, n, || {
+        terms
+            .evaluate(black_box(node), K, &mut blocks)
+            .expect("lengths agree");
+    });
+    let mut rhs = constraints.right_hand_side(model);
+    let row = format!("constrained omega {name}");
+    measure(criterion, times, &row, n, || {
+        rhs.omega(black_box(node), K, &mut omega)
+            .expect("lengths agree");
+    });
+    let mut jacobian = JacobianKind::ControlForm.build_constrained(model, &constraints);
+    let row = format!("constrained jacobian {name}");
+    measure(criterion, times, &row, n, || {
+        jacobian
+            .evaluate(black_box(node), K, &mut blocks)
+            .expect("lengths agree");
+    });
 }

@@ -7,9 +7,9 @@ use aghf::constraint::{
     Weights,
 };
 use aghf::geometry::{Distance, FLAT, Shape, Solid};
-use aghf::scalar::{Jet, Lanes};
+use aghf::scalar::{AlgebraOver, Jet, Lanes};
 use aghf::spatial::Placement;
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{DVector, Matrix3, Rotation3, Vector3};
 use num_dual::{Dual64, HyperDual64};
 use proptest::prelude::*;
 
@@ -294,47 +294,51 @@ fn labels_name_the_body_and_the_obstacle() {
     assert_eq!((label.unit, label.kind), ("m", RowKind::Clearance));
 }
 
-/// Rows are skipped only if both their weights and the weights of their products are zero.
-#[test]
-fn only_weights_that_vanish_are_left_out() {
-    let model = robot("pendulum_3");
+/// A state of three joints.
+const X: [f64; 6] = [0.3, -0.8, 0.5, 0.0, 0.0, 0.0];
+
+/// The weight of one row of the second ball alone.
+const W: [f64; 12] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.5, 0.0, 0.0, 0.0, 0.0, 0.0];
+
+/// Three balls, the last on a body that the robot does not have: without weights it is not placed.
+fn of_a_missing_body() -> SolidClearance {
     let ball = |body| CollisionSphere {
         body: Some(body),
         centre: Vector3::new(0.2, 0.1, 0.0),
         radius: 0.1,
     };
-    let clearance = SolidClearance {
+    let at = |shape| Solid {
+        placement: Placement::identity(),
+        shape,
+    };
+    SolidClearance {
         balls: vec![ball(0), ball(2), ball(7)],
-        solids: sizes([0.1; 4])
-            .map(|shape| Solid {
-                placement: Placement::identity(),
-                shape,
-            })
-            .into(),
+        solids: sizes([0.1; 4]).map(at).into(),
         names: Vec::new(),
-    };
-    let x = [0.3, -0.8, 0.5, 0.0, 0.0, 0.0];
-    // The third ball is on a body that the robot does not have: without weights it is not placed.
-    let mut w = [0.0; 12];
-    w[6] = 1.5;
+    }
+}
+
+/// Rows are skipped only if both their weights and the weights of their products are zero.
+#[test]
+fn only_weights_that_vanish_are_left_out() {
+    let (model, clearance) = (robot("pendulum_3"), of_a_missing_body());
     let zero = [0.0; 12];
-    let weights = Weights {
-        first_order: &w,
-        gauss_newton: Some(&zero),
+    let (mut w, mut c) = (W, zero);
+    let weighted = |first_order, gauss_newton| {
+        let weights = Weights {
+            first_order,
+            gauss_newton: Some(gauss_newton),
+        };
+        contracted(&model, &clearance, &X, weights)
     };
-    let (gradient, hessian) = contracted(&model, &clearance, &x, weights);
+    let (gradient, hessian) = weighted(&w, &zero);
     assert!(gradient.amax() > 0.1 && hessian.amax() > 0.01);
-    let mut c = zero;
     c[6] = 1.0;
-    let weights = Weights {
-        first_order: &zero,
-        gauss_newton: Some(&c),
-    };
-    let (_, products) = contracted(&model, &clearance, &x, weights);
+    let (_, products) = weighted(&zero, &c);
     assert_close!(&products, &(&gradient * gradient.transpose() / 2.25), 1e-14);
     w[11] = 1.0;
     let mut evaluator = Evaluator::<f64>::new(&model);
-    let mut here = evaluator.at(&x).expect("3 joints");
+    let mut here = evaluator.at(&X).expect("3 joints");
     let weights = Weights {
         first_order: &w,
         gauss_newton: None,
@@ -343,36 +347,39 @@ fn only_weights_that_vanish_are_left_out() {
         here.weighted_derivatives(&clearance, weights),
         "expected 8 entries, found 3",
     );
+}
 
-    let duals = w.map(|w| Dual64::new(0.0, if w == 1.5 { w } else { 0.0 }));
+/// A weight of value zero counts if its derivative is not zero.
+#[test]
+fn derivatives_of_weights_are_not_left_out() {
+    let (model, clearance) = (robot("pendulum_3"), of_a_missing_body());
+    let weights = Weights {
+        first_order: &W,
+        gauss_newton: Some(&[0.0; 12]),
+    };
+    let (gradient, _) = contracted(&model, &clearance, &X, weights);
     let of_two = SolidClearance {
         balls: clearance.balls[..2].to_vec(),
         ..clearance
     };
-    let constants = x.map(Dual64::from);
-    let mut evaluator = Evaluator::<f64, Dual64>::new(&model);
-    let mut here = evaluator.at(&constants).expect("3 joints");
-    let weights = Weights {
-        first_order: &duals[..8],
-        gauss_newton: None,
-    };
-    let sums = here
-        .weighted_derivatives(&of_two, weights)
-        .expect("8 weights");
-    let slopes: Vec<f64> = sums.gradient().iter().map(|g| g.eps).collect();
+    let duals = weighted(&of_two, &W.map(|w| Dual64::new(0.0, w))[..8]);
+    let slopes: Vec<f64> = duals.iter().map(|g| g.eps).collect();
     assert_close!(&slopes, &gradient, 1e-14);
+    let jets = weighted(&of_two, &W.map(|w| Jet::<f64, 1>::new(0.0, [w]))[..8]);
+    let slopes: Vec<f64> = jets.iter().map(|g| g.eps[0]).collect();
+    assert_close!(&slopes, &gradient, 1e-14);
+}
 
-    let jets = x.map(Jet::<f64, 1>::constant);
-    let mut evaluator = Evaluator::<f64, Jet<f64, 1>>::new(&model);
-    let mut here = evaluator.at(&jets).expect("3 joints");
-    let w: Vec<Jet<f64, 1>> = duals[..8].iter().map(|w| Jet::new(w.re, [w.eps])).collect();
+/// The gradient of a weighted sum, without the products.
+fn weighted<S: AlgebraOver<f64>>(clearance: &SolidClearance, w: &[S]) -> DVector<S> {
+    let model = robot("pendulum_3");
+    let mut evaluator = Evaluator::<f64, S>::new(&model);
+    let x = X.map(S::lift);
+    let mut here = evaluator.at(&x).expect("3 joints");
     let weights = Weights {
-        first_order: &w,
+        first_order: w,
         gauss_newton: None,
     };
-    let sums = here
-        .weighted_derivatives(&of_two, weights)
-        .expect("8 weights");
-    let slopes: Vec<f64> = sums.gradient().iter().map(|g| g.eps[0]).collect();
-    assert_close!(&slopes, &gradient, 1e-14);
+    let sums = here.weighted_derivatives(clearance, weights);
+    sums.expect("8 weights").gradient().clone()
 }

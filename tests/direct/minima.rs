@@ -178,81 +178,47 @@ fn the_flow_of_the_optimum_vanishes_on_the_basis() {
 
 #[test]
 fn bad_settings_are_errors() {
+    type Change = fn(&mut DirectSettings);
     let model = robot("pendulum_2");
     let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.0, 0.0, 0.0], 1.0).expect("valid");
-    let base = DirectSettings::default();
-    let other = solved(
-        &Problem::new(&slider(1.0), vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid"),
-        &degree(5),
-    );
-    let cases = [
-        (
-            degree(3),
-            "settings: degree: it is 3, at least 4 and at most 64",
-        ),
-        (degree(65), "settings: degree: it is 65"),
-        (
-            DirectSettings {
-                tolerance: 0.0,
-                ..base.clone()
-            },
-            "tolerance: it is 0, a positive number",
-        ),
-        (
-            DirectSettings {
-                tolerance: f64::NAN,
-                ..base.clone()
-            },
-            "tolerance: it is NaN",
-        ),
-        (
-            DirectSettings {
-                quadrature_tolerance: -1.0,
-                ..base.clone()
-            },
-            "quadrature_tolerance: it is -1",
-        ),
-        (
-            DirectSettings {
-                start_amplitude: f64::INFINITY,
-                ..base.clone()
-            },
-            "start_amplitude: it is inf",
-        ),
-        (
-            DirectSettings {
-                lowest_degree: 1,
-                ..base.clone()
-            },
-            "lowest_degree: it is 1",
-        ),
-        (
-            DirectSettings {
-                starts: 0,
-                ..base.clone()
-            },
-            "starts: it is 0, at least 1",
-        ),
-        (
-            DirectSettings {
-                iterations: 0,
-                ..base.clone()
-            },
-            "iterations: it is 0",
-        ),
-        (
-            DirectSettings {
-                start: Some(other.curve),
-                ..base
-            },
-            "start: expected 2 entries, found 1",
-        ),
-    ];
-    for (settings, words) in cases {
+    let refused = |settings: DirectSettings, words: &str| {
         let direct = Direct::new(&problem).settings(settings);
         let error = direct.solve().expect_err(words).to_string();
         assert!(error.contains(words), "{error}; want {words}");
+    };
+    let words = "settings: degree: it is 3, at least 4 and at most 64";
+    refused(degree(3), words);
+    refused(degree(65), "settings: degree: it is 65");
+    let changes: [(Change, &str); 7] = [
+        (
+            |s| s.tolerance = 0.0,
+            "tolerance: it is 0, a positive number",
+        ),
+        (|s| s.tolerance = f64::NAN, "tolerance: it is NaN"),
+        (
+            |s| s.quadrature_tolerance = -1.0,
+            "quadrature_tolerance: it is -1",
+        ),
+        (
+            |s| s.start_amplitude = f64::INFINITY,
+            "start_amplitude: it is inf",
+        ),
+        (|s| s.lowest_degree = 1, "lowest_degree: it is 1"),
+        (|s| s.starts = 0, "starts: it is 0, at least 1"),
+        (|s| s.iterations = 0, "iterations: it is 0"),
+    ];
+    for (change, words) in changes {
+        let mut settings = DirectSettings::default();
+        change(&mut settings);
+        refused(settings, words);
     }
+    let slider = slider(1.0);
+    let other = Problem::new(&slider, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
+    let start = DirectSettings {
+        start: Some(solved(&other, &degree(5)).curve),
+        ..DirectSettings::default()
+    };
+    refused(start, "start: expected 2 entries, found 1");
 }
 
 /// A search that is cut short says so.

@@ -77,32 +77,36 @@ fn the_paper_is_a_special_case_bit_for_bit() {
     }
 }
 
+/// A cost that grows with time.
+struct Late;
+
+impl ControlCost for Late {
+    fn value<S: AlgebraOver<f64> + Tanh>(&self, t: S, _: usize, u: S) -> S {
+        t * t * u * u * u
+    }
+}
+
+/// A Lagrangian of two joints with a weight, a dual trajectory and a cost in time.
+fn in_time() -> ControlLagrangian<f64, &'static Late> {
+    let columns = DMatrix::from_fn(2, 3, |i, j| (i + 2 * j) as f64 + 0.5);
+    ControlLagrangian {
+        weights: weights(&[1.0, 30.0]),
+        slip_dual: Some(DualTrajectory::new(2.0, columns).expect("it has columns")),
+        cost: &Late,
+    }
+}
+
 /// By central differences of a right-hand side at some time, independent of dual numbers.
 #[test]
-fn time_is_held_fixed_in_the_jacobian_and_moves_in_the_flow() {
-    struct Late;
-    impl ControlCost for Late {
-        fn value<S: AlgebraOver<f64> + Tanh>(&self, t: S, _: usize, u: S) -> S {
-            t * t * u * u * u
-        }
-    }
-    let model = robot("pendulum_2");
-    let parts = parts(2);
-    let lagrangian = ControlLagrangian {
-        weights: weights(&[1.0, 30.0]),
-        slip_dual: Some(
-            DualTrajectory::new(2.0, DMatrix::from_fn(2, 3, |i, j| (i + 2 * j) as f64 + 0.5))
-                .expect("it has columns"),
-        ),
-        cost: &Late,
-    };
+fn time_is_held_fixed_in_the_jacobian() {
+    let (model, parts) = (robot("pendulum_2"), parts(2));
     let at = Node {
         t: 1.3,
         ..node(&parts)
     };
-    let right = CentralDifference::of(ControlForm::of(&model, lagrangian.clone()), 2);
-    let by_duals = ForwardDual::of(ControlForm::of(&model, lagrangian.clone()), 2);
-    let ours = blocks_of(ControlFormJacobian::of(&model, lagrangian.clone()), at);
+    let right = CentralDifference::of(ControlForm::of(&model, in_time()), 2);
+    let by_duals = ForwardDual::of(ControlForm::of(&model, in_time()), 2);
+    let ours = blocks_of(ControlFormJacobian::of(&model, in_time()), at);
     let (right, by_duals) = (blocks_of(right, at), blocks_of(by_duals, at));
     for (ours, by_duals, right) in [
         (&ours.dx, &by_duals.dx, &right.dx),
@@ -112,12 +116,27 @@ fn time_is_held_fixed_in_the_jacobian_and_moves_in_the_flow() {
         assert_close!(ours, by_duals, 1e-11);
         assert_close!(ours, right, 1e-7);
     }
+}
+
+/// By the definition, and by the rate of $\partial L / \partial \dot x$ along a parabola of states through the node,
+/// with differences in time.
+#[test]
+fn time_moves_in_the_flow() {
+    let (model, parts, lagrangian) = (robot("pendulum_2"), parts(2), in_time());
+    let at = Node {
+        t: 1.3,
+        ..node(&parts)
+    };
     let metric = lagrangian.metric();
     let by_definition = LagrangianFlow::in_metric(&model, &lagrangian, &metric);
     let of_control = omega_of(ControlForm::of(&model, lagrangian.clone()), at);
     assert_close!(&omega_of(by_definition, at), &of_control, 1e-12);
-    // The rate of dL/dxdot along a parabola of states through the node, by differences in time.
     let step = 1e-4;
+    let value = |t: f64, x: &[f64], xdot: &[f64]| {
+        lagrangian
+            .value(&model, 1.3 + t, x, xdot, 3.0)
+            .expect("fits")
+    };
     let momentum = |t: f64, i: usize| {
         let moved = |x: &[f64], rate: &[f64], second: &[f64]| -> Vec<f64> {
             let terms = x.iter().zip(rate).zip(second);
@@ -127,23 +146,16 @@ fn time_is_held_fixed_in_the_jacobian_and_moves_in_the_flow() {
         };
         let x = moved(&parts[0], &parts[1], &parts[2]);
         let mut xdot = moved(&parts[1], &parts[2], &[0.0; 4]);
-        let value = |xdot: &[f64]| {
-            lagrangian
-                .value(&model, 1.3 + t, &x, xdot, 3.0)
-                .expect("fits")
-        };
         xdot[i] += step;
-        let above = value(&xdot);
+        let above = value(t, &x, &xdot);
         xdot[i] -= 2.0 * step;
-        (above - value(&xdot)) / (2.0 * step)
+        (above - value(t, &x, &xdot)) / (2.0 * step)
     };
     let gradient = |i: usize| {
         let value = |by: f64| {
             let mut x = parts[0].clone();
             x[i] += by;
-            lagrangian
-                .value(&model, 1.3, &x, &parts[1], 3.0)
-                .expect("fits")
+            value(0.0, &x, &parts[1])
         };
         (value(step) - value(-step)) / (2.0 * step)
     };
@@ -155,11 +167,7 @@ fn time_is_held_fixed_in_the_jacobian_and_moves_in_the_flow() {
     metric
         .raise(&model, 1.3, &parts[0], 3.0, &mut omega)
         .expect("fits");
-    assert_close!(
-        &omega_of(ControlForm::of(&model, lagrangian), at),
-        &omega,
-        1e-4
-    );
+    assert_close!(&of_control, &omega, 1e-4);
 }
 
 /// The affine Lagrangian of the free dynamics in the weighted metric is the weighted effort, and has the same flow.

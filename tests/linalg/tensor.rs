@@ -3,20 +3,31 @@
 use aghf::linalg::{Tensor3, Tensor4};
 use nalgebra::{DMatrix, DVector};
 
+fn tensor(n: usize, entry: impl Fn(usize, usize, usize) -> f64) -> Tensor3<f64> {
+    let mut t = Tensor3::new(n);
+    for i in 0..n {
+        for j in 0..n {
+            for k in 0..n {
+                t[(i, j, k)] = entry(i, j, k);
+            }
+        }
+    }
+    t
+}
+
 /// Every contraction against its sum, on a tensor without any symmetry.
 #[test]
 fn contractions_are_the_sums_that_they_say() {
     let n = 3;
-    let (mut t3, mut t4) = (Tensor3::new(n), Tensor4::new(n));
     let number = |i: usize| ((i as f64 + 1.0) * 0.77).sin();
-    let mut count = 0;
+    let index = |i: usize, j: usize, k: usize| ((i * n + j) * n + k) * n;
+    let a = &tensor(n, |i, j, k| number(index(i, j, k)));
+    let mut b = Tensor4::new(n);
     for i in 0..n {
         for j in 0..n {
             for k in 0..n {
-                t3[(i, j, k)] = number(count);
                 for l in 0..n {
-                    t4[(i, j, k, l)] = number(100 + count);
-                    count += 1;
+                    b[(i, j, k, l)] = number(100 + index(i, j, k) + l);
                 }
             }
         }
@@ -26,18 +37,6 @@ fn contractions_are_the_sums_that_they_say() {
     let m = DMatrix::from_fn(n, n, |i, j| number(200 + i + 7 * j));
     let sum = |f: &dyn Fn(usize) -> f64| (0..n).map(f).sum::<f64>();
     let matrix = |f: &dyn Fn(usize, usize) -> f64| DMatrix::from_fn(n, n, f);
-    let tensor = |f: &dyn Fn(usize, usize, usize) -> f64| {
-        let mut t = Tensor3::new(n);
-        for i in 0..n {
-            for j in 0..n {
-                for k in 0..n {
-                    t[(i, j, k)] = f(i, j, k);
-                }
-            }
-        }
-        t
-    };
-    let (a, b) = (&t3, &t4);
     let same = |x: &DMatrix<f64>, y: &DMatrix<f64>| assert_close!(x, y, 1e-15);
     same(
         &a.times_first(&w),
@@ -58,21 +57,21 @@ fn contractions_are_the_sums_that_they_say() {
     let same = |x: &Tensor3<f64>, y: &Tensor3<f64>| assert_close!(x.entries(), y.entries(), 1e-15);
     same(
         &a.map_first(&m),
-        &tensor(&|i, j, k| sum(&|l| m[(i, l)] * a[(l, j, k)])),
+        &tensor(n, |i, j, k| sum(&|l| m[(i, l)] * a[(l, j, k)])),
     );
     same(
         &a.map_second(&m),
-        &tensor(&|i, j, k| sum(&|l| a[(i, l, k)] * m[(l, j)])),
+        &tensor(n, |i, j, k| sum(&|l| a[(i, l, k)] * m[(l, j)])),
     );
-    same(&a.swap_last(), &tensor(&|i, j, k| a[(i, k, j)]));
+    same(&a.swap_last(), &tensor(n, |i, j, k| a[(i, k, j)]));
     let mut fourth = Tensor3::new(n);
     b.times_fourth(w.as_slice(), &mut fourth);
     same(
         &fourth,
-        &tensor(&|i, j, k| sum(&|l| b[(i, j, k, l)] * w[l])),
+        &tensor(n, |i, j, k| sum(&|l| b[(i, j, k, l)] * w[l])),
     );
     same(
         &(a.clone() + &fourth),
-        &tensor(&|i, j, k| a[(i, j, k)] + fourth[(i, j, k)]),
+        &tensor(n, |i, j, k| a[(i, j, k)] + fourth[(i, j, k)]),
     );
 }

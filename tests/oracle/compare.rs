@@ -198,10 +198,6 @@ fn dynamics(model: &Model, [q, v, a, tau]: &State) -> Quantities {
         f(out.as_mut_slice()).expect("lengths agree");
         out
     };
-    let mut bodies = vec![Placement::identity(); n];
-    forward_kinematics(model, q, &mut bodies).expect("lengths agree");
-    let links = model.frames().iter();
-    let links = links.map(|f| frame_placement(f, &bodies).expect("the body is there"));
     let (mut h, mut hdot, mut h_too) = (
         DMatrix::zeros(n, n),
         DMatrix::zeros(n, n),
@@ -222,23 +218,7 @@ fn dynamics(model: &Model, [q, v, a, tau]: &State) -> Quantities {
     aba_derivatives(model, data, q, v, tau, &mut fd).expect("lengths agree");
     let kinetic = kinetic_energy(model, data, q, v).expect("lengths agree");
     let potential = potential_energy(model, data, q).expect("lengths agree");
-    let mut axes = DMatrix::zeros(6, n);
-    let mut jacobians = DMatrix::zeros(6 * model.frames().len(), n);
-    for (i, joint) in model.joints().iter().enumerate() {
-        let axis = joint.motion_subspace(&bodies[i]);
-        axes.fixed_view_mut::<3, 1>(0, i).copy_from(&axis.angular);
-        axes.fixed_view_mut::<3, 1>(3, i).copy_from(&axis.linear);
-    }
-    for (i, frame) in model.frames().iter().enumerate() {
-        let mut jacobian = DMatrix::zeros(6, n);
-        frame_jacobian(model, data, q, frame, &mut jacobian).expect("lengths agree");
-        jacobians.rows_mut(6 * i, 6).copy_from(&jacobian);
-    }
     let all = [
-        ("joint axes", axes),
-        ("link Jacobians", jacobians),
-        ("link placements", rows(links)),
-        ("joint placements", rows(bodies.iter().copied())),
         ("ID", vector(&mut |out| rnea(model, data, q, v, a, out))),
         ("C", vector(&mut |out| bias(model, data, q, v, out))),
         (
@@ -261,7 +241,34 @@ fn dynamics(model: &Model, [q, v, a, tau]: &State) -> Quantities {
         ("dFD/dv", fd.dv),
         ("dFD/dtau", fd.h_inverse),
     ];
-    all.map(|(name, value)| (name.to_owned(), value)).into()
+    let all = all.into_iter().chain(kinematics(model, data, q));
+    all.map(|(name, value)| (name.to_owned(), value)).collect()
+}
+
+fn kinematics(model: &Model, data: &mut Data, q: &[f64]) -> [(&'static str, DMatrix<f64>); 4] {
+    let n = model.dof();
+    let mut bodies = vec![Placement::identity(); n];
+    forward_kinematics(model, q, &mut bodies).expect("lengths agree");
+    let links = model.frames().iter();
+    let links = links.map(|f| frame_placement(f, &bodies).expect("the body is there"));
+    let mut axes = DMatrix::zeros(6, n);
+    let mut jacobians = DMatrix::zeros(6 * model.frames().len(), n);
+    for (i, joint) in model.joints().iter().enumerate() {
+        let axis = joint.motion_subspace(&bodies[i]);
+        axes.fixed_view_mut::<3, 1>(0, i).copy_from(&axis.angular);
+        axes.fixed_view_mut::<3, 1>(3, i).copy_from(&axis.linear);
+    }
+    for (i, frame) in model.frames().iter().enumerate() {
+        let mut jacobian = DMatrix::zeros(6, n);
+        frame_jacobian(model, data, q, frame, &mut jacobian).expect("lengths agree");
+        jacobians.rows_mut(6 * i, 6).copy_from(&jacobian);
+    }
+    [
+        ("joint axes", axes),
+        ("link Jacobians", jacobians),
+        ("link placements", rows(links)),
+        ("joint placements", rows(bodies.iter().copied())),
+    ]
 }
 
 /// One row per placement: its rotation by rows, and its translation.

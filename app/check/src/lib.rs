@@ -5,6 +5,7 @@
 mod arithmetic;
 mod distance;
 mod intervals;
+mod joint;
 mod json;
 mod motion;
 mod robot;

@@ -2,6 +2,7 @@
 
 use crate::Checked;
 use crate::arithmetic::{Matrix, Tm, Vector, about, add, apply, cross, dot, product, times, transpose, vector};
+use crate::joint::Joint;
 use crate::json::{get, list, number, option, require, text, three};
 use crate::shape::{Solid, shape_of, solid_of};
 use roxmltree::{Document, Node};
@@ -28,31 +29,6 @@ fn inverse(pose: &Pose) -> Pose {
     (back, times(apply(back, pose.1), Tm::new(-1.0)))
 }
 
-/// A joint and its body, in the frame of the joint.
-pub(crate) struct Joint {
-    pub(crate) name: String,
-    pub(crate) parent: Option<usize>,
-    pub(crate) origin: Pose,
-    pub(crate) axis: Vector,
-    pub(crate) slides: bool,
-    pub(crate) mass: Tm,
-    pub(crate) first: Vector,
-    pub(crate) inertia: Matrix,
-    /// Damping, friction, the inverse of its width, armature.
-    pub(crate) drive: [Tm; 4],
-    /// Lower and upper position, velocity, effort.
-    pub(crate) limits: [f64; 4],
-}
-
-impl Joint {
-    pub(crate) fn placement(&self, q: Tm) -> Pose {
-        match self.slides {
-            true => (self.origin.0, add(self.origin.1, apply(self.origin.0, times(self.axis, q)))),
-            false => (product(self.origin.0, about(self.axis, q.sin_cos())), self.origin.1),
-        }
-    }
-}
-
 /// A shape of a link.
 pub(crate) struct Part {
     pub(crate) body: Option<usize>,
@@ -60,12 +36,16 @@ pub(crate) struct Part {
     pub(crate) solid: Solid,
 }
 
+/// The body that carries a link, and the placement of the link in it.
+type Place = (Option<usize>, Pose);
+
+type Links = BTreeMap<String, Place>;
+
 pub(crate) struct Robot {
     pub(crate) joints: Vec<Joint>,
     /// The mass and the first moment of what is fixed to the base.
     base: (Tm, Vector),
-    /// The body that carries each link, and the placement of the link in it.
-    pub(crate) links: BTreeMap<String, (Option<usize>, Pose)>,
+    pub(crate) links: Links,
     pub(crate) parts: Vec<Part>,
     /// True if all shapes are balls.
     pub(crate) has_balls: bool,
@@ -125,6 +105,14 @@ pub(crate) fn quaternion(value: Option<&Value>) -> Checked<Matrix> {
     ])
 }
 
+/// The link of a load, its place, and the centre of the load in it.
+fn place_of<'a>(load: &'a Value, placed: &'a Links) -> Checked<(&'a str, &'a Place, Pose)> {
+    let link = text(get(load, "link")?)?;
+    let place = placed.get(link).ok_or("the payload has no link")?;
+    let center = option(load, "center_m").map_or(Ok([0.0; 3]), three)?;
+    Ok((link, place, (identity().0, vector(center))))
+}
+
 impl Robot {
     pub(crate) fn read(urdf: &str, scenario: &Value, names: &[String]) -> Checked<Self> {
         let document = Document::parse(urdf).map_err(|e| e.to_string())?;
@@ -136,7 +124,7 @@ impl Robot {
         let carried = |link: &String| all("joint").any(|j| of(j, "child") == *link);
         let base = links.keys().find(|link| !carried(link)).ok_or("no link is the base")?;
         let mut joints: Vec<Option<Joint>> = names.iter().map(|_| None).collect();
-        let mut placed: BTreeMap<String, (Option<usize>, Pose)> = BTreeMap::new();
+        let mut placed = Links::new();
         let base = option(scenario, "root").map_or(Ok(base.clone()), |root| text(root).map(str::to_owned))?;
         require(links.contains_key(&base), "the robot has no such root")?;
         let mut open = vec![(base, None, identity(), String::new())];
@@ -178,25 +166,29 @@ impl Robot {
         let mut robot = Self { joints, base, links: links_of, parts, has_balls: true, is_known: true };
         let early = |(i, j): (usize, &Joint)| j.parent.is_none_or(|p| p < i);
         require(robot.joints.iter().enumerate().all(early), "a joint is before its parent")?;
-        for (link, (body, at)) in &placed {
+        robot.add_masses(scenario, &links, &placed)?;
+        robot.add_parts(scenario, &links, &placed)?;
+        robot.links = placed;
+        Ok(robot)
+    }
+
+    /// Adds the masses of the links and of the payload.
+    fn add_masses(&mut self, scenario: &Value, links: &BTreeMap<String, Node>, placed: &Links) -> Checked<()> {
+        for (link, (body, at)) in placed {
             if let Some(inertial) = links.get(link).and_then(|n| child(*n, "inertial")) {
                 let entry = |name| scalar(child(inertial, "inertia"), name);
                 let six = [entry("ixx")?, entry("ixy")?, entry("ixz")?, entry("iyy")?, entry("iyz")?, entry("izz")?];
                 let mass = scalar(child(inertial, "mass"), "value")?;
-                robot.add_mass(*body, &compose(at, &pose(child(inertial, "origin"))?), mass, six);
+                self.add_mass(*body, &compose(at, &pose(child(inertial, "origin"))?), mass, six);
             }
         }
         if let Some(load) = option(scenario, "payload") {
-            let (body, at) = placed.get(text(get(load, "link")?)?).ok_or("the payload has no link")?;
-            let center = option(load, "center_m").map_or(Ok([0.0; 3]), three)?;
+            let (_, (body, at), center) = place_of(load, placed)?;
             let six = option(load, "inertia_kg_m2").map_or(Ok(vec![0.0; 6]), list)?;
             let six = six.try_into().map_err(|_| "six numbers are needed".to_owned())?;
-            let center = (identity().0, vector(center));
-            robot.add_mass(*body, &compose(at, &center), number(get(load, "mass_kg")?)?, six);
+            self.add_mass(*body, &compose(at, &center), number(get(load, "mass_kg")?)?, six);
         }
-        robot.add_parts(scenario, &links, &placed)?;
-        robot.links = placed;
-        Ok(robot)
+        Ok(())
     }
 
     pub(crate) fn add_mass(&mut self, body: Option<usize>, at: &Pose, mass: f64, six: [f64; 6]) {
@@ -218,12 +210,7 @@ impl Robot {
     }
 
     /// Adds the balls of the shape of the robot.
-    pub(crate) fn add_parts(
-        &mut self,
-        scenario: &Value,
-        links: &BTreeMap<String, Node>,
-        placed: &BTreeMap<String, (Option<usize>, Pose)>,
-    ) -> Checked<()> {
+    fn add_parts(&mut self, scenario: &Value, links: &BTreeMap<String, Node>, placed: &Links) -> Checked<()> {
         let is_shaped = links.values().any(|n| child(*n, "collision").is_some());
         let default = Value::from(if is_shaped { "collision" } else { "joint_frames" });
         let shape = option(scenario, "robot_shape").unwrap_or(&default);
@@ -266,10 +253,8 @@ impl Robot {
         }
         if let Some(shape) = option(scenario, "payload").and_then(|load| option(load, "shape")) {
             let load = get(scenario, "payload")?;
-            let link = text(get(load, "link")?)?;
-            let (body, at) = placed.get(link).ok_or("the payload has no link")?;
-            let center = option(load, "center_m").map_or(Ok([0.0; 3]), three)?;
-            let own = option(load, "shape_pose").map_or(Ok((identity().0, vector(center))), pose_of)?;
+            let (link, (body, at), center) = place_of(load, placed)?;
+            let own = option(load, "shape_pose").map_or(Ok(center), pose_of)?;
             let (kind, size) = solid_of(shape)?;
             self.is_known &= by_shapes || kind == "sphere";
             self.add_part(*body, link, Solid { at: compose(at, &own), kind, size });
@@ -352,45 +337,5 @@ impl Robot {
     /// The placements of the shapes in the base frame.
     pub(crate) fn placed(&self, places: &[Pose]) -> Vec<Pose> {
         self.parts.iter().map(|part| part.body.map_or(part.solid.at, |b| compose(&places[b], &part.solid.at))).collect()
-    }
-}
-
-impl Joint {
-    pub(crate) fn new(name: String, parent: Option<usize>, origin: Pose, axis: Vector, slides: bool) -> Self {
-        let zero = Tm::new(0.0);
-        let (first, inertia) = ([zero; 3], [[zero; 3]; 3]);
-        let (drive, limits) = ([zero; 4], [f64::NEG_INFINITY, f64::INFINITY, f64::INFINITY, f64::INFINITY]);
-        Self { name, parent, origin, axis, slides, mass: zero, first, inertia, drive, limits }
-    }
-
-    pub(crate) fn read(&mut self, node: Node, kind: &str, scenario: &Value) -> Checked<()> {
-        let limit = |name| scalar(child(node, "limit"), name);
-        let [lower, upper, velocity, effort] = [limit("lower")?, limit("upper")?, limit("velocity")?, limit("effort")?];
-        if [lower, upper, velocity, effort].iter().any(|x| *x != 0.0) {
-            let known = |x: f64| if x > 0.0 { x } else { f64::INFINITY };
-            self.limits = [lower, upper, known(velocity), known(effort)];
-            if kind == "continuous" {
-                self.limits[0] = f64::NEG_INFINITY;
-                self.limits[1] = f64::INFINITY;
-            }
-        }
-        let losses = option(scenario, "losses").unwrap_or(&Value::Bool(false));
-        if *losses == Value::Bool(false) {
-            return Ok(());
-        }
-        let of_urdf = |name| scalar(child(node, "dynamics"), name);
-        let given = |key: &str, default: f64| match option(losses, key) {
-            Some(Value::Object(by_name)) => by_name.get(&self.name).map_or(Ok(default), number),
-            Some(same) => number(same),
-            None => Ok(default),
-        };
-        let width = given("friction_velocity", 0.02)?;
-        self.drive = [
-            Tm::new(given("damping", of_urdf("damping")?)?),
-            Tm::new(given("friction", of_urdf("friction")?)?),
-            Tm::new(1.0).over(width),
-            Tm::new(given("armature", 0.0)?),
-        ];
-        Ok(())
     }
 }

@@ -18,58 +18,33 @@ fn settings_that_make_no_sense_are_refused() {
     };
     refused(&degree(3), "degree");
     refused(&degree(65), "degree");
+    let changed = |change: &dyn Fn(&mut RestSettings), words: &str| {
+        let mut settings = degree(9);
+        change(&mut settings);
+        refused(&settings, words);
+    };
     for segments in [0, 33] {
-        refused(
-            &RestSettings {
-                segments,
-                ..degree(16)
-            },
-            "segments",
-        );
+        let many = RestSettings {
+            segments,
+            ..degree(16)
+        };
+        refused(&many, "segments");
     }
-    refused(
-        &RestSettings {
-            starts: 0,
-            ..degree(9)
-        },
-        "starts",
-    );
     for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        refused(
-            &RestSettings {
-                tolerance: wrong,
-                ..degree(9)
-            },
-            "tolerance",
-        );
-        refused(
-            &RestSettings {
-                feasible: wrong,
-                ..degree(9)
-            },
-            "feasible",
-        );
+        changed(&|s| s.tolerance = wrong, "tolerance");
+        changed(&|s| s.feasible = wrong, "feasible");
     }
+    changed(&|s| s.starts = 0, "starts");
+    changed(&|s| s.iterations = 0, "iterations");
     let other = robot("pendulum_1");
     let start = rested(&swing(&other), &degree(6), 1e3, &FREE).curve;
-    let start = RestSettings {
-        start: Some(start),
-        ..degree(9)
-    };
-    refused(&start, "start");
+    changed(&|s| s.start = Some(start.clone()), "start");
     let longer = problem
         .with_horizon(3.0 * problem.horizon())
         .expect("valid");
-    let start = RestSettings {
-        start: Some(rested(&longer, &degree(6), 1e3, &FREE).curve),
-        ..degree(9)
-    };
-    refused(&start, "settings: start: it does not go");
-    let settings = RestSettings {
-        iterations: 0,
-        ..degree(9)
-    };
-    refused(&settings, "iterations");
+    let start = rested(&longer, &degree(6), 1e3, &FREE).curve;
+    let words = "settings: start: it does not go";
+    changed(&|s| s.start = Some(start.clone()), words);
     let flow = FlowToRest::new(&problem, 1e3).cost(ControlEffort::new(&other));
     assert_refused(flow.settings(degree(9)).run(), "entries");
     for k in [0.0, f64::INFINITY] {

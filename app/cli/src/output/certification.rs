@@ -2,7 +2,7 @@
 
 use super::table::short;
 use aghf_scenario::RobotShape;
-use aghf_scenario::certify::{Certification, Passage, Promise};
+use aghf_scenario::certify::{Certificate, Certification, Failure, Passage, Promise};
 
 /// Formats the result of a certification of a robot in this shape, which took this time.
 #[must_use]
@@ -11,54 +11,12 @@ pub fn certification_text(
     shape: RobotShape,
     seconds: f64,
 ) -> String {
-    let mut lines = Vec::new();
-    for failure in &certification.failures {
-        let (value, bound) = (failure.value, failure.bound);
-        let outcome = if failure.is_broken {
-            "broken"
-        } else {
-            "not proved"
-        };
-        let place = match failure.place.as_str() {
-            "" => String::new(),
-            place => format!(" by {place}"),
-        };
-        let at = match failure.at_s.is_nan() {
-            true => String::new(),
-            false => format!(" at {:.6} s", failure.at_s),
-        };
-        let by = (value - bound).abs();
-        lines.push(format!(
-            "{}: {outcome}{place}{at}: {value} where {bound} is allowed, by {by:.1e}",
-            failure.promise
-        ));
-    }
+    let mut lines: Vec<_> = certification.failures.iter().map(failure_text).collect();
     let Some(certificate) = &certification.certificate else {
         lines.push(format!("not certified ({} s)", short(seconds)));
         return lines.join("\n");
     };
-    for (i, promise) in certificate.promises.iter().enumerate() {
-        let reserves = certificate.intervals.iter().map(|interval| interval.3[i]);
-        let least = reserves.fold(f64::INFINITY, f64::min);
-        let unit = match promise {
-            Promise::Obstacles | Promise::SelfCollision => "m",
-            Promise::Keep => "m, rad or m/s",
-            Promise::Stand => "of the weight, m or of the ratio of friction",
-            _ => "of the limit",
-        };
-        // Beside a tube no reserve is claimed.
-        let reserve = match certificate.tracking_error {
-            0.0 => format!(", least reserve {least:.2e} {unit}"),
-            _ => String::new(),
-        };
-        let of = match (promise, shape) {
-            (Promise::Obstacles, RobotShape::JointFrames) => {
-                " for the origins of joint frames and a load, not for links"
-            }
-            _ => "",
-        };
-        lines.push(format!("{}: proved{of}{reserve}", promise.name()));
-    }
+    lines.extend(promise_lines(certificate, shape));
     if let Some(reserve) = certificate.goal {
         lines.push(format!(
             "goal: proved, least reserve {reserve:.2e} m or rad"
@@ -90,4 +48,53 @@ pub fn certification_text(
         short(seconds)
     ));
     lines.join("\n")
+}
+
+fn failure_text(failure: &Failure) -> String {
+    let (value, bound) = (failure.value, failure.bound);
+    let outcome = if failure.is_broken {
+        "broken"
+    } else {
+        "not proved"
+    };
+    let place = match failure.place.as_str() {
+        "" => String::new(),
+        place => format!(" by {place}"),
+    };
+    let at = match failure.at_s.is_nan() {
+        true => String::new(),
+        false => format!(" at {:.6} s", failure.at_s),
+    };
+    let by = (value - bound).abs();
+    format!(
+        "{}: {outcome}{place}{at}: {value} where {bound} is allowed, by {by:.1e}",
+        failure.promise
+    )
+}
+
+/// The promises that are proved, each with its least reserve over the intervals.
+fn promise_lines(certificate: &Certificate, shape: RobotShape) -> impl Iterator<Item = String> {
+    let promises = certificate.promises.iter().enumerate();
+    promises.map(move |(i, promise)| {
+        let reserves = certificate.intervals.iter().map(|interval| interval.3[i]);
+        let least = reserves.fold(f64::INFINITY, f64::min);
+        let unit = match promise {
+            Promise::Obstacles | Promise::SelfCollision => "m",
+            Promise::Keep => "m, rad or m/s",
+            Promise::Stand => "of the weight, m or of the ratio of friction",
+            _ => "of the limit",
+        };
+        // Beside a tube no reserve is claimed.
+        let reserve = match certificate.tracking_error {
+            0.0 => format!(", least reserve {least:.2e} {unit}"),
+            _ => String::new(),
+        };
+        let of = match (promise, shape) {
+            (Promise::Obstacles, RobotShape::JointFrames) => {
+                " for the origins of joint frames and a load, not for links"
+            }
+            _ => "",
+        };
+        format!("{}: proved{of}{reserve}", promise.name())
+    })
 }

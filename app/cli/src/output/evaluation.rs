@@ -87,53 +87,17 @@ pub fn evaluate(model: &Model, text: &str, file: &str) -> Result<Evaluation> {
 impl Input {
     fn evaluate(self, model: &Model, file: &str) -> Result<Evaluation> {
         let n = model.dof();
-        let check = |key: &str, expected: usize, found: usize| {
-            let condition = format!("expected {expected} numbers, found {found}");
-            if expected == found {
-                Ok(())
-            } else {
-                Err(Error::input(file, key, condition))
-            }
-        };
         let (state, rate, omega) = match self {
             Self::State(state) => (state, None, None),
-            Self::Curve(Curve {
-                x,
-                xdot,
-                xddot,
-                k,
-                tau,
-            }) => {
-                for (key, vector) in [("x", &x), ("xdot", &xdot), ("xddot", &xddot)] {
-                    check(key, 2 * n, vector.len())?;
-                }
-                if k <= 0.0 {
-                    let condition = format!("it is {}, a positive number is needed", plain(k));
-                    return Err(Error::input(file, "k", condition));
-                }
-                let mut omega = vec![0.0; 2 * n];
-                // The paper's flow does not depend on time.
-                let node = Node {
-                    t: 0.0,
-                    x: &x,
-                    xdot: &xdot,
-                    xddot: &xddot,
-                };
-                ControlForm::new(model).omega(node, k, &mut omega)?;
-                let half = |x: &[f64], second: bool| x[n * usize::from(second)..][..n].to_vec();
-                let state = State {
-                    q: half(&x, false),
-                    v: half(&x, true),
-                    a: half(&xdot, true),
-                    tau,
-                };
-                (state, Some(half(&xdot, false)), Some(omega))
+            Self::Curve(curve) => {
+                let (state, rate, omega) = curve.at_node(model, file)?;
+                (state, Some(rate), Some(omega))
             }
         };
         let State { q, v, a, tau } = state;
         let tau = tau.unwrap_or_else(|| vec![0.0; n]);
         for (key, vector) in [("q", &q), ("v", &v), ("a", &a), ("tau", &tau)] {
-            check(key, n, vector.len())?;
+            check_count(file, key, n, vector.len())?;
         }
         let data = &mut Data::new(model);
         let mut id = InverseDynamicsDerivatives::new(n);
@@ -162,6 +126,54 @@ impl Input {
         };
         output.check(file)?;
         Ok(output)
+    }
+}
+
+/// Refuses a vector with a number of entries other than `expected`.
+fn check_count(file: &str, key: &str, expected: usize, found: usize) -> Result<()> {
+    let condition = format!("expected {expected} numbers, found {found}");
+    if expected == found {
+        Ok(())
+    } else {
+        Err(Error::input(file, key, condition))
+    }
+}
+
+impl Curve {
+    /// The state, the rate of its configuration along the curve, and the right-hand side of the flow.
+    fn at_node(self, model: &Model, file: &str) -> Result<(State, Vec<f64>, Vec<f64>)> {
+        let n = model.dof();
+        let Self {
+            x,
+            xdot,
+            xddot,
+            k,
+            tau,
+        } = self;
+        for (key, vector) in [("x", &x), ("xdot", &xdot), ("xddot", &xddot)] {
+            check_count(file, key, 2 * n, vector.len())?;
+        }
+        if k <= 0.0 {
+            let condition = format!("it is {}, a positive number is needed", plain(k));
+            return Err(Error::input(file, "k", condition));
+        }
+        let mut omega = vec![0.0; 2 * n];
+        // The paper's flow does not depend on time.
+        let node = Node {
+            t: 0.0,
+            x: &x,
+            xdot: &xdot,
+            xddot: &xddot,
+        };
+        ControlForm::new(model).omega(node, k, &mut omega)?;
+        let half = |x: &[f64], second: bool| x[n * usize::from(second)..][..n].to_vec();
+        let state = State {
+            q: half(&x, false),
+            v: half(&x, true),
+            a: half(&xdot, true),
+            tau,
+        };
+        Ok((state, half(&xdot, false), omega))
     }
 }
 

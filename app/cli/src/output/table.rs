@@ -7,8 +7,8 @@ use aghf::model::Model;
 use aghf::verify::duals::Finding;
 use aghf::verify::field::Verdict;
 use aghf_scenario::{
-    Details, DirectDetails, FAMILIES, FlowDetails, HorizonBound, Limit, RestDetails, RobotShape,
-    Scenario, Summary, builtin_scenarios, generated_scenarios,
+    Details, DirectDetails, FAMILIES, Feasibility, FlowDetails, HorizonBound, Limit, RestDetails,
+    RobotShape, Scenario, Summary, builtin_scenarios, generated_scenarios,
 };
 use comfy_table::{CellAlignment, Table, presets};
 
@@ -88,42 +88,43 @@ pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
     for note in &s.outside_limits {
         add("outside limits", note);
     }
-    if let Some(clearance) = s.feasibility.smallest_clearance_m {
-        let pair = s.feasibility.nearest.iter();
+    all.extend(feasibility_rows(&s.feasibility));
+    all
+}
+
+/// The rows of the clearance, the loads and the violated limits.
+fn feasibility_rows(found: &Feasibility) -> Vec<[String; 2]> {
+    let mut rows = Vec::new();
+    let mut add = |what: &str, value: String| rows.push([what.to_owned(), value]);
+    if let Some(clearance) = found.smallest_clearance_m {
+        let pair = found.nearest.iter();
         let pair: String = pair.map(|pair| format!(", {pair}")).collect();
         add(
             "smallest clearance",
-            &format!("{} m{pair}", short(clearance)),
+            format!("{} m{pair}", short(clearance)),
         );
     }
-    if let Some(passive) = s.feasibility.largest_passive_torque {
-        let largest = s.feasibility.largest_torque;
-        let both = format!("{} of {}", short(passive), short(largest));
-        add("largest torque of passive joints", &both);
+    if let Some(passive) = found.largest_passive_torque {
+        let both = format!("{} of {}", short(passive), short(found.largest_torque));
+        add("largest torque of passive joints", both);
     }
-    if let Some(foot) = &s.feasibility.foot {
+    if let Some(foot) = &found.foot {
         let range = |[least, most]: [f64; 2]| format!("{} to {}", short(least), short(most));
-        add(
-            "normal force on the foot",
-            &format!("{} N", range(foot.normal_force)),
-        );
+        let force = range(foot.normal_force);
+        add("normal force on the foot", format!("{force} N"));
         let (along, across) = (range(foot.along_m), range(foot.across_m));
-        add(
-            "centre of pressure",
-            &format!("{along} m along, {across} m across"),
-        );
+        let centre = format!("{along} m along, {across} m across");
+        add("centre of pressure", centre);
         let (friction, torsion) = (short(foot.friction), short(foot.torsion));
-        add(
-            "friction of the foot",
-            &format!("{friction}, torsion {torsion} m"),
-        );
+        let friction = format!("{friction}, torsion {torsion} m");
+        add("friction of the foot", friction);
     }
-    let limits = s.feasibility.limit_violations.iter();
+    let limits = found.limit_violations.iter();
     // The torques of passive joints have their own row.
     for violation in limits.filter(|violation| violation.limit != Limit::Passive) {
-        add("limit exceeded", &violation.to_string());
+        add("limit exceeded", violation.to_string());
     }
-    all
+    rows
 }
 
 /// The parameters and the results that only the published flow has.

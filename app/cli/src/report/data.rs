@@ -110,36 +110,8 @@ impl MotionData {
         let rows = rows_of(model, motion.curve, MOTION)?;
         let placements = placements_of(model, &rows)?;
         let clearance = Clearance::new(scenario, &placements)?;
-        let mut tracks = vec![Track::new(
-            "motion".to_owned(),
-            "motion",
-            &rows,
-            &placements,
-        )];
-        let ghost = |name: String, kind, curve: &Curve| -> Result<Track> {
-            let rows = rows_of(model, curve, GHOST)?;
-            Ok(Track::new(name, kind, &rows, &placements_of(model, &rows)?))
-        };
-        let mut minima = Vec::new();
-        if let Some(outcome) = motion.outcome {
-            if let Some(guess) = &outcome.trace.first_guess {
-                tracks.push(ghost("first guess".to_owned(), "guess", guess)?);
-            }
-            for (i, LocalMinimum { cost, starts }) in minima_of(&outcome.summary).iter().enumerate()
-            {
-                let curve = outcome.trace.minima.get(i).filter(|_| i > 0);
-                let mut minimum = MinimumData {
-                    cost: *cost,
-                    starts: *starts,
-                    track: (i == 0).then_some(0),
-                };
-                if let Some(curve) = curve.filter(|_| tracks.len() <= MOST_GHOSTS) {
-                    minimum.track = Some(tracks.len());
-                    tracks.push(ghost(format!("minimum {}", i + 1), "minimum", curve)?);
-                }
-                minima.push(minimum);
-            }
-        }
+        let own = Track::new("motion".to_owned(), "motion", &rows, &placements);
+        let (tracks, minima) = with_ghosts(own, motion)?;
         let colours = colours(model.dof());
         let efforts: Vec<f64> = (0..model.dof()).map(|i| effort_of(&rows, i)).collect();
         let joints = model.joints().iter().enumerate();
@@ -185,6 +157,36 @@ impl MotionData {
             effort: motion.facts.effort,
         })
     }
+}
+
+/// The track of a motion followed by those of its first guess and of other minima, and the minima.
+fn with_ghosts(own: Track, motion: &Motion<'_>) -> Result<(Vec<Track>, Vec<MinimumData>)> {
+    let (mut tracks, mut minima) = (vec![own], Vec::new());
+    let Some(outcome) = motion.outcome else {
+        return Ok((tracks, minima));
+    };
+    let model = &motion.scenario.model;
+    let ghost = |name: String, kind, curve: &Curve| -> Result<Track> {
+        let rows = rows_of(model, curve, GHOST)?;
+        Ok(Track::new(name, kind, &rows, &placements_of(model, &rows)?))
+    };
+    if let Some(guess) = &outcome.trace.first_guess {
+        tracks.push(ghost("first guess".to_owned(), "guess", guess)?);
+    }
+    for (i, LocalMinimum { cost, starts }) in minima_of(&outcome.summary).iter().enumerate() {
+        let curve = outcome.trace.minima.get(i).filter(|_| i > 0);
+        let mut minimum = MinimumData {
+            cost: *cost,
+            starts: *starts,
+            track: (i == 0).then_some(0),
+        };
+        if let Some(curve) = curve.filter(|_| tracks.len() <= MOST_GHOSTS) {
+            minimum.track = Some(tracks.len());
+            tracks.push(ghost(format!("minimum {}", i + 1), "minimum", curve)?);
+        }
+        minima.push(minimum);
+    }
+    Ok((tracks, minima))
 }
 
 /// The version that solved the motion.

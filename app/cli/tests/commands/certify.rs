@@ -3,34 +3,30 @@
 use crate::command::{aghf, assert_bad_input, empty_folder};
 use aghf::urdf::builtin_robot_text;
 use serde_json::{Value, json};
+use std::path::Path;
+
+/// Asserts that a command ends with this exit code, and returns its standard output.
+fn printed(folder: &Path, arguments: &[&str], code: i32) -> String {
+    let run = aghf(folder, arguments);
+    assert_eq!(run.code, Some(code), "{}{}", run.stdout, run.stderr);
+    run.stdout
+}
 
 #[test]
 fn a_solve_is_certified_and_checked() {
     let folder = empty_folder("certify");
-    let solved = aghf(
-        &folder,
-        &[
-            "solve",
-            "kinova_obstacles_02",
-            "--out",
-            "out",
-            "--starts",
-            "1",
-        ],
-    );
-    assert_eq!(solved.code, Some(0), "{}", solved.stderr);
+    let solve = "solve kinova_obstacles_02 --out out --starts 1";
+    printed(&folder, &solve.split(' ').collect::<Vec<_>>(), 0);
     let arguments = ["certify", "kinova_obstacles_02", "out"];
-    let run = aghf(&folder, &arguments);
-    assert_eq!(run.code, Some(0), "{}{}", run.stdout, run.stderr);
+    let text = printed(&folder, &arguments, 0);
     assert!(
-        run.stdout
-            .contains("clearance from obstacles: proved for the origins of joint frames and a load, not for links"),
-        "{}",
-        run.stdout
+        text.contains("clearance from obstacles: proved for the origins of joint frames and a load, not for links"),
+        "{text}"
     );
     assert_bad_input(&folder, &arguments, "certificate.json; --force");
-    let text = std::fs::read_to_string(folder.join("certificate.json")).expect("it is written");
-    assert!(text.len() < 200_000);
+    let certificate = std::fs::read_to_string(folder.join("certificate.json"));
+    let certificate = certificate.expect("it is written");
+    assert!(certificate.len() < 200_000);
     let urdf = builtin_robot_text("kinova_gen3").expect("it is built in");
     std::fs::write(folder.join("kinova.urdf"), urdf).expect("writable");
     let check = [
@@ -40,35 +36,18 @@ fn a_solve_is_certified_and_checked() {
         "out/summary.json",
         "certificate.json",
     ];
-    let checked = aghf(&folder, &check);
-    assert_eq!(checked.code, Some(0), "{}", checked.stdout);
-    assert!(
-        checked.stdout.starts_with("certified at all times"),
-        "{}",
-        checked.stdout
-    );
+    let text = printed(&folder, &check, 0);
+    assert!(text.starts_with("certified at all times"), "{text}");
     // A claim that is not true.
-    let mut wrong: Value = serde_json::from_str(&text).expect("it is JSON");
+    let mut wrong: Value = serde_json::from_str(&certificate).expect("it is JSON");
     wrong["intervals"][3][3][0] = 10.0.into();
     std::fs::write(folder.join("certificate.json"), wrong.to_string()).expect("writable");
-    let checked = aghf(&folder, &check);
-    assert_eq!(checked.code, Some(1), "{}", checked.stdout);
-    assert!(
-        checked.stdout.contains("refused: segment 0 from"),
-        "{}",
-        checked.stdout
-    );
+    let text = printed(&folder, &check, 1);
+    assert!(text.contains("refused: segment 0 from"), "{text}");
     // The motion of another scenario.
-    let other = aghf(
-        &folder,
-        &["certify", "kinova_obstacles_01", "out", "-o", "other.json"],
-    );
-    assert_eq!(other.code, Some(1), "{}", other.stdout);
-    assert!(
-        other.stdout.contains("start position: broken"),
-        "{}",
-        other.stdout
-    );
+    let other = ["certify", "kinova_obstacles_01", "out", "-o", "other.json"];
+    let text = printed(&folder, &other, 1);
+    assert!(text.contains("start position: broken"), "{text}");
     assert!(!folder.join("other.json").exists());
     // The motion of another robot.
     assert_bad_input(
@@ -89,17 +68,9 @@ fn a_certificate_of_a_part_has_an_exit_code_of_its_own() {
         "obstacles": [{ "shape": { "sphere": { "radius_m": 0.5 } }, "pose": { "position_m": [5.0, 0.0, 0.0] } }]
     });
     std::fs::write(folder.join("load.json"), scenario.to_string()).expect("writable");
-    let solved = aghf(
-        &folder,
-        &["solve", "load.json", "--out", "out", "--starts", "1"],
-    );
-    assert_eq!(solved.code, Some(0), "{}{}", solved.stdout, solved.stderr);
-    let run = aghf(&folder, &["certify", "load.json", "out"]);
-    assert_eq!(run.code, Some(4), "{}{}", run.stdout, run.stderr);
-    assert!(
-        run.stdout.contains("\ncertified in part: "),
-        "{}",
-        run.stdout
-    );
+    let solve = ["solve", "load.json", "--out", "out", "--starts", "1"];
+    printed(&folder, &solve, 0);
+    let text = printed(&folder, &["certify", "load.json", "out"], 4);
+    assert!(text.contains("\ncertified in part: "), "{text}");
     assert!(folder.join("certificate.json").exists());
 }

@@ -220,63 +220,51 @@ fn assert_refused(test: &str, inputs: &[(String, &str)]) {
     }
 }
 
+fn with(mut input: Value, key: &str, value: Value) -> String {
+    input[key] = value;
+    input.to_string()
+}
+
+fn without(mut input: Value, key: &str) -> String {
+    input.as_object_mut().expect("an object").remove(key);
+    input.to_string()
+}
+
 #[test]
-fn bad_inputs_to_eval_exit_with_2() {
-    let with = |mut input: Value, key: &str, value: Value| {
-        input[key] = value;
-        input.to_string()
-    };
-    let without = |mut input: Value, key: &str| {
-        input.as_object_mut().expect("an object").remove(key);
-        input.to_string()
-    };
+fn vectors_of_another_length_are_refused() {
     let good = node(&state()["v"]);
-    let short = || json!([1.0, 2.0]);
+    let short = |input: &Value, key| with(input.clone(), key, json!([1.0, 2.0]));
     assert_refused(
-        "eval_bad",
+        "eval_short",
         &[
-            (
-                with(state(), "q", short()),
-                "q: expected 7 numbers, found 2",
-            ),
-            (
-                with(state(), "v", short()),
-                "v: expected 7 numbers, found 2",
-            ),
+            (short(&state(), "q"), "q: expected 7 numbers, found 2"),
+            (short(&state(), "v"), "v: expected 7 numbers, found 2"),
             (
                 with(state(), "a", json!([])),
                 "a: expected 7 numbers, found 0",
             ),
-            (
-                with(state(), "tau", short()),
-                "tau: expected 7 numbers, found 2",
-            ),
-            (
-                with(good.clone(), "x", short()),
-                "x: expected 14 numbers, found 2",
-            ),
-            (
-                with(good.clone(), "xdot", short()),
-                "xdot: expected 14 numbers, found 2",
-            ),
-            (
-                with(good.clone(), "xddot", short()),
-                "xddot: expected 14 numbers, found 2",
-            ),
-            (
-                with(good.clone(), "tau", short()),
-                "tau: expected 7 numbers, found 2",
-            ),
+            (short(&state(), "tau"), "tau: expected 7 numbers, found 2"),
+            (short(&good, "x"), "x: expected 14 numbers, found 2"),
+            (short(&good, "xdot"), "xdot: expected 14 numbers, found 2"),
+            (short(&good, "xddot"), "xddot: expected 14 numbers, found 2"),
+            (short(&good, "tau"), "tau: expected 7 numbers, found 2"),
+        ],
+    );
+}
+
+#[test]
+fn bad_inputs_to_eval_exit_with_2() {
+    let good = node(&state()["v"]);
+    assert_refused(
+        "eval_bad",
+        &[
             (
                 with(good.clone(), "k", json!(-2.0)),
                 "k: it is -2; positive",
             ),
             (with(good.clone(), "k", json!(0)), "k: it is 0; positive"),
             (without(state(), "a"), "expected numbers; q, v, a"),
-            (
-                without(good.clone(), "k"),
-                "expected numbers; x, xdot, xddot, k",
-            ),
+            (without(good, "k"), "expected numbers; x, xdot, xddot, k"),
             (with(state(), "k", json!(1.0)), "expected numbers; q, v, a"),
             (with(state(), "q", json!("up")), "expected numbers; q, v, a"),
             (

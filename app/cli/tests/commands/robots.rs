@@ -34,8 +34,8 @@ fn robots_lists_all_that_are_built_in() {
 }
 
 #[test]
-fn a_robot_is_shown_with_joints_limits_and_masses() {
-    let folder = empty_folder("robot");
+fn a_robot_has_joints_limits_and_masses_in_json() {
+    let folder = empty_folder("robot_json");
     let all = parsed(&aghf(&folder, &["robots", "kinova_gen3", "--json"]));
     assert_eq!(all.as_array().map(Vec::len), Some(1));
     let joints = all[0]["joints"].as_array().expect("a list");
@@ -68,6 +68,17 @@ fn a_robot_is_shown_with_joints_limits_and_masses() {
         "{notes}"
     );
 
+    let pendulum = parsed(&aghf(&folder, &["robots", "pendulum_1", "--json"]));
+    let joint = &pendulum[0]["joints"][0];
+    assert_eq!(
+        (&joint["kind"], &joint["lower"], &joint["effort"]),
+        (&json!("continuous"), &Value::Null, &Value::Null)
+    );
+}
+
+#[test]
+fn a_robot_is_shown_with_joints_limits_and_masses() {
+    let folder = empty_folder("robot");
     let run = aghf(&folder, &["robots", "kinova_gen3"]);
     let row = run
         .stdout
@@ -101,13 +112,6 @@ fn a_robot_is_shown_with_joints_limits_and_masses() {
             run.stdout
         );
     }
-
-    let pendulum = parsed(&aghf(&folder, &["robots", "pendulum_1", "--json"]));
-    let joint = &pendulum[0]["joints"][0];
-    assert_eq!(
-        (&joint["kind"], &joint["lower"], &joint["effort"]),
-        (&json!("continuous"), &Value::Null, &Value::Null)
-    );
 }
 
 #[test]

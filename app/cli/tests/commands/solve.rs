@@ -44,13 +44,19 @@ fn without_arguments_it_plans_over_the_table() {
     {
         assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
     }
+    let duration = assert_table_01(&folder.join(expected[2]));
+    assert_summary_01(&folder.join(expected[1]), duration);
+    assert_around_the_post(&folder, expected[2]);
+}
 
+/// Asserts that a CSV has a motion of `kinova_table_01`, and returns its duration in s.
+fn assert_table_01(path: &Path) -> f64 {
     let Scenario {
         file: scenario,
         model,
         ..
     } = Scenario::load("kinova_table_01").expect("built in");
-    let (header, rows) = csv_file(&folder.join(expected[2]));
+    let (header, rows) = csv_file(path);
     let joints = (1..=7).map(|i| format!("joint_{i}"));
     let columns = ["q", "v", "a", "u"]
         .iter()
@@ -91,8 +97,12 @@ fn without_arguments_it_plans_over_the_table() {
         rnea(&model, data, column(0), column(1), column(2), &mut tau).expect("lengths agree");
         assert_eq!(column(3), tau, "at {}", row[0]);
     }
+    duration
+}
 
-    let summary = json_file(&folder.join(expected[1]));
+/// Asserts that a summary is that of a solve of `kinova_table_01` with this duration.
+fn assert_summary_01(path: &Path, duration: f64) {
+    let summary = json_file(path);
     for key in [
         "final_error_inf",
         "open_loop_error_inf",
@@ -120,19 +130,21 @@ fn without_arguments_it_plans_over_the_table() {
     assert_eq!(summary["success"], true);
     assert!(summary["final_error_inf"].as_f64() < Some(0.05));
     assert_eq!(summary["horizon_s"].as_f64(), Some(duration));
+}
 
-    // It goes around the post, which the motion without one does not.
-    let run = aghf(&folder, &["judge", "kinova_table_01", expected[2]]);
+/// Asserts that a motion goes around the post of `kinova_table_01`, which the motion without one does not.
+fn assert_around_the_post(folder: &Path, trajectory: &str) {
+    let run = aghf(folder, &["judge", "kinova_table_01", trajectory]);
     assert_eq!(run.code, Some(0), "{}{}", run.stdout, run.stderr);
     let text = include_str!("../../../../robots/kinova_gen3/kinova_table_01.json");
     let mut without: serde_json::Value = serde_json::from_str(text).expect("it is built in");
     let obstacles = without["obstacles"].as_array_mut().expect("a list");
     obstacles.retain(|obstacle| obstacle["name"] != "post");
     std::fs::write(folder.join("without.json"), without.to_string()).expect("it can be written");
-    let run = aghf(&folder, &["solve", "without.json", "--out", "without"]);
+    let run = aghf(folder, &["solve", "without.json", "--out", "without"]);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let run = aghf(
-        &folder,
+        folder,
         &["judge", "kinova_table_01", "without/trajectory.csv"],
     );
     assert_eq!(run.code, Some(1), "{}{}", run.stdout, run.stderr);

@@ -58,6 +58,12 @@ fn sweep(folder: &Path, arguments: &[&str], results: &str) -> PathBuf {
     folder.join("out/sweeps/grid").join(results)
 }
 
+/// Asserts that a sweep with these arguments is refused with all words (between semicolons).
+fn assert_refused(folder: &Path, arguments: &[&str], words: &str) {
+    let arguments = [&["sweep", "grid.toml"], arguments].concat();
+    assert_bad_input(folder, &arguments, words);
+}
+
 #[test]
 fn a_sweep_that_is_killed_again_and_again_ends_with_the_same_file() {
     let whole = killed("flow", GRID);
@@ -157,7 +163,7 @@ fn the_last_line_sums_up() {
 }
 
 #[test]
-fn a_torn_end_is_solved_again_and_a_wrong_line_is_an_error() {
+fn a_torn_end_is_solved_again() {
     let folder = folder_with("torn", GRID);
     let results = sweep(&folder, &[], "results.csv");
     let (text, whole) = (read(&results), timeless(&results));
@@ -189,8 +195,14 @@ fn a_torn_end_is_solved_again_and_a_wrong_line_is_an_error() {
         .expect("writable");
     drop(torn);
     assert_eq!(open().expect("good").missing(), []);
+}
 
-    let second = text[header..].lines().nth(1).expect("60 rows");
+#[test]
+fn a_wrong_line_is_an_error() {
+    let folder = folder_with("wrong_line", GRID);
+    let results = sweep(&folder, &[], "results.csv");
+    let text = read(&results);
+    let second = text.lines().nth(2).expect("60 rows");
     for (from, to, words) in [
         (
             "set,scenario",
@@ -225,7 +237,7 @@ fn a_torn_end_is_solved_again_and_a_wrong_line_is_an_error() {
     ] {
         assert!(text.contains(from), "{from}");
         write(results.clone(), &text.replacen(from, to, 1));
-        assert_bad_input(&folder, &["sweep", "grid.toml"], words);
+        assert_refused(&folder, &[], words);
     }
 }
 
@@ -242,7 +254,7 @@ fn results_of_another_sweep_are_refused() {
     write(urdf_path.clone(), &urdf);
     let results = sweep(&folder, &[], "results.csv");
     let before = read(&results);
-    let refused = |words| assert_bad_input(&folder, &["sweep", "grid.toml"], words);
+    let refused = |words| assert_refused(&folder, &[], words);
 
     write(
         mine_path.clone(),
@@ -292,33 +304,31 @@ fn two_processes_do_not_write_one_file() {
     let grid = Sweep::load(path.to_str().expect("text")).expect("good");
     let held = Results::open(&grid, Shard::WHOLE, &folder.join("out/sweeps/grid")).expect("free");
     let words = "results.csv: results: another process is at work on it";
-    assert_bad_input(&folder, &["sweep", "grid.toml"], words);
-    assert_bad_input(&folder, &["sweep", "grid.toml", "--merge"], words);
+    assert_refused(&folder, &[], words);
+    assert_refused(&folder, &["--merge"], words);
     drop(held);
     sweep(&folder, &[], "results.csv");
+}
+
+/// Solves one of three shards, and returns its results file.
+fn shard(folder: &Path, i: usize) -> PathBuf {
+    let (part, name) = (format!("{i}/3"), format!("results.shard-{i}-of-3.csv"));
+    sweep(folder, &["--shard", &part], &name)
 }
 
 #[test]
 fn shards_are_joined_to_the_whole() {
     let whole = timeless(&sweep(&folder_with("unspread", GRID), &[], "results.csv"));
     let folder = folder_with("shards", GRID);
-    let merged = ["sweep", "grid.toml", "--merge"];
-    let shard = |i: usize| {
-        let (part, name) = (format!("{i}/3"), format!("results.shard-{i}-of-3.csv"));
-        sweep(&folder, &["--shard", &part], &name)
-    };
-    let first = shard(1);
+    let first = shard(&folder, 1);
     assert_eq!(
         timeless(&first)[..3],
         [&whole[0], &whole[1], &whole[4]].map(String::clone)
     );
-    shard(2);
-    assert_bad_input(
-        &folder,
-        &merged,
-        "20 of 60 sets are missing, the first is set 2",
-    );
-    let third = shard(3);
+    shard(&folder, 2);
+    let words = "20 of 60 sets are missing, the first is set 2";
+    assert_refused(&folder, &["--merge"], words);
+    let third = shard(&folder, 3);
     assert_eq!(
         timeless(&sweep(&folder, &["--merge"], "results.csv")),
         whole
@@ -330,56 +340,25 @@ fn shards_are_joined_to_the_whole() {
     // A shard again with another value for a set, and a shard of something else.
     let text = read(&third);
     let row = text.lines().nth(1).expect("rows");
-    write(
-        third.clone(),
-        &text.replacen(
-            row,
-            &row.replacen("pendulum_2_swingup,5,", "pendulum_2_swingup,7,", 1),
-            1,
-        ),
-    );
-    assert_bad_input(
-        &folder,
-        &merged,
-        "shard-3-of-3.csv: line 2: its set 2 is not one of this sweep",
-    );
-    let other = row
-        .rsplit_once(',')
-        .expect("columns")
-        .0
-        .rsplit_once(',')
-        .expect("columns")
-        .0;
-    write(
-        third.clone(),
-        &text.replacen(row, &format!("{other},99999,0.5"), 1),
-    );
-    assert_bad_input(
-        &folder,
-        &merged,
-        "shard-3-of-3.csv: set 2: another file has other values",
-    );
+    let other = row.replacen("pendulum_2_swingup,5,", "pendulum_2_swingup,7,", 1);
+    write(third.clone(), &text.replacen(row, &other, 1));
+    let words = "shard-3-of-3.csv: line 2: its set 2 is not one of this sweep";
+    assert_refused(&folder, &["--merge"], words);
+    let before = row.rsplitn(3, ',').nth(2).expect("columns");
+    let other = format!("{before},99999,0.5");
+    write(third.clone(), &text.replacen(row, &other, 1));
+    let words = "shard-3-of-3.csv: set 2: another file has other values";
+    assert_refused(&folder, &["--merge"], words);
     let lone = empty_folder("lone").join("results.shard-1-of-3.csv");
     std::fs::copy(&first, &lone).expect("writable");
     let lone = lone.to_str().expect("text");
-    assert_bad_input(
-        &folder,
-        &["sweep", "grid.toml", "--merge", lone],
-        "lone/sweep.json: No such file",
-    );
+    let words = "lone/sweep.json: No such file";
+    assert_refused(&folder, &["--merge", lone], words);
     assert_eq!(timeless(&results), whole);
     for bad in ["0/3", "4/3", "1", "a/b", "1/0"] {
-        assert_bad_input(
-            &folder,
-            &["sweep", "grid.toml", "--shard", bad],
-            "1 <= i <= n",
-        );
+        assert_refused(&folder, &["--shard", bad], "1 <= i <= n");
     }
-    assert_bad_input(
-        &folder,
-        &["sweep", "grid.toml", "--jobs", "0"],
-        "jobs: it is 0",
-    );
+    assert_refused(&folder, &["--jobs", "0"], "jobs: it is 0");
 }
 
 #[test]

@@ -78,14 +78,13 @@ fn a_json_file_has_what_a_csv_has() {
     }
 }
 
-/// Two scenarios with four sets each: the second is the fastest of those that succeed in both, the third has the least
-/// effort, the fourth is faster but fails once, and the first fails twice.
-#[test]
-fn the_ranking_is_by_success_then_time() {
+/// A ranking of two scenarios with four sets each: the second is the fastest of those that succeed in both, the third
+/// has the least effort, the fourth is faster but fails once, and the first fails twice.
+fn ranked(test: &str) -> Vec<Ranked> {
     let four = GRID
         .replace("degree = [5, 7]", "degree = [7]")
         .replace("1e3,", "1e3, 1e4,");
-    let grid = load("ranking", &four.replace("1, 10", "1")).expect("good");
+    let grid = load(test, &four.replace("1, 10", "1")).expect("good");
     let made = [
         (false, 0.1, 1.0),
         (true, 2.0, 50.0),
@@ -110,19 +109,24 @@ fn the_ranking_is_by_success_then_time() {
             row
         })
         .collect();
-    let k = |r: &Ranked| r.parameters["k"].as_f64().expect("a number");
-    let ranked = ranking(&grid, &rows);
+    ranking(&grid, &rows)
+}
+
+/// The penalty of a set, which tells the four apart.
+fn k(r: &Ranked) -> f64 {
+    r.parameters["k"].as_f64().expect("a number")
+}
+
+#[test]
+fn the_ranking_is_by_success_then_time() {
+    let ranked = ranked("ranking");
     let of = |scope: &str| {
-        ranked
-            .iter()
-            .filter(|r| r.scenario == scope)
-            .collect::<Vec<_>>()
+        let of_scope = ranked.iter().filter(|r| r.scenario == scope);
+        of_scope.cloned().collect::<Vec<_>>()
     };
+    let ks = |of: &[Ranked]| of.iter().map(k).collect::<Vec<_>>();
     let all = of("all");
-    assert_eq!(
-        all.iter().map(|r| k(r)).collect::<Vec<_>>(),
-        [1e4, 1e5, 1e7, 1e3]
-    );
+    assert_eq!(ks(&all), [1e4, 1e5, 1e7, 1e3]);
     assert_eq!(
         all.iter().map(|r| r.success_rate).collect::<Vec<_>>(),
         [1.0, 1.0, 0.5, 0.0]
@@ -144,16 +148,15 @@ fn the_ranking_is_by_success_then_time() {
         [Some(0.0), None],
         "the smallest of those that succeed"
     );
-    let one = of("pendulum_2_swingup");
-    assert_eq!(
-        one.iter().map(|r| k(r)).collect::<Vec<_>>(),
-        [1e7, 1e4, 1e5, 1e3]
-    );
-    let all: Vec<_> = all.into_iter().cloned().collect();
+    assert_eq!(ks(&of("pendulum_2_swingup")), [1e7, 1e4, 1e5, 1e3]);
     let [fastest, least] = best(&all).expect("some succeed");
     assert_eq!((k(fastest), k(least)), (1e4, 1e5));
     assert_eq!(best(&all[3..]), None, "none succeeds");
-    let table = ranking_table(&ranked);
+}
+
+#[test]
+fn the_table_of_a_ranking_has_the_fastest_and_the_least_effort() {
+    let table = ranking_table(&ranked("ranking_table"));
     let lines: Vec<Vec<_>> = table
         .lines()
         .map(|l| l.split_whitespace().collect())

@@ -180,6 +180,33 @@ fn other_robots_scenarios_and_runs_are_refused() {
     }
 }
 
+fn entries(value: &mut Value) -> &mut Vec<Value> {
+    value.as_array_mut().expect("a list")
+}
+
+/// Replaces a number, or what is none by the change of zero.
+fn change(value: &mut Value, by: impl FnOnce(f64) -> f64) {
+    *value = json!(by(value.as_f64().unwrap_or_default()));
+}
+
+const DEVIATIONS: [&str; 4] = [
+    "start_position",
+    "start_velocity",
+    "goal_position",
+    "goal_velocity",
+];
+
+/// Keys with one right value each.
+const KEYS: [&str; 7] = [
+    "tolerance",
+    "horizon_s",
+    "complete",
+    "joints",
+    "format",
+    "robot_xxh64",
+    "limits",
+];
+
 /// Changes one thing of a certificate to something wrong.
 fn spoil(certificate: &mut Value, rng: &mut impl Rng) -> String {
     let count = certificate["intervals"].as_array().map_or(0, Vec::len);
@@ -188,101 +215,61 @@ fn spoil(certificate: &mut Value, rng: &mut impl Rng) -> String {
     match kind {
         0 => {
             let [joint, k] = [rng.random_range(0..3), rng.random_range(0..9)];
-            let c = &mut certificate["coefficients"][0][joint][k];
-            *c = json!(c.as_f64().unwrap_or_default() + 1e-13);
+            change(&mut certificate["coefficients"][0][joint][k], |c| c + 1e-13);
         }
         1 => {
             // Beyond what is true: claims of rows are within a fiftieth unless they are cut off, those of small
             // clearances closer.
             let k = rng.random_range(0..9);
-            let c = &mut certificate["intervals"][i][3][k];
-            let claim = c.as_f64().unwrap_or_default();
-            let by = match (k < 7, claim) {
-                (true, ..0.9) => 0.06,
-                (false, ..0.04) => 0.001,
-                _ => 10.0,
+            let beyond = |claim: f64| match (k < 7, claim) {
+                (true, ..0.9) => claim + 0.06,
+                (false, ..0.04) => claim + 0.001,
+                _ => claim + 10.0,
             };
-            *c = json!(claim + by);
+            change(&mut certificate["intervals"][i][3][k], beyond);
         }
-        2 => {
-            certificate["intervals"]
-                .as_array_mut()
-                .map(|all| all.remove(i));
-        }
+        2 => drop(entries(&mut certificate["intervals"]).remove(i)),
         3 => {
             let copy = certificate["intervals"][i].clone();
-            certificate["intervals"]
-                .as_array_mut()
-                .expect("a list")
-                .insert(i, copy);
+            entries(&mut certificate["intervals"]).insert(i, copy);
         }
         4 => {
             let end = rng.random_range(1..3);
-            let x = &mut certificate["intervals"][i][end];
-            *x = json!(x.as_f64().unwrap_or_default() + [1e-12, -1e-12][rng.random_range(0..2)]);
+            let by = [1e-12, -1e-12][rng.random_range(0..2)];
+            change(&mut certificate["intervals"][i][end], |x| x + by);
         }
-        5 => {
-            certificate["intervals"][i][0] = json!(1);
-        }
+        5 => certificate["intervals"][i][0] = json!(1),
         6 => {
             let (j, k) = (rng.random_range(0..3), rng.random_range(3..6));
-            certificate["limits"]
-                .as_array_mut()
-                .expect("a list")
-                .swap(j, k);
+            entries(&mut certificate["limits"]).swap(j, k);
         }
         7 => {
             let row = rng.random_range(0..15);
             let bound = &mut certificate["limits"][row]["at_most"];
-            *bound = json!(bound.as_f64().unwrap_or_default() * (1.0 + 1e-12));
+            change(bound, |bound| bound * (1.0 + 1e-12));
         }
         8 => {
-            let names = [
-                "start_position",
-                "start_velocity",
-                "goal_position",
-                "goal_velocity",
-            ];
-            certificate["deviations"][names[rng.random_range(0..4)]] =
+            certificate["deviations"][DEVIATIONS[rng.random_range(0..4)]] =
                 json!([-1e-9, 1e-3][rng.random_range(0..2)]);
         }
         9 => {
             let k = rng.random_range(0..9);
-            certificate["intervals"][i][3]
-                .as_array_mut()
-                .expect("a list")
-                .remove(k);
+            entries(&mut certificate["intervals"][i][3]).remove(k);
         }
         10 => {
             let k = rng.random_range(0..9);
-            certificate["promises"]
-                .as_array_mut()
-                .expect("a list")
-                .remove(k);
-            for interval in certificate["intervals"].as_array_mut().expect("a list") {
-                interval[3].as_array_mut().expect("a list").remove(k);
+            entries(&mut certificate["promises"]).remove(k);
+            for interval in entries(&mut certificate["intervals"]) {
+                entries(&mut interval[3]).remove(k);
             }
         }
-        11 => {
-            certificate["not_certified"] = json!([{ "promise": "torque", "reason": "" }]);
-        }
+        11 => certificate["not_certified"] = json!([{ "promise": "torque", "reason": "" }]),
         12 => {
-            let keys = [
-                "tolerance",
-                "horizon_s",
-                "complete",
-                "joints",
-                "format",
-                "robot_xxh64",
-                "limits",
-            ];
-            let key = keys[rng.random_range(0..keys.len())];
+            let key = KEYS[rng.random_range(0..KEYS.len())];
             certificate[key] =
                 [json!(null), json!(1e-8), json!("x"), json!([])][rng.random_range(0..4)].clone();
         }
-        _ => {
-            certificate["intervals"][i][3][rng.random_range(0..9)] = json!(null);
-        }
+        _ => certificate["intervals"][i][3][rng.random_range(0..9)] = json!(null),
     }
     format!("kind {kind}, interval {i}")
 }

@@ -74,131 +74,138 @@ fn what_is_not_given_is_derived_and_told() {
     }
 }
 
-/// The faults of a motion: the keys of the scenario, a change of the table, the checks that fail, and where.
-type Wrong = (
-    &'static str,
-    Value,
-    fn(&Model, &mut Trajectory),
-    &'static [Check],
-    &'static str,
-);
+/// Asserts that a motion that `change` spoils fails these checks of a scenario with these keys, at this place.
+fn assert_found(
+    name: &str,
+    keys: Value,
+    change: fn(&Model, &mut Trajectory),
+    wanted: &[Check],
+    place: &str,
+) {
+    let scenario = scenario(name, keys);
+    let mut motion = good(&scenario.model, FROM, TO, 101);
+    change(&scenario.model, &mut motion);
+    let judgement = verdict(&scenario, &motion);
+    assert_eq!(failed(&judgement), wanted, "{name}");
+    for check in wanted {
+        let worst = row(&judgement, *check).worst.as_ref().expect("it failed");
+        let found = worst.place.as_deref().unwrap_or_default();
+        assert!(found.contains(place), "{name}: {found}");
+    }
+}
 
 #[test]
-fn each_violation_is_found() {
-    let none: fn(&Model, &mut Trajectory) = |_, _| ();
-    let mut cases: Vec<Wrong> = vec![
+fn another_duration_and_other_ends_are_found() {
+    for (name, keys, check, place) in [
         (
             "late",
             json!({ "horizon_s": 0.9 }),
-            none,
-            &[Check::Horizon],
+            Check::Horizon,
             "duration",
         ),
         (
             "too early",
             json!({ "horizon_s": 1.2, "free_horizon": { "shortest_s": 1.1, "longest_s": 1.5 } }),
-            none,
-            &[Check::Horizon],
+            Check::Horizon,
             "duration",
-        ),
-        (
-            "too large an acceleration",
-            json!({ "enforced_limits": { "acceleration": [1e3, 1e3, 0.5] } }),
-            none,
-            &[Check::AccelerationLimits],
-            "elbow",
-        ),
-        (
-            "too large a jerk",
-            json!({ "enforced_limits": { "jerk": [1e4, 0.5, 1e4] } }),
-            none,
-            &[Check::JerkLimits],
-            "shoulder",
         ),
         (
             "another start",
             json!({ "q_start": [-0.5, 0.2, 0.41] }),
-            none,
-            &[Check::StartPosition],
+            Check::StartPosition,
             "elbow",
         ),
         (
             "another goal",
             json!({ "q_goal": [0.49, -0.3, 1.4] }),
-            none,
-            &[Check::GoalPosition],
+            Check::GoalPosition,
             "slide",
         ),
         (
             "a flying start",
             json!({ "v_start": [0.0, 0.1, 0.0] }),
-            none,
-            &[Check::StartVelocity],
+            Check::StartVelocity,
             "shoulder",
         ),
         (
             "no stop",
             json!({ "v_goal": [0.0, 0.0, 0.1] }),
-            none,
-            &[Check::GoalVelocity],
+            Check::GoalVelocity,
+            "elbow",
+        ),
+    ] {
+        assert_found(name, keys, |_, _| (), &[check], place);
+    }
+    let free = json!({ "v_goal": [0.0, 0.0, 0.1], "free_final_velocity": true });
+    assert_found("any stop", free, |_, _| (), &[], "");
+}
+
+#[test]
+fn each_broken_limit_is_found() {
+    for (name, keys, check, place) in [
+        (
+            "too large an acceleration",
+            json!({ "enforced_limits": { "acceleration": [1e3, 1e3, 0.5] } }),
+            Check::AccelerationLimits,
             "elbow",
         ),
         (
-            "any stop",
-            json!({ "v_goal": [0.0, 0.0, 0.1], "free_final_velocity": true }),
-            none,
-            &[],
-            "",
+            "too large a jerk",
+            json!({ "enforced_limits": { "jerk": [1e4, 0.5, 1e4] } }),
+            Check::JerkLimits,
+            "shoulder",
         ),
         (
             "torque limit",
             json!({ "enforced_limits": { "torque": 0.05 } }),
-            none,
-            &[Check::TorqueLimits],
+            Check::TorqueLimits,
             "slide",
         ),
         (
             "velocity limit",
             json!({ "enforced_limits": { "velocity": 0.23 } }),
-            none,
-            &[Check::VelocityLimits],
+            Check::VelocityLimits,
             "slide",
         ),
         (
             "position limit",
             json!({ "enforced_limits": { "position": 0.2 } }),
-            none,
-            &[Check::PositionLimits],
+            Check::PositionLimits,
             "elbow",
         ),
         (
             "passive",
             json!({ "passive": ["shoulder"] }),
-            none,
-            &[Check::PassiveJoints],
+            Check::PassiveJoints,
             "shoulder",
         ),
-    ];
-    cases.push((
+    ] {
+        assert_found(name, keys, |_, _| (), &[check], place);
+    }
+}
+
+#[test]
+fn columns_that_contradict_each_other_are_found() {
+    let wrong = |name, change, wanted: &[Check], place| {
+        assert_found(name, json!({}), change, wanted, place);
+    };
+    wrong(
         "a wrong torque",
-        json!({}),
         |_, t| t.u.as_mut().expect("given")[40][1] += 0.1,
         &[Check::Dynamics],
         "shoulder",
-    ));
-    cases.push((
+    );
+    wrong(
         "torques of another acceleration",
-        json!({}),
         |model, t| {
             t.a.iter_mut().for_each(|a| a[0] += 0.1);
             t.u = torques(model, t);
         },
         &[Check::AccelerationIsRate],
         "slide",
-    ));
-    cases.push((
+    );
+    wrong(
         "velocities of another motion",
-        json!({}),
         |model, t| {
             t.v.iter_mut().for_each(|v| v[2] *= 1.02);
             t.a.iter_mut().for_each(|a| a[2] *= 1.02);
@@ -206,29 +213,16 @@ fn each_violation_is_found() {
         },
         &[Check::VelocityIsRate],
         "elbow",
-    ));
-    cases.push((
+    );
+    wrong(
         "a jolt in the velocity",
-        json!({}),
         |model, t| {
             t.v[50][2] += 0.05;
             t.u = torques(model, t);
         },
         &[Check::VelocityIsRate, Check::AccelerationIsRate],
         "elbow",
-    ));
-    for (name, keys, change, wanted, place) in cases {
-        let scenario = scenario(name, keys);
-        let mut motion = good(&scenario.model, FROM, TO, 101);
-        change(&scenario.model, &mut motion);
-        let judgement = verdict(&scenario, &motion);
-        assert_eq!(failed(&judgement), wanted, "{name}");
-        for check in wanted {
-            let worst = row(&judgement, *check).worst.as_ref().expect("it failed");
-            let found = worst.place.as_deref().unwrap_or_default();
-            assert!(found.contains(place), "{name}: {found}");
-        }
-    }
+    );
 }
 
 /// The worst is at the time and has the value that it should have, between the samples too.

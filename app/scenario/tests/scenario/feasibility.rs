@@ -49,14 +49,20 @@ fn violations_are_told_with_digits_that_show_them() {
     }
 }
 
-#[test]
-fn broken_limits_are_told_and_enforced_ones_matter() {
+/// A scenario of Kinova without enforced limits.
+fn free() -> Scenario {
     let mut scenario = Scenario::load("kinova_free_01").expect("built in");
     scenario.file.enforced_limits = EnforcedLimits::NONE;
-    let joint = scenario.model.joints()[0].clone();
-    let limits = *joint.limits();
+    scenario
+}
+
+#[test]
+fn broken_limits_of_the_position_are_told() {
+    let scenario = free();
+    let joint = &scenario.model.joints()[0];
+    let upper = joint.limits().upper;
     // Upright the arm turns about the vertical, and nothing but this joint has anything to do.
-    let far = motion(|t| limits.upper + 0.5 - (t - 1.0003).powi(2), |_| 0.0);
+    let far = motion(|t| upper + 0.5 - (t - 1.0003).powi(2), |_| 0.0);
     let found = of(&scenario, &far);
     assert_eq!(found.smallest_clearance_m, None, "no obstacles");
     assert_eq!(found.nearest, None);
@@ -73,37 +79,41 @@ fn broken_limits_are_told_and_enforced_ones_matter() {
         found.holds(0.0) && found.reason(0.0).is_none(),
         "none is enforced"
     );
+}
 
-    // Too fast both ways: the worse of the two is told.
-    let fast = motion(|_| 0.0, |t| (t - 1.2) * (limits.velocity + 0.0123) / 0.8);
-    let check = |enforced: bool, fast: &Curve| {
-        let found = of(&scenario, fast);
-        let speeds = found.limit_violations.iter();
-        let speeds: Vec<_> = speeds.filter(|v| v.limit == Limit::Velocity).collect();
-        assert_eq!(speeds.len(), 1, "{found:?}");
-        assert_eq!(
-            (speeds[0].enforced, speeds[0].unit.as_str()),
-            (enforced, "rad/s")
-        );
-        (speeds[0].clone(), found)
-    };
-    let (speed, found) = check(false, &fast);
-    let name = joint.name();
+/// Too fast both ways: the worse of the two is told.
+#[test]
+fn broken_limits_of_the_velocity_are_told_and_enforced_ones_matter() {
+    let mut scenario = free();
+    let joint = &scenario.model.joints()[0];
+    let (name, limit) = (joint.name(), joint.limits().velocity);
+    let fast = motion(|_| 0.0, |t| (t - 1.2) * (limit + 0.0123) / 0.8);
+    let found = of(&scenario, &fast);
+    let speeds = found.limit_violations.iter();
+    let speeds: Vec<_> = speeds.filter(|v| v.limit == Limit::Velocity).collect();
+    assert_eq!(speeds.len(), 1, "{found:?}");
+    let speed = speeds[0];
+    assert_eq!((speed.enforced, speed.unit.as_str()), (false, "rad/s"));
     assert_eq!(
         speed.name,
         format!("lower velocity limit of joint '{name}'")
     );
-    let most = 1.5 * (limits.velocity + 0.0123) - limits.velocity;
+    let most = 1.5 * (limit + 0.0123) - limit;
     assert!((speed.by - most).abs() < 1e-12 && speed.at_s == 0.0);
     assert!(found.holds(0.0));
     scenario.file.enforced_limits.velocity = Enforced::default();
-    let check = |fast: &Curve| of(&scenario, fast);
-    let found = check(&fast);
+    let found = of(&scenario, &fast);
     assert!(!found.holds(0.0) && !found.holds(most - 1e-9) && found.holds(most + 1e-9));
+}
 
-    // What is said has digits.
-    let slightly = motion(|_| 0.0, |t| limits.velocity + 1.23456e-6 - 0.1 * t);
-    let found = check(&slightly);
+#[test]
+fn a_slightly_broken_limit_is_told_with_digits() {
+    let mut scenario = free();
+    scenario.file.enforced_limits.velocity = Enforced::default();
+    let joint = &scenario.model.joints()[0];
+    let (name, limit) = (joint.name(), joint.limits().velocity);
+    let slightly = motion(|_| 0.0, |t| limit + 1.23456e-6 - 0.1 * t);
+    let found = of(&scenario, &slightly);
     let words = format!("upper velocity limit of joint '{name}' by 1.23e-6 rad/s at 0.000 s");
     assert_eq!(only(&found).to_string(), words);
     assert_eq!(found.reason(1e-6), Some(format!("violated: {words}")));

@@ -137,11 +137,12 @@ fn goals_without_sense_are_refused() {
         let error = load("refused", &kinova(goal)).expect_err("it is refused");
         assert!(error.starts_with(words), "{error}; want {words}");
     }
-    let scenario = load(
-        "by_flow",
-        &kinova(tool(json!({ "position_m": [0.4, 0, 0.3] }))),
-    )
-    .expect("it is good");
+}
+
+#[test]
+fn the_flow_knows_no_goal_that_is_a_set() {
+    let goal = tool(json!({ "position_m": [0.4, 0, 0.3] }));
+    let scenario = load("by_flow", &kinova(goal)).expect("it is good");
     let options = aghf_scenario::FlowOptions::default();
     let found = aghf_scenario::Solve::new(&scenario).options(options).run();
     let error = found.expect_err("by the direct method alone").to_string();

@@ -31,119 +31,130 @@ fn the_first_phase_gives_the_root_and_the_last_one_the_goal() {
     assert_eq!(again.file, *file);
 }
 
+/// The walk with other keys of a phase.
+fn in_phase(k: usize, keys: Value) -> Value {
+    let mut walk = walk();
+    walk["phases"][k] = with(walk["phases"][k].clone(), keys);
+    walk
+}
+
+fn assert_refused(walk: &Value, words: &str) {
+    let refused = load("refused", walk).expect_err(words);
+    assert!(
+        refused.contains(words),
+        "'{refused}' does not say '{words}'"
+    );
+}
+
 #[test]
-fn walks_that_cannot_be_meant_are_refused() {
-    let in_phase = |k: usize, keys: Value| {
-        let mut walk = walk();
-        walk["phases"][k] = with(walk["phases"][k].clone(), keys);
-        walk
-    };
+fn keys_that_cannot_be_meant_of_a_walk_are_refused() {
+    for (keys, words) in [
+        (
+            json!({ "waypoints": [{ "q": vec![0.0; 14] }] }),
+            "waypoints: phases: a walk does not know it",
+        ),
+        (
+            json!({ "continuity": "acceleration" }),
+            "continuity: phases: accelerations jump where the foot changes",
+        ),
+        (
+            json!({ "objective": { "effort": 1.0, "velocity": 1.0 } }),
+            "objective: phases: a walk knows the objectives by their names alone",
+        ),
+        (
+            json!({ "root": "right_sole" }),
+            "root: phases: it is not the foot of the first phase",
+        ),
+        (
+            json!({ "v_goal": vec![0.1; 14] }),
+            "v_goal: phases: where the last foot lands it ends at rest",
+        ),
+    ] {
+        assert_refused(&with(walk(), keys), words);
+    }
+}
+
+#[test]
+fn durations_that_cannot_be_meant_are_refused() {
+    for (phase, keys, words) in [
+        (
+            1,
+            json!({ "shortest_s": 0.5 }),
+            "phases[1].longest_s: it is missing beside shortest_s",
+        ),
+        (
+            1,
+            json!({ "shortest_s": 0.5, "longest_s": 0.4 }),
+            "phases[1].longest_s: it is 0.4, below shortest_s, 0.5",
+        ),
+        (
+            0,
+            json!({ "shortest_s": 0.0, "longest_s": 0.4 }),
+            "phases[0].shortest_s: it is 0",
+        ),
+        (
+            0,
+            json!({ "shortest_s": 0.1, "longest_s": 0.4 }),
+            "horizon_s: it is 2, the phases last from 1.1 to 1.4 s",
+        ),
+    ] {
+        assert_refused(&in_phase(phase, keys), words);
+    }
+}
+
+#[test]
+fn feet_and_landings_that_cannot_be_meant_are_refused() {
     let tolerant = json!({ "frame": "right_sole", "position_m": [0.2, -0.25, 0.0], "tolerance_m": 0.01,
         "orientation_xyzw": [0.0, 0.0, 0.0, 1.0] });
-    let edges = json!({ "frame": "right_sole", "half_length_m": 0.1, "half_width_m": 0.04, "friction": 0.7,
-        "torsion": 0.05 });
     let land = |frame: &str, turn: [f64; 4]| {
         let at = [0.2, -0.25, 0.0];
         json!({ "frame": frame, "position_m": at, "orientation_xyzw": turn })
     };
     let turned = land("right_sole", [0.1, 0.0, 0.0, 0.99_f64.sqrt()]);
     let nearer = land("right_toe_roll", [0.0, 0.0, 0.0, 1.0]);
-    let other_root = with(walk(), json!({ "root": "right_sole" }));
-    for (name, walk, words) in [
+    let nose =
+        json!({ "frame": "nose", "half_length_m": 0.1, "half_width_m": 0.1, "friction": 0.7 });
+    for (phase, keys, words) in [
         (
-            "points",
-            with(walk(), json!({ "waypoints": [{ "q": vec![0.0; 14] }] })),
-            "waypoints: phases: a walk does not know it",
-        ),
-        (
-            "jumps",
-            with(walk(), json!({ "continuity": "acceleration" })),
-            "continuity: phases: accelerations jump where the foot changes",
-        ),
-        (
-            "weights",
-            with(
-                walk(),
-                json!({ "objective": { "effort": 1.0, "velocity": 1.0 } }),
-            ),
-            "objective: phases: a walk knows the objectives by their names alone",
-        ),
-        (
-            "root",
-            other_root,
-            "root: phases: it is not the foot of the first phase",
-        ),
-        (
-            "half_an_interval",
-            in_phase(1, json!({ "shortest_s": 0.5 })),
-            "phases[1].longest_s: it is missing beside shortest_s",
-        ),
-        (
-            "no_interval",
-            in_phase(1, json!({ "shortest_s": 0.5, "longest_s": 0.4 })),
-            "phases[1].longest_s: it is 0.4, below shortest_s, 0.5",
-        ),
-        (
-            "no_duration",
-            in_phase(0, json!({ "shortest_s": 0.0, "longest_s": 0.4 })),
-            "phases[0].shortest_s: it is 0",
-        ),
-        (
-            "other_horizon",
-            in_phase(0, json!({ "shortest_s": 0.1, "longest_s": 0.4 })),
-            "horizon_s: it is 2, the phases last from 1.1 to 1.4 s",
-        ),
-        (
-            "no_landing",
-            in_phase(0, json!({ "land": null, "lift_m": null })),
+            0,
+            json!({ "land": null, "lift_m": null }),
             "phases[0].land: it is missing",
         ),
         (
-            "no_foot",
-            in_phase(1, json!({ "land": null })),
+            1,
+            json!({ "land": null }),
             "phases[1].lift_m: it needs land, which names the foot",
         ),
         (
-            "tolerance",
-            in_phase(0, json!({ "land": tolerant })),
+            0,
+            json!({ "land": tolerant }),
             "phases[0].land: a position and an orientation without tolerances are needed",
         ),
         (
-            "turned",
-            in_phase(0, json!({ "land": turned })),
+            0,
+            json!({ "land": turned }),
             "phases[0].land.orientation_xyzw: the z axis of the foot is not upwards",
         ),
         (
-            "stumbles",
-            in_phase(0, json!({ "land": nearer })),
+            0,
+            json!({ "land": nearer }),
             "phases[0].land.frame: it is not the foot of the next phase",
         ),
         (
-            "runs",
-            with(walk(), json!({ "v_goal": vec![0.1; 14] })),
-            "v_goal: phases: where the last foot lands it ends at rest",
-        ),
-        (
-            "depth",
-            in_phase(0, json!({ "lift_m": -0.1 })),
+            0,
+            json!({ "lift_m": -0.1 }),
             "phases[0].lift_m: a height from 0 to 10 m",
         ),
-        (
-            "link",
-            in_phase(
-                1,
-                json!({ "stand": { "frame": "nose", "half_length_m": 0.1, "half_width_m": 0.1,
-            "friction": 0.7 } }),
-            ),
-            "phases[1]:",
-        ),
+        (1, json!({ "stand": nose }), "phases[1]:"),
     ] {
-        let refused = load(name, &walk).expect_err(name);
-        assert!(
-            refused.contains(words),
-            "{name}: '{refused}' does not say '{words}'"
-        );
+        assert_refused(&in_phase(phase, keys), words);
     }
+}
+
+#[test]
+fn feet_with_other_bounds_are_refused_by_the_solve() {
+    let edges = json!({ "frame": "right_sole", "half_length_m": 0.1, "half_width_m": 0.04, "friction": 0.7,
+        "torsion": 0.05 });
     let scenario = load("edges", &in_phase(1, json!({ "stand": edges }))).expect("each is good");
     let refused = aghf_scenario::Solve::new(&scenario)
         .run_walk()

@@ -249,70 +249,23 @@ fn a_flow_that_is_cut_short_says_so() {
 
 #[test]
 fn bad_options_are_errors() {
+    type Change = fn(&mut FlowOptions);
     let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
-    let nan = f64::NAN;
-    let base = by_flow();
-    let cases = [
-        (
-            FlowOptions {
-                degree: Some(0),
-                ..base.clone()
-            },
-            "degree: it is 0",
-        ),
-        (
-            FlowOptions {
-                degree: Some(1),
-                ..base.clone()
-            },
-            "degree: it is 1, at least 2",
-        ),
-        (
-            FlowOptions {
-                k: Some(-1.0),
-                ..base.clone()
-            },
-            "k: it is -1, a positive number",
-        ),
-        (
-            FlowOptions {
-                k: Some(f64::INFINITY),
-                ..base.clone()
-            },
-            "k: it is inf",
-        ),
-        (
-            FlowOptions {
-                s_max: Some(0.0),
-                ..base.clone()
-            },
-            "s_max: it is 0",
-        ),
-        (
-            FlowOptions {
-                s_max: Some(nan),
-                ..base.clone()
-            },
-            "s_max: it is NaN",
-        ),
-        (
-            FlowOptions {
-                tolerance: Some(nan),
-                ..base.clone()
-            },
-            "tolerance: it is NaN",
-        ),
-        (
-            FlowOptions {
-                tolerance: Some(-1e-4),
-                ..base.clone()
-            },
-            "tolerance: it is -0.0001",
-        ),
+    let cases: [(Change, &str); 8] = [
+        (|o| o.degree = Some(0), "degree: it is 0"),
+        (|o| o.degree = Some(1), "degree: it is 1, at least 2"),
+        (|o| o.k = Some(-1.0), "k: it is -1, a positive number"),
+        (|o| o.k = Some(f64::INFINITY), "k: it is inf"),
+        (|o| o.s_max = Some(0.0), "s_max: it is 0"),
+        (|o| o.s_max = Some(f64::NAN), "s_max: it is NaN"),
+        (|o| o.tolerance = Some(f64::NAN), "tolerance: it is NaN"),
+        (|o| o.tolerance = Some(-1e-4), "tolerance: it is -0.0001"),
     ];
-    for (options, words) in cases {
+    for (change, words) in cases {
+        let mut options = by_flow();
+        change(&mut options);
         let error = Solve::new(&scenario)
-            .options(options.clone())
+            .options(options)
             .run()
             .expect_err(words)
             .to_string();

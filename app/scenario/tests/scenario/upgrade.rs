@@ -205,6 +205,10 @@ fn a_key_without_a_translation_is_refused_by_its_place() {
         }
     }
     assert!(problems.is_empty(), "{problems:#?}");
+}
+
+#[test]
+fn a_key_that_is_there_twice_is_refused() {
     let twice = old().to_string().replacen('{', "{\"half_spaces\": [], ", 1);
     let error = ScenarioFile::upgrade(&twice, "old.json")
         .expect_err("twice")
