@@ -169,6 +169,11 @@ impl SearchOptions {
 
     /// Refuses values out of range.
     pub(super) fn check(&self, continuity: Continuity) -> Result<()> {
+        self.check_numbers()?;
+        self.check_counts(continuity)
+    }
+
+    fn check_numbers(&self) -> Result<()> {
         for (what, value) in [
             ("points", self.points),
             ("points_of_segments", self.points_of_segments),
@@ -212,6 +217,11 @@ impl SearchOptions {
             let condition = format!("it is {}, more than 1 is needed", self.horizon_growth);
             return Err(Error::input("search", "horizon_growth", condition));
         }
+        Ok(())
+    }
+
+    fn check_counts(&self, continuity: Continuity) -> Result<()> {
+        let most = Self::MOST_POINTS;
         let degrees = continuity.smallest_degree()..=DirectSettings::LARGEST_DEGREE;
         let (iterations, starts) = (
             1..=DirectSettings::MOST_ITERATIONS,

@@ -232,98 +232,128 @@ impl Scene {
         most: f64,
     ) -> Result<Option<ClosestPair<'_>>> {
         let kept = |margin: &f64| if by_capsules { 0.0 } else { *margin };
-        let part = |i: usize, body| Part {
-            body,
-            link: self.robot.links.get(i).map(String::as_str),
-        };
         let places = self.trees.iter().map(|t| placement_of(t.body, placements));
-        let places = places.collect::<Result<Vec<_>>>()?;
-        let placed = |tree: usize, bound: &Sphere| Sphere {
-            centre: places[tree].rotation * bound.centre + places[tree].translation,
-            radius: bound.radius,
+        let mut search = Search {
+            robot: &self.robot,
+            trees: &self.trees,
+            places: places.collect::<Result<_>>()?,
+            most,
+            closest: None,
         };
-        let mut closest: Option<ClosestPair> = None;
-        let is_closer = |distance: f64, closest: &Option<ClosestPair>| {
-            distance < closest.map_or(most, |known| known.distance)
-        };
-        for (Obstacle { name, solid }, margin) in self.obstacles.iter().zip(&self.obstacle_margins)
-        {
-            let margin = kept(margin);
-            let distance_of = |ball: &Sphere| solid.distance(&ball.centre) - ball.radius - margin;
-            let pair = |ball: &Sphere, part| {
-                let (distance, normal) = (
-                    distance_of(ball),
-                    solid.distance_derivatives(&ball.centre).normal,
-                );
-                ClosestPair {
-                    distance,
-                    part,
-                    other: Collider::Obstacle(name),
-                    points: along(ball, &normal, distance),
-                    margin,
-                }
-            };
+        for (obstacle, margin) in self.obstacles.iter().zip(&self.obstacle_margins) {
             let nearest = match by_capsules {
-                true => self.robot.nearest_balls(placements, solid)?,
+                true => self.robot.nearest_balls(placements, &obstacle.solid)?,
                 false => None,
             };
-            for (capsule, ball) in self.robot.capsules.iter().zip(nearest.iter().flatten()) {
-                if is_closer(distance_of(ball), &closest) {
-                    let part = Part {
-                        body: capsule.body,
-                        link: None,
-                    };
-                    closest = Some(pair(ball, part));
+            search.obstacle(obstacle, kept(margin), nearest);
+        }
+        for (pair, margin) in self.tree_pairs.iter().zip(&self.pair_margins) {
+            search.pair(*pair, kept(margin));
+        }
+        Ok(search.closest)
+    }
+}
+
+/// A search for the closest pair among those nearer than `most`, m.
+struct Search<'a> {
+    robot: &'a CollisionGeometry,
+    trees: &'a [BallTree],
+    places: Vec<Placement<f64>>,
+    most: f64,
+    closest: Option<ClosestPair<'a>>,
+}
+
+impl<'a> Search<'a> {
+    /// Looks at an obstacle beside these balls, or beside all of the robot.
+    fn obstacle(&mut self, obstacle: &'a Obstacle, margin: f64, balls: Option<Vec<Sphere>>) {
+        let Obstacle { name, solid } = obstacle;
+        let distance_of = |ball: &Sphere| solid.distance(&ball.centre) - ball.radius - margin;
+        let pair = |ball: &Sphere, part, distance| ClosestPair {
+            distance,
+            part,
+            other: Collider::Obstacle(name),
+            points: along(
+                ball,
+                &solid.distance_derivatives(&ball.centre).normal,
+                distance,
+            ),
+            margin,
+        };
+        if let Some(balls) = balls {
+            for (capsule, ball) in self.robot.capsules.iter().zip(&balls) {
+                let distance = distance_of(ball);
+                if self.is_closer(distance, &self.closest) {
+                    let (body, link) = (capsule.body, None);
+                    self.closest = Some(pair(ball, Part { body, link }, distance));
                 }
             }
-            let trees = self.trees.iter().enumerate().filter(|_| nearest.is_none());
-            for (t, tree) in trees {
-                let ball = |at: usize| placed(t, &tree.nodes[at].bound);
-                tree.search(
-                    |at| distance_of(&ball(at)),
-                    f64::lt,
-                    |at, distance| {
-                        let is_near = is_closer(*distance, &closest);
-                        if let Some(i) = tree.nodes[at].leaf.filter(|_| is_near) {
-                            closest = Some(pair(&ball(at), part(i, tree.body)));
-                        }
-                        is_near
-                    },
-                );
+            return;
+        }
+        for (t, tree) in self.trees.iter().enumerate() {
+            let mut found = self.closest;
+            tree.search(
+                |at| distance_of(&self.placed(t, at)),
+                f64::lt,
+                |at, distance| {
+                    let is_near = self.is_closer(*distance, &found);
+                    if let Some(i) = tree.nodes[at].leaf.filter(|_| is_near) {
+                        found = Some(pair(&self.placed(t, at), self.part(i, t), *distance));
+                    }
+                    is_near
+                },
+            );
+            self.closest = found;
+        }
+    }
+
+    /// Looks at the balls of two trees beside each other.
+    fn pair(&mut self, [t, u]: [usize; 2], margin: f64) {
+        let (tree, other) = (&self.trees[t], &self.trees[u]);
+        let balls = |[i, j]: [usize; 2]| [self.placed(t, i), self.placed(u, j)];
+        let gap = |at| {
+            let [ball, beside] = balls(at);
+            ball.gap(&beside) - margin
+        };
+        let mut found = self.closest;
+        tree.search_pairs(other, gap, f64::lt, |[i, j], gap| {
+            let is_near = self.is_closer(*gap, &found);
+            let leaves = (tree.nodes[i].leaf, other.nodes[j].leaf);
+            if let (true, (Some(a), Some(b))) = (is_near, leaves) {
+                let [ball, beside] = balls([i, j]);
+                let between = ball.centre - beside.centre;
+                let normal = between.try_normalize(0.0).unwrap_or_else(Vector3::z);
+                found = Some(ClosestPair {
+                    distance: *gap,
+                    part: self.part(a, t),
+                    other: Collider::Robot(self.part(b, u)),
+                    points: along(&ball, &normal, *gap),
+                    margin,
+                });
             }
+            is_near
+        });
+        self.closest = found;
+    }
+
+    fn is_closer(&self, distance: f64, than: &Option<ClosestPair<'_>>) -> bool {
+        distance < than.map_or(self.most, |known| known.distance)
+    }
+
+    /// The bound of a node of a tree, in the base frame.
+    fn placed(&self, tree: usize, node: usize) -> Sphere {
+        let (place, bound) = (&self.places[tree], &self.trees[tree].nodes[node].bound);
+        Sphere {
+            centre: place.rotation * bound.centre + place.translation,
+            radius: bound.radius,
         }
-        for ([t, u], margin) in self.tree_pairs.iter().zip(&self.pair_margins) {
-            let margin = kept(margin);
-            let (tree, other) = (&self.trees[*t], &self.trees[*u]);
-            let balls = |[i, j]: [usize; 2]| {
-                [
-                    placed(*t, &tree.nodes[i].bound),
-                    placed(*u, &other.nodes[j].bound),
-                ]
-            };
-            let gap = |at| {
-                let [ball, beside] = balls(at);
-                ball.gap(&beside) - margin
-            };
-            tree.search_pairs(other, gap, f64::lt, |[i, j], gap| {
-                let is_near = is_closer(*gap, &closest);
-                let leaves = (tree.nodes[i].leaf, other.nodes[j].leaf);
-                if let (true, (Some(a), Some(b))) = (is_near, leaves) {
-                    let [ball, beside] = balls([i, j]);
-                    let between = ball.centre - beside.centre;
-                    let normal = between.try_normalize(0.0).unwrap_or_else(Vector3::z);
-                    closest = Some(ClosestPair {
-                        distance: *gap,
-                        part: part(a, tree.body),
-                        other: Collider::Robot(part(b, other.body)),
-                        points: along(&ball, &normal, *gap),
-                        margin,
-                    });
-                }
-                is_near
-            });
+    }
+
+    /// The part of the robot with this ball.
+    fn part(&self, ball: usize, tree: usize) -> Part<'a> {
+        Part {
+            body: self.trees[tree].body,
+            link: self.robot.links.get(ball).map(String::as_str),
         }
-        Ok(closest)
     }
 }
 

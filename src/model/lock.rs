@@ -28,6 +28,64 @@ impl Model<f64> {
     /// Locks joints as [`Model::with_locked_joints`] does, and returns the placements of the bodies in the reduced
     /// model.
     pub fn reduced(&self, locked: &[(usize, f64)]) -> Result<Reduced> {
+        let positions = self.locked_positions(locked)?;
+        let (mut specs, mut base) = (Vec::<JointSpec<f64>>::new(), self.base_inertia);
+        let mut bodies: Vec<(Option<usize>, Placement<f64>)> = Vec::with_capacity(self.dof());
+        let free = positions.iter().map(Option::is_none);
+        let drives = (self.drives.iter().zip(free))
+            .filter_map(|(drive, free)| free.then_some(*drive))
+            .collect();
+        for ((joint, inertia), q) in self.joints.iter().zip(&self.inertias).zip(positions) {
+            let (parent, within) = placed(&bodies, joint.parent(), joint.origin());
+            let Some(q) = q else {
+                bodies.push((Some(specs.len()), Placement::identity()));
+                specs.push(JointSpec {
+                    name: joint.name().to_owned(),
+                    kind: joint.kind(),
+                    parent,
+                    origin: within,
+                    axis: *joint.axis(),
+                    inertia: *inertia,
+                    limits: *joint.limits(),
+                });
+                continue;
+            };
+            let (_, placement) = placed(&bodies, joint.parent(), &joint.placement(q));
+            match parent {
+                Some(parent) => specs[parent].inertia += inertia.placed(&placement),
+                None => base += inertia.placed(&placement),
+            }
+            bodies.push((parent, placement));
+        }
+        let frame = |frame: &Frame<f64>| {
+            let (body, placement) = placed(&bodies, frame.body, &frame.placement);
+            Frame {
+                body,
+                placement,
+                ..frame.clone()
+            }
+        };
+        let frames = self.frames.iter().map(frame).collect();
+        let collision = |collision: &Collision| {
+            let (body, placement) = placed(&bodies, collision.body, &collision.placement);
+            Collision {
+                body,
+                placement,
+                ..collision.clone()
+            }
+        };
+        let collisions = self.collisions.iter().map(collision).collect();
+        let model = Model::from_joints(&self.name, specs)?
+            .with_gravity(self.gravity)
+            .with_base_inertia(base)
+            .with_frames(frames)
+            .with_collisions(collisions)?
+            .with_drives(drives)?;
+        Ok(Reduced { model, bodies })
+    }
+
+    /// The positions of all joints, `None` for those that are not locked.
+    fn locked_positions(&self, locked: &[(usize, f64)]) -> Result<Vec<Option<f64>>> {
         let mut positions = vec![None; self.dof()];
         for (i, q) in locked {
             let Some(joint) = self.joints.get(*i) else {
@@ -51,69 +109,18 @@ impl Model<f64> {
             let condition = "all joints are locked, nothing is left to move";
             return Err(Error::input(&self.name, "robot", condition));
         }
+        Ok(positions)
+    }
+}
 
-        let (mut specs, mut base) = (Vec::<JointSpec<f64>>::new(), self.base_inertia);
-        let mut bodies: Vec<(Option<usize>, Placement<f64>)> = Vec::with_capacity(self.dof());
-        let free = positions.iter().map(Option::is_none);
-        let drives = (self.drives.iter().zip(free))
-            .filter_map(|(drive, free)| free.then_some(*drive))
-            .collect();
-        for ((joint, inertia), q) in self.joints.iter().zip(&self.inertias).zip(positions) {
-            let (parent, within) = match joint.parent() {
-                Some(parent) => bodies[parent],
-                None => (None, Placement::identity()),
-            };
-            let Some(q) = q else {
-                bodies.push((Some(specs.len()), Placement::identity()));
-                specs.push(JointSpec {
-                    name: joint.name().to_owned(),
-                    kind: joint.kind(),
-                    parent,
-                    origin: within.compose(joint.origin()),
-                    axis: *joint.axis(),
-                    inertia: *inertia,
-                    limits: *joint.limits(),
-                });
-                continue;
-            };
-            let placement = within.compose(&joint.placement(q));
-            match parent {
-                Some(parent) => specs[parent].inertia += inertia.placed(&placement),
-                None => base += inertia.placed(&placement),
-            }
-            bodies.push((parent, placement));
-        }
-        let frame = |frame: &Frame<f64>| {
-            let (body, within) = match frame.body {
-                Some(body) => bodies[body],
-                None => (None, Placement::identity()),
-            };
-            Frame {
-                name: frame.name.clone(),
-                body,
-                placement: within.compose(&frame.placement),
-                carrier: frame.carrier.clone(),
-            }
-        };
-        let frames = self.frames.iter().map(frame).collect();
-        let collision = |collision: &Collision| {
-            let (body, within) = match collision.body {
-                Some(body) => bodies[body],
-                None => (None, Placement::identity()),
-            };
-            Collision {
-                body,
-                placement: within.compose(&collision.placement),
-                ..collision.clone()
-            }
-        };
-        let collisions = self.collisions.iter().map(collision).collect();
-        let model = Model::from_joints(&self.name, specs)?
-            .with_gravity(self.gravity)
-            .with_base_inertia(base)
-            .with_frames(frames)
-            .with_collisions(collisions)?
-            .with_drives(drives)?;
-        Ok(Reduced { model, bodies })
+/// A placement on a body of the full model, as one on a body of the reduced model.
+fn placed(
+    bodies: &[(Option<usize>, Placement<f64>)],
+    body: Option<usize>,
+    placement: &Placement<f64>,
+) -> (Option<usize>, Placement<f64>) {
+    match body {
+        Some(body) => (bodies[body].0, bodies[body].1.compose(placement)),
+        None => (None, Placement::identity().compose(placement)),
     }
 }

@@ -68,17 +68,8 @@ pub(crate) fn along<K: Constraint + ?Sized>(
         _ => 0.0,
     };
     loop {
-        let mut coefficients = DMatrix::zeros(n, basis.count());
-        for (i, q) in breakpoints.iter().enumerate() {
-            for j in 0..n {
-                coefficients[(j, basis.value(i))] = q[j];
-                if (1..segments).contains(&i) {
-                    let rise = breakpoints[i + 1][j] - breakpoints[i - 1][j];
-                    coefficients[(j, basis.slope(i))] =
-                        0.5 * share(halvings[i]) * rise * segments as f64;
-                }
-            }
-        }
+        let slopes: Vec<f64> = halvings.iter().map(|h| share(*h)).collect();
+        let coefficients = coefficients(&breakpoints, &slopes, &basis);
         let curve = Path {
             coefficients,
             basis: basis.clone(),
@@ -98,7 +89,7 @@ pub(crate) fn along<K: Constraint + ?Sized>(
             }
         }
         shorter.dedup();
-        shorter.retain(|i| (1..segments).contains(i) && share(halvings[*i]) > 0.0);
+        shorter.retain(|i| (1..segments).contains(i) && slopes[*i] > 0.0);
         if shorter.is_empty() {
             return Ok(curve);
         }
@@ -106,6 +97,23 @@ pub(crate) fn along<K: Constraint + ?Sized>(
             halvings[i] += 1;
         }
     }
+}
+
+/// The coefficients of the curve through breakpoints, at each inner one with this share of the slope from the previous
+/// to the next.
+fn coefficients(breakpoints: &[Vec<f64>], shares: &[f64], basis: &Basis) -> DMatrix<f64> {
+    let (n, segments) = (breakpoints[0].len(), basis.segments());
+    let mut coefficients = DMatrix::zeros(n, basis.count());
+    for (i, q) in breakpoints.iter().enumerate() {
+        for j in 0..n {
+            coefficients[(j, basis.value(i))] = q[j];
+            if (1..segments).contains(&i) {
+                let rise = breakpoints[i + 1][j] - breakpoints[i - 1][j];
+                coefficients[(j, basis.slope(i))] = 0.5 * shares[i] * rise * segments as f64;
+            }
+        }
+    }
+    coefficients
 }
 
 /// The waypoints with additional points on the longest lines, so that there are as many lines as segments.

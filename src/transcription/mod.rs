@@ -9,6 +9,7 @@ mod objective;
 mod place;
 mod rows;
 mod scan;
+mod segment;
 mod shared;
 mod state_rows;
 

@@ -1,13 +1,14 @@
 //! The integral of a running cost along a curve of a basis, with its derivatives in the coefficients.
 
-use super::grid::{add_gradient, jerk_products, put_block};
-use super::horizon::{Moved, Moving};
-use super::horizons::{place_in, rates_of_slopes, slopes_alone, stretch};
+use super::grid::put_block;
+use super::horizon::Moved;
+use super::horizons::{place_in, rates_of_slopes};
 use super::place::{points, scale};
+use super::segment::Segment;
 use super::{Grid, HorizonDerivatives, Horizons, Shared};
 use crate::cost::{PackedHessian, PointCost, PointsDerivatives};
 use crate::error::{Result, check_length};
-use crate::linalg::{BlockTridiagonal, multiply};
+use crate::linalg::BlockTridiagonal;
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
 
@@ -217,73 +218,33 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         for e in 0..grid.segments {
             self.place(coefficients, e);
             let phase = self.phase(e);
-            let part = self.horizons.part(e, grid.segments);
-            let (horizon, factor) = (self.horizons.parts()[part], self.horizons.stretch(part));
-            let here = points(grid, &self.times, (&self.states, &self.jerks), e, phase);
+            let curve = points(grid, &self.times, (&self.states, &self.jerks), e, phase);
+            let segment = Segment::new(grid, &self.horizons, e, curve);
             let Workspace {
                 at_points,
                 sums,
                 gradient,
-                moved: [moved, moved_jerks],
+                moved,
                 squares,
             } = self
                 .workspace
                 .get_or_insert_with(|| Workspace::new(grid, dof));
             at_points.with_metrics = with_metric;
-            self.cost.all_derivatives(here, at_points)?;
-            for (g, weight) in grid.weights.iter().enumerate() {
-                sum += *weight * at_points.costs[g];
+            self.cost.all_derivatives(curve, at_points)?;
+            for (weight, cost) in grid.weights.iter().zip(&at_points.costs) {
+                sum += *weight * *cost;
             }
             if let Some(rates) = &self.rates {
-                let moving = Moving {
-                    grid,
-                    horizon,
-                    rates,
-                };
-                let own = &mut out.horizons[part];
-                let mixed = moving.integrate(e, here, at_points, moved, own);
-                multiply(mixed, &grid.transposed, gradient);
-                stretch(gradient, grid.shared, factor);
-                add_gradient(grid, gradient, e, &mut own.mixed);
-                if let Some(jerks) = here.jerks {
-                    let mixed = moving.integrate_jerk(e, jerks, at_points, moved_jerks, own);
-                    multiply(mixed, &grid.thirds[1], gradient);
-                    stretch(gradient, grid.shared, factor);
-                    add_gradient(grid, gradient, e, &mut own.mixed);
-                }
-                for (g, weight) in grid.weights.iter().enumerate() {
-                    let late = *weight * self.cost.time_rate(here.point(g))?;
-                    let begin = self.horizons.begin(part);
-                    out.horizons[part].first += late * (here.times[g] - begin);
-                    for earlier in &mut out.horizons[..part] {
-                        earlier.first += late * horizon * self.horizons.share();
-                    }
-                }
+                segment.in_horizon(rates, at_points, moved, gradient, out);
+                segment.in_time(&mut self.cost, out)?;
             }
-            for (g, weight) in grid.weights.iter().enumerate() {
-                let mut gradients = at_points.gradients.columns_mut(3 * g, 3);
-                gradients *= *weight * horizon;
-            }
-            scale(&mut at_points.gradients, horizon);
-            let with_jerk = here.jerks.is_some();
-            if with_jerk {
-                jerk_products(grid, horizon, &mut at_points.by_jerk, squares);
-            }
-            let of_jerk = with_jerk.then_some((&at_points.by_jerk[0], &grid.thirds[1]));
-            let of_states = [(&at_points.gradients, &grid.transposed)];
-            for (by_points, table) in of_states.into_iter().chain(of_jerk) {
-                multiply(by_points, table, gradient);
-                if let (Some(reference), Some(_)) = (self.horizons.reference(), &self.rates) {
-                    let by_factor = slopes_alone(gradient, grid.shared, reference);
-                    add_gradient(grid, &by_factor, e, &mut out.horizons[part].mixed);
-                }
-                stretch(gradient, grid.shared, factor);
-                add_gradient(grid, gradient, e, &mut out.gradient);
-            }
+            segment.weigh(at_points, squares);
+            segment.gradient(self.rates.is_some(), at_points, gradient, out);
+            let (horizon, factor) = (segment.horizon, segment.factor);
             at_points
                 .hessians
                 .integrate(grid.products(), horizon, sums, |pair, block| {
-                    if with_jerk {
+                    if curve.jerks.is_some() {
                         for i in 0..dof {
                             block[(i, i)] += squares[(i, pair)];
                         }

@@ -24,49 +24,8 @@ pub(super) fn walk<'a>(robot: &'a Robot, file: &str) -> Result<Vec<Visit<'a>>> {
             return refuse(format!("link '{}'", link.name), "the name occurs twice");
         }
     }
-    let mut names = BTreeSet::new();
-    let mut carried = BTreeSet::new();
-    let mut children: BTreeMap<&str, Vec<&Joint>> = BTreeMap::new();
-    for joint in &robot.joints {
-        let element = || format!("joint '{}'", joint.name);
-        if !names.insert(joint.name.as_str()) {
-            return refuse(element(), "the name occurs twice");
-        }
-        let (parent, child) = (joint.parent.link.as_str(), joint.child.link.as_str());
-        if let Some(unknown) = [parent, child].iter().find(|l| !links.contains_key(**l)) {
-            return refuse(element(), &format!("there is no link '{unknown}'"));
-        }
-        if !carried.insert(child) {
-            let condition =
-                format!("link '{child}' hangs on a second joint: the links form a loop");
-            return refuse(element(), &condition);
-        }
-        children.entry(parent).or_default().push(joint);
-    }
-    for joints in children.values_mut() {
-        joints.sort_by(|a, b| a.name.cmp(&b.name));
-    }
-    let roots: Vec<&Link> = (robot.links.iter())
-        .filter(|l| !carried.contains(l.name.as_str()))
-        .collect();
-    let root = match roots.as_slice() {
-        [root] => *root,
-        [] if robot.links.is_empty() => return refuse("robot".to_owned(), "it has no links"),
-        [] => {
-            return refuse(
-                "robot".to_owned(),
-                "it has no root link: the links form a loop",
-            );
-        }
-        [first, second, ..] => {
-            let condition = format!(
-                "it has several root links: '{}' and '{}'",
-                first.name, second.name
-            );
-            return refuse("robot".to_owned(), &condition);
-        }
-    };
-
+    let children = children(robot, &links, file)?;
+    let root = root(robot).map_err(|condition| Error::input(file, "robot", condition))?;
     let mut visits = Vec::with_capacity(robot.links.len());
     let mut pending = vec![Visit {
         link: root,
@@ -95,4 +54,58 @@ pub(super) fn walk<'a>(robot: &'a Robot, file: &str) -> Result<Vec<Visit<'a>>> {
         );
     }
     Ok(visits)
+}
+
+/// The joints below each link, in the order of their names.
+fn children<'a>(
+    robot: &'a Robot,
+    links: &BTreeMap<&str, &Link>,
+    file: &str,
+) -> Result<BTreeMap<&'a str, Vec<&'a Joint>>> {
+    let (mut names, mut carried) = (BTreeSet::new(), BTreeSet::new());
+    let mut children: BTreeMap<&str, Vec<&Joint>> = BTreeMap::new();
+    for joint in &robot.joints {
+        let refuse = |condition: &str| {
+            let element = format!("joint '{}'", joint.name);
+            Err(Error::input(file, element, condition))
+        };
+        if !names.insert(joint.name.as_str()) {
+            return refuse("the name occurs twice");
+        }
+        let (parent, child) = (joint.parent.link.as_str(), joint.child.link.as_str());
+        if let Some(unknown) = [parent, child].iter().find(|l| !links.contains_key(**l)) {
+            return refuse(&format!("there is no link '{unknown}'"));
+        }
+        if !carried.insert(child) {
+            return refuse(&format!(
+                "link '{child}' hangs on a second joint: the links form a loop"
+            ));
+        }
+        children.entry(parent).or_default().push(joint);
+    }
+    for joints in children.values_mut() {
+        joints.sort_by(|a, b| a.name.cmp(&b.name));
+    }
+    Ok(children)
+}
+
+/// The link that no joint carries.
+///
+/// # Errors
+/// There is none, or there are several; in words.
+fn root(robot: &Robot) -> std::result::Result<&Link, String> {
+    let carried: BTreeSet<&str> = (robot.joints.iter())
+        .map(|joint| joint.child.link.as_str())
+        .collect();
+    let roots = robot.links.iter();
+    let mut roots = roots.filter(|l| !carried.contains(l.name.as_str()));
+    match (roots.next(), roots.next()) {
+        (Some(root), None) => Ok(root),
+        (Some(first), Some(second)) => Err(format!(
+            "it has several root links: '{}' and '{}'",
+            first.name, second.name
+        )),
+        (None, _) if robot.links.is_empty() => Err("it has no links".to_owned()),
+        (None, _) => Err("it has no root link: the links form a loop".to_owned()),
+    }
 }

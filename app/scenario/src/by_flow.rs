@@ -6,7 +6,7 @@ use super::{FlowOptions, Method, RestOptions, Scenario};
 use aghf::curve::{Chebyshev, Curve};
 use aghf::error::Result;
 use aghf::flow::rest::{FlowToRest, RestSettings};
-use aghf::flow::{Flow, FlowSettings, FlowSolution, Penalised, PenaltyWeights, effort_of};
+use aghf::flow::{Flow, FlowSettings, Penalised, PenaltyWeights, effort_of};
 use aghf::motion::Interrupt;
 use std::time::Instant;
 
@@ -38,14 +38,8 @@ pub(super) fn solve_by_flow(
     }
     let solution = flow.run()?;
     let solve_seconds = started.elapsed().as_secs_f64();
-    let FlowSolution {
-        curve,
-        history,
-        failure,
-        stopped,
-        statistics,
-    } = solution;
-    let effort = effort_of(&scenario.model, &curve, settings.k)?;
+    let statistics = solution.statistics;
+    let effort = effort_of(&scenario.model, &solution.curve, settings.k)?;
     let interior = settings.degree - 1;
     let details = Details::Flow(FlowDetails {
         jacobian: settings.jacobian,
@@ -58,24 +52,23 @@ pub(super) fn solve_by_flow(
         c_cons: (!scenario.is_free()).then_some(penalty.c_cons),
         action: effort.action,
         action_at_nodes: effort.action_at_nodes,
-        action_at_nodes_of_guess: history.first().map(|r| r.action_at_nodes),
+        action_at_nodes_of_guess: solution.history.first().map(|r| r.action_at_nodes),
         steps: statistics.steps,
         rejected_steps: statistics.rejected_steps,
         omega_evaluations: statistics.rhs_evaluations * interior,
         jacobian_evaluations: statistics.jacobian_evaluations * interior,
         factorisations: statistics.factorisations,
     });
-    let history = history.into_iter().map(Record::Flow).collect();
     let chebyshev = Chebyshev::new(settings.degree, problem.horizon())?;
     let guess = problem.guess(settings.guess, &chebyshev);
     Ok(Solution {
-        curve,
+        curve: solution.curve,
         effort,
-        history,
+        history: solution.history.into_iter().map(Record::Flow).collect(),
         details,
         solve_seconds,
-        failure,
-        stopped,
+        failure: solution.failure,
+        stopped: solution.stopped,
         trace: Trace {
             first_guess: Some(Curve::new(chebyshev, guess)?),
             ..Trace::default()

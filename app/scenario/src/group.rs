@@ -72,24 +72,34 @@ pub(super) fn hold_others(
         }
     };
     let known = |i: usize| given(i).or_else(|| of_state.get(&i).copied());
-    let free = |i: usize| known(i).unwrap_or_else(|| robot.joints()[i].limits().nearest(0.0));
-    let position = |i: usize| {
-        let follower = followers.iter().find(|f| f.joint == i && held(f.master));
-        match (known(i), follower) {
-            (None, Some(f)) => f.multiplier * free(f.master) + f.offset,
-            _ => free(i),
-        }
-    };
-    let held = (0..robot.dof()).filter(|i| held(*i));
-    let held: Vec<_> = held
-        .map(|i| (robot.joints()[i].name().to_owned(), position(i)))
-        .collect();
-    file.locked_joints.extend(held);
+    let held: Vec<usize> = (0..robot.dof()).filter(|i| held(*i)).collect();
+    let positions = held_positions(robot, &held, &followers, known);
+    file.locked_joints.extend(positions);
     if !followers.is_empty() {
         // None of them is left that follows another joint.
         file.mimic = Mimic::Independent;
     }
     Ok(())
+}
+
+/// The positions of the joints that are held, by name: the known ones, those to which a held master takes its
+/// followers, and otherwise those nearest to zero.
+fn held_positions(
+    robot: &Model,
+    held: &[usize],
+    followers: &[Follower],
+    known: impl Fn(usize) -> Option<f64>,
+) -> Vec<(String, f64)> {
+    let free = |i: usize| known(i).unwrap_or_else(|| robot.joints()[i].limits().nearest(0.0));
+    let position = |i: usize| {
+        let mut of_held = followers.iter().filter(|f| held.contains(&f.master));
+        match (known(i), of_held.find(|f| f.joint == i)) {
+            (None, Some(f)) => f.multiplier * free(f.master) + f.offset,
+            _ => free(i),
+        }
+    };
+    let named = |i: &usize| (robot.joints()[*i].name().to_owned(), position(*i));
+    held.iter().map(named).collect()
 }
 
 /// The error for a mimic joint that moves, or whose master does.

@@ -179,78 +179,34 @@ pub(super) fn report_of(
     options: &SolveOptions,
     found: Solution,
 ) -> Result<SolveReport> {
-    let Solution {
-        curve,
-        effort,
-        history,
-        details,
-        solve_seconds,
-        failure,
-        stopped,
-        trace,
-    } = found;
     let (model, passive) = (&scenario.model, scenario.passive());
+    let (curve, effort) = (found.curve, found.effort);
+    let method = options.method();
     let final_error = |feedback| -> Result<Option<f64>> {
         let simulation = simulate(model, &curve, feedback, &passive)?;
         Ok(simulation.failure.is_none().then_some(simulation.error_inf))
     };
     let final_error_inf = final_error(scenario.file.feedback)?;
-    let success_threshold = scenario.file.success_threshold;
-    let reached = final_error_inf.is_some_and(|e| e < success_threshold);
     let feasibility = Feasibility::of(scenario, &curve)?;
-    let method = options.method();
-    let tolerance = match method {
-        Method::Direct => DirectSettings::FEASIBLE,
-        Method::Flow | Method::Rest | Method::Duals | Method::TwoPhases => LIMIT_TOLERANCE,
-    };
-    let feasible = feasibility.holds(tolerance);
-    let missed = (!reached).then(|| match final_error_inf {
-        Some(error) => format!(
-            "the forward simulation with feedback ends {error:.2e} from the goal, beyond {success_threshold}"
-        ),
-        None => "the forward simulation with feedback stopped before its end".to_owned(),
+    let judgement = Judgement::new(Outcome {
+        method,
+        has_passive: !passive.is_empty(),
+        feasibility: &feasibility,
+        overflow: !effort.control_effort.is_finite(),
+        missed: missed(final_error_inf, scenario.file.success_threshold),
+        failure: found.failure,
+        stopped: found.stopped,
     });
-    let completed = failure.is_none();
-    // After a flow the simulation decides as well. After the direct method it only measures sensitivity, except with
-    // passive joints, where it shows whether zero torque there suffices.
-    let simulated = method != Method::Direct || !passive.is_empty();
-    // Before its end the curve of the published flow is no motion: velocities are not the rates of positions.
-    let ended = completed || method != Method::Flow;
-    let overflow = (!effort.control_effort.is_finite())
-        .then(|| "the torques of the motion are no finite numbers".to_owned());
-    let kept = feasible && overflow.is_none();
-    let verdict = match ended && kept && (reached || !simulated) {
-        true if completed => Verdict::Optimal,
-        true => Verdict::Valid,
-        false => Verdict::NotValid,
-    };
+    let verdict = judgement.verdict;
     let success = verdict.is_valid();
     let mut notes = scenario.notes(method);
     notes.extend(scenario.far_obstacles()?);
-    if let Details::Direct(details) = &details {
+    if let Details::Direct(details) = &found.details {
         notes.extend(details.start.clone());
     }
-    if let (true, Some(missed)) = (success, &missed) {
-        notes.push(format!("{missed}: the motion needs a better controller"));
-    }
-    match (&failure, stopped) {
-        (Some(failure), _) if success => notes.push(format!("not optimal: {failure}")),
-        (None, Some(stopped)) if success => {
-            notes.push(format!("{stopped}: the motion is the best until then"));
-        }
-        _ => {}
-    }
-    // The reasons include all violations, and the simulation where it decides.
-    let missed = missed.filter(|_| completed && simulated);
-    let reasons = [
-        failure,
-        feasibility.reason(tolerance),
-        overflow,
-        missed,
-        scenario.fixed_horizon(),
-    ];
-    let reasons: Vec<String> = reasons.into_iter().flatten().collect();
-    let failure = (!success).then(|| reasons.join("; "));
+    notes.extend(judgement.notes);
+    let reasons = judgement.reasons.into_iter();
+    let reasons: Vec<String> = reasons.chain(scenario.fixed_horizon()).collect();
     let joints = model.joints().iter().map(|joint| joint.name().to_owned());
     let effort_of_passive = effort_of_joints(model, &curve, &passive, INTERVALS)?;
     let summary = Summary {
@@ -261,16 +217,16 @@ pub(super) fn report_of(
         segments: curve.segments(),
         verdict,
         success,
-        success_threshold,
+        success_threshold: scenario.file.success_threshold,
         final_error_inf,
         open_loop_error_inf: final_error(Feedback::NONE)?,
         feedback: scenario.file.feedback,
         // A difference below zero is a rounding error.
         control_effort: (effort.control_effort - effort_of_passive).max(0.0),
         dynamics_defect: effort.dynamics_defect,
-        solve_seconds,
-        details,
-        failure,
+        solve_seconds: found.solve_seconds,
+        details: found.details,
+        failure: (!success).then(|| reasons.join("; ")),
         feasibility,
         outside_limits: scenario.outside_limits(),
         notes,
@@ -280,9 +236,93 @@ pub(super) fn report_of(
     Ok(SolveReport {
         summary,
         curve,
-        history,
-        completed,
-        stopped,
-        trace,
+        history: found.history,
+        completed: judgement.completed,
+        stopped: found.stopped,
+        trace: found.trace,
     })
+}
+
+/// The forward simulation that ends this far from the goal, `None` if it stopped before its end, in words; `None` if it
+/// reached the goal.
+fn missed(final_error: Option<f64>, threshold: f64) -> Option<String> {
+    match final_error {
+        Some(error) if error < threshold => None,
+        Some(error) => Some(format!(
+            "the forward simulation with feedback ends {error:.2e} from the goal, beyond {threshold}"
+        )),
+        None => Some("the forward simulation with feedback stopped before its end".to_owned()),
+    }
+}
+
+/// The end of a solve, as far as the verdict depends on it.
+struct Outcome<'a> {
+    method: Method,
+    has_passive: bool,
+    feasibility: &'a Feasibility,
+    /// The torques are no finite numbers.
+    overflow: bool,
+    missed: Option<String>,
+    failure: Option<String>,
+    stopped: Option<Stopped>,
+}
+
+/// A verdict with its reasons.
+struct Judgement {
+    verdict: Verdict,
+    /// The method terminated normally.
+    completed: bool,
+    /// The remarks on a motion that is valid.
+    notes: Vec<String>,
+    /// The reasons why a motion is not valid: all violations, and the simulation where it decides.
+    reasons: Vec<String>,
+}
+
+impl Judgement {
+    fn new(outcome: Outcome<'_>) -> Self {
+        let Outcome {
+            method, failure, ..
+        } = outcome;
+        let tolerance = match method {
+            Method::Direct => DirectSettings::FEASIBLE,
+            Method::Flow | Method::Rest | Method::Duals | Method::TwoPhases => LIMIT_TOLERANCE,
+        };
+        let completed = failure.is_none();
+        // After a flow the simulation decides as well. After the direct method it only measures sensitivity, except
+        // with passive joints, where it shows whether zero torque there suffices.
+        let simulated = method != Method::Direct || outcome.has_passive;
+        // Before its end the curve of the published flow is no motion: velocities are not the rates of positions.
+        let ended = completed || method != Method::Flow;
+        let kept = outcome.feasibility.holds(tolerance) && !outcome.overflow;
+        let verdict = match ended && kept && (outcome.missed.is_none() || !simulated) {
+            true if completed => Verdict::Optimal,
+            true => Verdict::Valid,
+            false => Verdict::NotValid,
+        };
+        let (mut notes, mut reasons) = (Vec::new(), Vec::new());
+        if verdict.is_valid() {
+            let controlled = |missed| format!("{missed}: the motion needs a better controller");
+            notes.extend(outcome.missed.map(controlled));
+            notes.extend(match (failure, outcome.stopped) {
+                (Some(failure), _) => Some(format!("not optimal: {failure}")),
+                (None, Some(stopped)) => {
+                    Some(format!("{stopped}: the motion is the best until then"))
+                }
+                (None, None) => None,
+            });
+        } else {
+            let overflow = "the torques of the motion are no finite numbers".to_owned();
+            let missed = outcome.missed.filter(|_| completed && simulated);
+            reasons.extend(failure);
+            reasons.extend(outcome.feasibility.reason(tolerance));
+            reasons.extend(outcome.overflow.then_some(overflow));
+            reasons.extend(missed);
+        }
+        Self {
+            verdict,
+            completed,
+            notes,
+            reasons,
+        }
+    }
 }

@@ -145,10 +145,8 @@ fn pairs(balls: &[CollisionSphere]) -> Vec<[usize; 2]> {
     (0..count).flat_map(partners).filter(differ).collect()
 }
 
-/// Constraints of every kind on any robot.
-fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>> {
-    let n = model.dof();
-    let node = state.node();
+/// Balls of every kind on any robot.
+fn made_up_balls(model: &Model) -> Result<Vec<CollisionSphere>> {
     let mut balls = CollisionSphere::joint_frames(model);
     for capsule in Capsule::along_links(model, 0.05) {
         let length = (capsule.ends[1] - capsule.ends[0]).norm();
@@ -156,13 +154,21 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
     }
     // A ball off the axis of the last joint, because with a single joint all others are on the axis and do not move,
     // and one on the base.
-    for body in [n.checked_sub(1), None] {
+    for body in [model.dof().checked_sub(1), None] {
         balls.push(CollisionSphere {
             body,
             centre: Vector3::new(0.1, -0.2, 0.3),
             radius: 0.1,
         });
     }
+    Ok(balls)
+}
+
+/// Constraints of every kind on any robot.
+fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>> {
+    let n = model.dof();
+    let node = state.node();
+    let balls = made_up_balls(model)?;
     let mut evaluator = Evaluator::new(model);
     let here = evaluator.at(node.x)?;
     let (mut mean, mut reach) = (Vector3::zeros(), 0.1_f64);

@@ -12,8 +12,8 @@ mod paths;
 mod witness;
 
 use super::{
-    Clearance, Continuous, EnforcedLimits, FlowParameters, Losses, Objective, ObjectiveWeights,
-    Obstacle, ObstacleShape, PerJoint, Pose, RobotShape, ScenarioFile, Units,
+    Continuous, EnforcedLimits, FlowParameters, Objective, ObjectiveWeights, Obstacle,
+    ObstacleShape, PerJoint, Pose, RobotShape, ScenarioFile, Units,
 };
 use aghf::error::{Error, Result};
 use aghf::model::Model;
@@ -22,7 +22,6 @@ use aghf::urdf::{Mimic, UrdfOptions, load_robot_with};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use std::collections::BTreeMap;
 use std::path::Path;
 use witness::Witness;
 
@@ -287,42 +286,17 @@ impl Family {
     fn file(&self, robot: &str, mimic: Mimic, made: Candidate) -> ScenarioFile {
         let [q_start, q_goal] = made.ends;
         let [v_start, v_goal] = made.rates;
+        let (start, goal) = ([q_start, v_start], [q_goal, v_goal]);
         ScenarioFile {
-            schema: None,
-            robot: robot.to_owned(),
-            packages: BTreeMap::new(),
-            root: None,
             mimic,
-            srdf: None,
-            group: None,
-            held_state: None,
-            locked_joints: BTreeMap::new(),
-            losses: Losses::default(),
-            payload: None,
-            passive: Vec::new(),
-            horizon_s: made.horizon,
-            q_start,
-            v_start,
-            q_goal,
-            goal: Vec::new(),
-            keep: Vec::new(),
-            waypoints: Vec::new(),
-            stand: None,
-            phases: Vec::new(),
-            periodic: false,
-            v_goal,
-            free_final_velocity: false,
             continuity: Some(Continuous::Velocity),
             objective: Objective::Weights(ObjectiveWeights {
                 units: Units::Si,
                 acceleration: PerJoint::Same(SMALL_ACCELERATION),
                 ..ObjectiveWeights::default()
             }),
-            free_horizon: None,
             obstacles: made.obstacles,
             robot_shape: Some(made.shape),
-            self_collision: None,
-            clearance_m: Clearance::default(),
             enforced_limits: if self.within_limits {
                 EnforcedLimits::default()
             } else {
@@ -330,7 +304,7 @@ impl Family {
             },
             flow: self.flow,
             feedback: self.feedback,
-            success_threshold: 0.05,
+            ..ScenarioFile::new(robot.to_owned(), made.horizon, start, goal)
         }
     }
 }

@@ -82,30 +82,46 @@ pub fn judge(
         }
     }
     check(scenario, trajectory)?;
+    let checks = checks_of(scenario, trajectory, tolerances)?;
+    let valid = checks.iter().all(|row| row.outcome.is_good());
+    Ok(Judgement {
+        verdict: if valid {
+            Verdict::Valid
+        } else {
+            Verdict::NotValid
+        },
+        valid,
+        scenario: scenario.name.clone(),
+        samples: trajectory.times.len(),
+        duration_s: trajectory.duration(),
+        between_samples: "the cubic Hermite curve of q and v",
+        derived: derived(trajectory),
+        tolerances,
+        checks,
+    })
+}
+
+/// The checks of all promises of the scenario.
+fn checks_of(
+    scenario: &Scenario,
+    trajectory: &Trajectory,
+    tolerances: Tolerances,
+) -> Result<Vec<Row>> {
     let intervals = Intervals::new(trajectory);
-    let mut rows = checks::by_joint(scenario, trajectory, &intervals, tolerances.tolerance)?;
-    rows.extend(clearance::clearances(
-        scenario,
-        &intervals,
-        tolerances.overlap_m,
-    )?);
-    rows.extend(poses::kept(
-        scenario,
-        trajectory,
-        &intervals,
-        tolerances.tolerance,
-    )?);
-    rows.extend(waypoints::passed(
-        scenario,
-        &intervals,
-        tolerances.tolerance,
-    )?);
-    rows.extend(foot::standing(
-        scenario,
-        trajectory,
-        &intervals,
-        tolerances.tolerance,
-    )?);
+    let Tolerances {
+        tolerance,
+        overlap_m,
+    } = tolerances;
+    let mut checks = checks::by_joint(scenario, trajectory, &intervals, tolerance)?;
+    checks.extend(clearance::clearances(scenario, &intervals, overlap_m)?);
+    checks.extend(poses::kept(scenario, trajectory, &intervals, tolerance)?);
+    checks.extend(waypoints::passed(scenario, &intervals, tolerance)?);
+    checks.extend(foot::standing(scenario, trajectory, &intervals, tolerance)?);
+    Ok(checks)
+}
+
+/// The quantities that a trajectory does not give, with their derivation.
+fn derived(trajectory: &Trajectory) -> Vec<&'static str> {
     let given = [
         (
             trajectory.has_velocities,
@@ -120,23 +136,8 @@ pub fn judge(
             "u by inverse dynamics from q, v and a",
         ),
     ];
-    let derived = given.into_iter().filter(|(given, _)| !given);
-    let valid = rows.iter().all(|row| row.outcome.is_good());
-    Ok(Judgement {
-        verdict: if valid {
-            Verdict::Valid
-        } else {
-            Verdict::NotValid
-        },
-        valid,
-        scenario: scenario.name.clone(),
-        samples: trajectory.times.len(),
-        duration_s: trajectory.duration(),
-        between_samples: "the cubic Hermite curve of q and v",
-        derived: derived.map(|(_, what)| what).collect(),
-        tolerances,
-        checks: rows,
-    })
+    let missing = given.into_iter().filter(|(given, _)| !given);
+    missing.map(|(_, derivation)| derivation).collect()
 }
 
 /// Refuses a trajectory whose numbers of joints or samples are inconsistent.

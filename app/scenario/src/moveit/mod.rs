@@ -8,13 +8,13 @@ use super::load::absolute_folders;
 use super::preflight::slowest;
 use super::yaml::read_yaml;
 use super::{
-    Clearance, EnforcedLimits, FlowParameters, HorizonBounds, IgnoredPair, IgnoredPairs, Losses,
-    Objective, Preset, RobotShape, Scenario, ScenarioFile, SelfCollision, cover_links,
+    HorizonBounds, IgnoredPair, IgnoredPairs, Objective, Preset, RobotShape, Scenario,
+    ScenarioFile, SelfCollision, cover_links,
 };
 use aghf::error::{Error, Result, plain};
 use aghf::input::read_text;
 use aghf::model::{Joint, Model};
-use aghf::motion::{Feedback, Problem};
+use aghf::motion::Problem;
 use aghf::urdf::{LoadNote, LoadReport, Mimic, RobotSource, Srdf, UrdfOptions};
 use constraints::{Target, kept};
 use messages::{Request, RobotState, Scene};
@@ -102,44 +102,12 @@ impl MoveIt {
         let target = Target::of(&request, &model, &request_name)?;
         let planned = self.planned(&request, &target, &start, &model)?;
 
-        let mut locked = BTreeMap::new();
-        let [mut q_start, mut q_goal] = [Vec::new(), Vec::new()];
-        let mut moving = Vec::new();
-        for joint in model.joints() {
-            let name = joint.name();
-            let from = start.0.get(name).or_else(|| scene_state.0.get(name));
-            let Some(from) = from else {
-                let condition =
-                    format!("joint '{name}' of the robot is neither there nor in the scene");
-                return Err(Error::input(
-                    request_name,
-                    "start_state.joint_state",
-                    condition,
-                ));
-            };
-            if !planned.contains(name) {
-                locked.insert(name.to_owned(), *from);
-                continue;
-            }
-            q_start.push(within_limits(joint, *from, &mut notes));
-            moving.push(joint);
-            if let Target::Joints(goal) = &target {
-                let goal = goal.get(name);
-                q_goal.extend(goal.map(|q| within_limits(joint, *q, &mut notes)));
-            }
-        }
-        let (horizon_s, free_horizon) = match &target {
-            Target::Joints(_) => self.horizon(&moving, &q_start, &q_goal),
-            // The joint positions are not known: half a turn stands for the motion of each joint, but for the bound.
-            Target::Poses(_) => {
-                let [from, to] = [0.0, PI].map(|q| vec![q; moving.len()]);
-                let (first, mut free) = self.horizon(&moving, &from, &to);
-                if let (MoveItHorizon::Free, Some(bounds)) = (self.horizon, &mut free) {
-                    bounds.shortest_s = SHORTEST;
-                }
-                (first, free)
-            }
-        };
+        let states = [&start, &scene_state];
+        let joints = Joints::of(&model, &planned, states, &target, &mut notes);
+        let joints = joints.map_err(|condition| {
+            Error::input(&request_name, "start_state.joint_state", condition)
+        })?;
+        let (horizon_s, free_horizon) = self.horizon_to(&target, &joints);
         let longest = free_horizon.map_or(horizon_s, |free| free.longest_s);
         if self.horizon == MoveItHorizon::Free && Problem::check_horizon(longest).is_err() {
             let condition = format!(
@@ -148,41 +116,21 @@ impl MoveIt {
             );
             return Err(Error::input(request_name, "goal_constraints", condition));
         }
-        let zeros = vec![0.0; moving.len()];
         let allowed = scene.allowed_collision_matrix.pairs(&scene_name)?;
         let ignored = self.ignored_pairs(&model, &source, allowed)?.ignored_pairs;
+        let ignored = ignored.into_iter().map(|pair| pair.links).collect();
+        let zeros = vec![0.0; joints.moving.len()];
+        let (v_goal, goal) = match target {
+            Target::Joints(_) => (zeros.clone(), Vec::new()),
+            Target::Poses(sets) => (Vec::new(), sets),
+        };
+        let (from, to) = ([joints.q_start, zeros], [joints.q_goal, v_goal]);
         let file = ScenarioFile {
-            schema: None,
-            robot: source.absolute()?,
             packages: absolute_folders(&self.packages)?,
-            root: None,
             mimic: self.mimic,
-            srdf: None,
-            group: None,
-            held_state: None,
-            locked_joints: locked,
-            losses: Losses::default(),
-            payload: None,
-            passive: Vec::new(),
-            horizon_s,
-            q_start,
-            v_start: zeros.clone(),
-            q_goal,
-            v_goal: match &target {
-                Target::Joints(_) => zeros,
-                Target::Poses(_) => Vec::new(),
-            },
-            goal: match target {
-                Target::Joints(_) => Vec::new(),
-                Target::Poses(sets) => sets,
-            },
+            locked_joints: joints.locked,
+            goal,
             keep: kept(&request, &model, &request_name)?,
-            waypoints: Vec::new(),
-            stand: None,
-            phases: Vec::new(),
-            periodic: false,
-            free_final_velocity: false,
-            continuity: None,
             // On a given horizon nothing can be weighed against effort.
             objective: Objective::Preset(match self.horizon {
                 MoveItHorizon::Given(_) => Preset::LeastEffort,
@@ -193,14 +141,8 @@ impl MoveIt {
             robot_shape: Some(RobotShape::Collision {
                 excess_m: Some(self.excess),
             }),
-            self_collision: Some(SelfCollision::IgnoredPairs(
-                ignored.into_iter().map(|pair| pair.links).collect(),
-            )),
-            clearance_m: Clearance::default(),
-            enforced_limits: EnforcedLimits::default(),
-            flow: FlowParameters::default(),
-            feedback: Feedback { kp: 10.0, kv: 10.0 },
-            success_threshold: 0.05,
+            self_collision: Some(SelfCollision::IgnoredPairs(ignored)),
+            ..ScenarioFile::new(source.absolute()?, horizon_s, from, to)
         };
         let mut scenario = Scenario::new(file, path, Path::new(""))?;
         scenario.load_notes.extend(notes);
@@ -256,6 +198,20 @@ impl MoveIt {
         Ok(found)
     }
 
+    /// The initial horizon of the motion to a goal, and its bounds if it is free.
+    fn horizon_to(&self, target: &Target, joints: &Joints<'_>) -> (f64, Option<HorizonBounds>) {
+        if let Target::Joints(_) = target {
+            return self.horizon(&joints.moving, &joints.q_start, &joints.q_goal);
+        }
+        // The joint positions are not known: half a turn stands for the motion of each joint, but for the bound.
+        let [from, to] = [0.0, PI].map(|q| vec![q; joints.moving.len()]);
+        let (first, mut free) = self.horizon(&joints.moving, &from, &to);
+        if let (MoveItHorizon::Free, Some(bounds)) = (self.horizon, &mut free) {
+            bounds.shortest_s = SHORTEST;
+        }
+        (first, free)
+    }
+
     /// The initial horizon, and its bounds if it is free.
     fn horizon(
         &self,
@@ -280,6 +236,56 @@ impl MoveIt {
             MoveItHorizon::Between(shortest, longest) => free(shortest, longest),
             MoveItHorizon::Free => free(least, LONGEST * least),
         }
+    }
+}
+
+/// The joints of the robot: those that move, with their positions at both ends, and the others.
+struct Joints<'a> {
+    moving: Vec<&'a Joint<f64>>,
+    q_start: Vec<f64>,
+    /// Empty for a goal by pose.
+    q_goal: Vec<f64>,
+    locked: BTreeMap<String, f64>,
+}
+
+impl<'a> Joints<'a> {
+    /// Tells the joints that are `planned` from the others. A position is that of the first of the two states that has
+    /// it.
+    ///
+    /// # Errors
+    /// A joint without a position, in words.
+    fn of(
+        model: &'a Model,
+        planned: &BTreeSet<String>,
+        states: [&Positions; 2],
+        target: &Target,
+        notes: &mut LoadReport,
+    ) -> std::result::Result<Self, String> {
+        let mut joints = Self {
+            moving: Vec::new(),
+            q_start: Vec::new(),
+            q_goal: Vec::new(),
+            locked: BTreeMap::new(),
+        };
+        for joint in model.joints() {
+            let name = joint.name();
+            let Some(from) = states.iter().find_map(|state| state.0.get(name)) else {
+                return Err(format!(
+                    "joint '{name}' of the robot is neither there nor in the scene"
+                ));
+            };
+            if !planned.contains(name) {
+                joints.locked.insert(name.to_owned(), *from);
+                continue;
+            }
+            joints.q_start.push(within_limits(joint, *from, notes));
+            joints.moving.push(joint);
+            if let Target::Joints(goal) = target {
+                let goal = goal.get(name);
+                (joints.q_goal).extend(goal.map(|q| within_limits(joint, *q, notes)));
+            }
+        }
+        Ok(joints)
     }
 }
 
