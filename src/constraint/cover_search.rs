@@ -32,20 +32,20 @@ impl<S: Scalar> Nearest<S> {
         }
     }
 
-    /// Takes a row with a larger value, or one that is not a number.
+    /// Takes a row with a larger value, or one that is not a number, and its points if they are needed.
     #[inline]
-    fn take(&mut self, g: S, points: [&Vector3<S>; 2]) {
+    fn take(&mut self, g: S, points: Option<[&Vector3<S>; 2]>) {
         let smaller = g - self.g;
         self.g = smaller.if_negative(self.g, g);
         self.is_near = smaller.if_negative(self.is_near, S::one());
-        for (own, new) in self.points.iter_mut().zip(points) {
+        for (own, new) in self.points.iter_mut().zip(points.into_iter().flatten()) {
             *own = own.zip_map(new, |own, new| smaller.if_negative(own, new));
         }
     }
 }
 
 /// Returns true if a number is negative in all lanes.
-#[inline]
+#[inline(always)]
 fn is_negative<S: Scalar>(x: S) -> bool {
     x.if_negative(S::zero(), S::one()).vanishes()
 }
@@ -60,7 +60,7 @@ pub(super) fn length_and_inverse<S: Scalar>(d: &Vector3<S>) -> [S; 2] {
 }
 
 /// The position of a point of a body with this placement; `None` is the base.
-#[inline]
+#[inline(always)]
 pub(crate) fn place<C: Scalar, S: AlgebraOver<C>>(
     placement: Option<&Placement<S>>,
     point: &Vector3<C>,
@@ -116,6 +116,8 @@ impl<S: Scalar> Rows<'_, S> {
         }
         let all = &mut self.all[..self.count];
         let before = all[row].g;
+        // With pieces for the points, none of them is read.
+        let points = self.pieces.is_none().then_some(points);
         all[row].take(g, points);
         self.taken |= 1 << row;
         // While one of the rows is far, and where this one was larger than the least, that remains.
@@ -172,7 +174,7 @@ struct Pair<'a, C: Scalar, S: Scalar> {
 
 impl<C: Scalar, S: AlgebraOver<C>> Pair<'_, C, S> {
     /// The centre of the ball of a node of the first or the second link.
-    #[inline]
+    #[inline(always)]
     fn centre(&self, side: usize, node: usize) -> Vector3<S> {
         place(
             self.placements[side],
