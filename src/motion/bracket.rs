@@ -19,8 +19,8 @@ impl Bracket {
     /// in a tenth of an interval.
     pub const REFINEMENTS: usize = 4;
 
-    /// The largest number of further values where the vertex does not settle: by then a step is between times that
-    /// differ by less than a thousandth of an interval.
+    /// The largest number of further values where the vertex does not settle, as beside a step: they halve the bracket
+    /// ten times or so.
     pub const MOST_REFINEMENTS: usize = 24;
 
     /// Returns true if a function that is concave between the times may exceed a bound there.

@@ -76,6 +76,8 @@ pub(crate) struct LargestRows<'a, K> {
     intervals: usize,
     times: Vec<f64>,
     largest: Vec<Violation>,
+    /// The largest value of each row at the regular times, and its time.
+    sampled: Vec<(f64, f64)>,
     /// The maxima that may be violations, by segments.
     uncertain: Vec<Option<(usize, Bracket)>>,
     own: Vec<(usize, Bracket)>,
@@ -108,6 +110,7 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
             intervals,
             times: Vec::new(),
             largest: Vec::new(),
+            sampled: Vec::new(),
             uncertain: Vec::new(),
             own: Vec::new(),
         })
@@ -146,6 +149,9 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
             by: *by,
             at_s: 0.0,
         }));
+        self.sampled.clear();
+        self.sampled
+            .resize(self.scales.len(), (f64::NEG_INFINITY, 0.0));
         self.rows.are_known = false;
         self.uncertain.clear();
         self.uncertain.resize(self.scales.len(), None);
@@ -161,7 +167,10 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
                 let Some(values) = self.rows.of_row(largest.row) else {
                     continue;
                 };
-                let (by, position) = maximum(&values[..=intervals], *equality);
+                let [sampled, (by, position)] = maxima(&values[..=intervals], *equality);
+                if sampled.0 > self.sampled[largest.row].0 {
+                    self.sampled[largest.row] = (sampled.0, begin + time(sampled.1));
+                }
                 if by > largest.by {
                     largest.by = by;
                     largest.at_s = begin + time(position);
@@ -192,18 +201,21 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
             if self.own.is_empty() {
                 continue;
             }
-            for k in 0..Bracket::MOST_REFINEMENTS {
-                let mut all = self.own.iter();
-                if k >= Bracket::REFINEMENTS && all.all(|(_, bracket)| bracket.is_settled()) {
+            for refinement in 0..Bracket::MOST_REFINEMENTS {
+                let is_open = |(_, bracket): &(usize, Bracket)| {
+                    refinement < Bracket::REFINEMENTS || !bracket.is_settled()
+                };
+                let open = self.own.iter().filter(|of| is_open(of));
+                self.times.clear();
+                self.times.extend(open.map(|(_, bracket)| bracket.next()));
+                if self.times.is_empty() {
                     break;
                 }
-                self.times.clear();
-                self.times
-                    .extend(self.own.iter().map(|(_, bracket)| bracket.next()));
                 let states = motion.states(segment, &self.times, false);
                 self.rows
                     .evaluate(states, (begin, &self.times), &self.scales)?;
-                for (k, (row, bracket)) in self.own.iter_mut().enumerate() {
+                let open = self.own.iter_mut().filter(|of| is_open(of));
+                for (k, (row, bracket)) in open.enumerate() {
                     let value = self
                         .rows
                         .of_row(*row)
@@ -213,7 +225,12 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
             }
             for (row, bracket) in &self.own {
                 let (time, height) = bracket.maximum();
-                (self.largest[*row].at_s, self.largest[*row].by) = (begin + time, height);
+                let (sampled, at_s) = self.sampled[*row];
+                (self.largest[*row].by, self.largest[*row].at_s) = if height >= sampled {
+                    (height, begin + time)
+                } else {
+                    (sampled, at_s)
+                };
             }
         }
         Ok(())
@@ -318,9 +335,9 @@ fn interpolation(chebyshev: &Chebyshev, times: &[f64]) -> DMatrix<f64> {
 }
 
 /// The largest of values at successive times, or of their absolute values for an equality, and its position in
-/// intervals. The maxima of all parabolas through three neighbours are included: near the middle one, and out to an end
-/// at the first and last three.
-fn maximum(values: &[f64], equality: bool) -> (f64, f64) {
+/// intervals; then the largest of these and of the maxima of all parabolas through three neighbours: near the middle
+/// one, and out to an end at the first and last three.
+fn maxima(values: &[f64], equality: bool) -> [(f64, f64); 2] {
     let (mut largest, mut position) = (f64::NEG_INFINITY, 0.0);
     for (k, value) in values.iter().enumerate() {
         let height = if equality { value.abs() } else { *value };
@@ -328,6 +345,7 @@ fn maximum(values: &[f64], equality: bool) -> (f64, f64) {
             (largest, position) = (height, k as f64);
         }
     }
+    let sampled = (largest, position);
     let last = values.len().saturating_sub(3);
     for (k, window) in values.windows(3).enumerate() {
         let sign = if equality { window[1].signum() } else { 1.0 };
@@ -347,5 +365,5 @@ fn maximum(values: &[f64], equality: bool) -> (f64, f64) {
             }
         }
     }
-    (largest, position)
+    [sampled, (largest, position)]
 }

@@ -18,8 +18,9 @@ pub(super) struct Segment<'a, S: Scalar> {
     e: usize,
     curve: Points<'a, S>,
     part: usize,
-    /// The factor from the time of the grid to time, and that of the slopes if parts have their own.
+    /// The factor from the time of the grid to time.
     pub horizon: S,
+    /// The factor of the slopes, if parts have their own.
     pub factor: Option<S>,
 }
 

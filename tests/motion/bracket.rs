@@ -4,6 +4,12 @@
 #[path = "../../src/motion/bracket.rs"]
 mod source;
 
+use crate::common::slider;
+use aghf::constraint::{Constraint, Constraints, PlacedState, TorqueLimits};
+use aghf::curve::{Chebyshev, Curve};
+use aghf::motion::{Violation, violations};
+use aghf::scalar::AlgebraOver;
+use nalgebra::DMatrix;
 use source::Bracket;
 
 fn refined(f: impl Fn(f64) -> f64, times: [f64; 3]) -> (f64, f64) {
@@ -104,4 +110,60 @@ fn maxima_that_may_exceed_a_bound() {
     assert!(!of([-1.1, -1.0, -1.1]).may_exceed(0.0));
     assert!(of([-2.0, -1.0, -1.5]).may_exceed(0.0));
     assert!(!of([1.0, 0.0, -1.0]).is_valid() && !of([f64::NEG_INFINITY, 0.0, -1.0]).is_valid());
+}
+
+/// A smooth row, and with `steps` one that is constant between steps. Only its violation at 1.6 is one.
+struct Rows {
+    steps: bool,
+}
+
+impl Constraint for Rows {
+    fn dim(&self) -> usize {
+        1 + usize::from(self.steps)
+    }
+
+    fn value<S: AlgebraOver<f64>>(
+        &self,
+        at: &PlacedState<'_, f64, S>,
+        g: &mut [S],
+    ) -> aghf::Result<()> {
+        let (q, number) = (at.x[0], S::from_f64);
+        g[0] = number(1e-3) - (q - number(0.93)) * (q - number(0.93)) * (number(1.0) + q);
+        for (from, value) in [
+            (0.0, -0.08),
+            (0.5, -0.0005),
+            (0.7, -0.003),
+            (0.9, -0.08),
+            (1.5, 0.004),
+            (1.7, -0.08),
+        ] {
+            if self.steps {
+                g[1] = (q - number(from)).if_negative(g[1], number(value));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// In a report a row is refined by itself, and a violation at a regular time is kept although a parabola elsewhere is
+/// higher before it is refined.
+#[test]
+fn a_row_with_steps_in_a_report() {
+    let chebyshev = Chebyshev::new(4, 2.0).expect("a good degree");
+    let times = chebyshev.times().to_vec();
+    let x = DMatrix::from_fn(2, 5, |i, k| if i == 0 { times[k] } else { 1.0 });
+    let curve = Curve::new(chebyshev, x).expect("sizes agree");
+    let of = |steps| {
+        let all = Constraints {
+            state: Rows { steps },
+            torque: TorqueLimits(Vec::new()),
+            stage: Default::default(),
+        };
+        violations(&slider(1.0), &curve, &all, 10).expect("same robot")
+    };
+    let found = of(true);
+    assert_eq!(of(false), found[..1]);
+    assert!((found[0].by - 1e-3).abs() < 1e-6, "{found:?}");
+    let Violation { by, at_s, .. } = found[1];
+    assert!(by == 0.004 && (at_s - 1.6).abs() < 1e-12, "{found:?}");
 }

@@ -188,7 +188,7 @@ pub(super) fn report_of(
     };
     let final_error_inf = final_error(scenario.file.feedback)?;
     let feasibility = Feasibility::of(scenario, &curve)?;
-    let judgement = Judgement::new(Outcome {
+    let conclusion = Conclusion::new(Outcome {
         method,
         has_passive: !passive.is_empty(),
         feasibility: &feasibility,
@@ -197,15 +197,15 @@ pub(super) fn report_of(
         failure: found.failure,
         stopped: found.stopped,
     });
-    let verdict = judgement.verdict;
+    let verdict = conclusion.verdict;
     let success = verdict.is_valid();
     let mut notes = scenario.notes(method);
     notes.extend(scenario.far_obstacles()?);
     if let Details::Direct(details) = &found.details {
         notes.extend(details.start.clone());
     }
-    notes.extend(judgement.notes);
-    let reasons = judgement.reasons.into_iter();
+    notes.extend(conclusion.notes);
+    let reasons = conclusion.reasons.into_iter();
     let reasons: Vec<String> = reasons.chain(scenario.fixed_horizon()).collect();
     let joints = model.joints().iter().map(|joint| joint.name().to_owned());
     let effort_of_passive = effort_of_joints(model, &curve, &passive, INTERVALS)?;
@@ -237,14 +237,14 @@ pub(super) fn report_of(
         summary,
         curve,
         history: found.history,
-        completed: judgement.completed,
+        completed: conclusion.completed,
         stopped: found.stopped,
         trace: found.trace,
     })
 }
 
-/// The forward simulation that ends this far from the goal, `None` if it stopped before its end, in words; `None` if it
-/// reached the goal.
+/// The reason why the forward simulation does not reach the goal, `None` if it does. Its final error is `None` if it
+/// stopped before its end.
 fn missed(final_error: Option<f64>, threshold: f64) -> Option<String> {
     match final_error {
         Some(error) if error < threshold => None,
@@ -260,7 +260,7 @@ struct Outcome<'a> {
     method: Method,
     has_passive: bool,
     feasibility: &'a Feasibility,
-    /// The torques are no finite numbers.
+    /// True if the torques are no finite numbers.
     overflow: bool,
     missed: Option<String>,
     failure: Option<String>,
@@ -268,9 +268,9 @@ struct Outcome<'a> {
 }
 
 /// A verdict with its reasons.
-struct Judgement {
+struct Conclusion {
     verdict: Verdict,
-    /// The method terminated normally.
+    /// True if the method terminated normally.
     completed: bool,
     /// The remarks on a motion that is valid.
     notes: Vec<String>,
@@ -278,7 +278,7 @@ struct Judgement {
     reasons: Vec<String>,
 }
 
-impl Judgement {
+impl Conclusion {
     fn new(outcome: Outcome<'_>) -> Self {
         let Outcome {
             method, failure, ..

@@ -184,7 +184,7 @@ fn entries(value: &mut Value) -> &mut Vec<Value> {
     value.as_array_mut().expect("a list")
 }
 
-/// Replaces a number, or what is none by the change of zero.
+/// Changes a number; anything else counts as zero.
 fn change(value: &mut Value, by: impl FnOnce(f64) -> f64) {
     *value = json!(by(value.as_f64().unwrap_or_default()));
 }
