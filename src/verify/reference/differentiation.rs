@@ -88,16 +88,7 @@ pub fn jacobian<S: Differentiable>(
     x: &[S],
     f: impl Fn(&[S::Dual]) -> Result<DVector<S::Dual>>,
 ) -> Result<DMatrix<S>> {
-    columns(x, &f)
-}
-
-/// A vector as a function of dual numbers. The many functions of the proofs are called through a reference, so that
-/// differentiation is compiled once per number type.
-type VectorOf<'f, S> =
-    &'f dyn Fn(&[<S as Differentiable>::Dual]) -> Result<DVector<<S as Differentiable>::Dual>>;
-
-fn columns<S: Differentiable>(x: &[S], f: VectorOf<'_, S>) -> Result<DMatrix<S>> {
-    let column = |j| rate(x, &unit(x.len(), j), f);
+    let column = |j| rate(x, &unit(x.len(), j), &f);
     let columns: Result<Vec<_>> = (0..x.len()).map(column).collect();
     Ok(DMatrix::from_columns(&columns?))
 }
@@ -110,6 +101,6 @@ pub fn gradient<S: Differentiable>(
     x: &[S],
     f: impl Fn(&[S::Dual]) -> Result<S::Dual>,
 ) -> Result<DVector<S>> {
-    let row = columns(x, &|x| Ok(DVector::from_element(1, f(x)?)))?;
+    let row = jacobian(x, |x| Ok(DVector::from_element(1, f(x)?)))?;
     Ok(row.row(0).transpose())
 }
