@@ -24,8 +24,8 @@ pub(super) fn walk<'a>(robot: &'a Robot, file: &str) -> Result<Vec<Visit<'a>>> {
             return refuse(format!("link '{}'", link.name), "the name occurs twice");
         }
     }
-    let children = children(robot, &links, file)?;
-    let root = root(robot).map_err(|condition| Error::input(file, "robot", condition))?;
+    let (children, carried) = children(robot, &links, file)?;
+    let root = root(robot, &carried).map_err(|condition| Error::input(file, "robot", condition))?;
     let mut visits = Vec::with_capacity(robot.links.len());
     let mut pending = vec![Visit {
         link: root,
@@ -56,14 +56,17 @@ pub(super) fn walk<'a>(robot: &'a Robot, file: &str) -> Result<Vec<Visit<'a>>> {
     Ok(visits)
 }
 
-/// The joints below each link, in the order of their names.
+/// The joints below each link.
+type Children<'a> = BTreeMap<&'a str, Vec<&'a Joint>>;
+
+/// The joints below each link, in the order of their names, and the links that hang on them.
 fn children<'a>(
     robot: &'a Robot,
     links: &BTreeMap<&str, &Link>,
     file: &str,
-) -> Result<BTreeMap<&'a str, Vec<&'a Joint>>> {
+) -> Result<(Children<'a>, BTreeSet<&'a str>)> {
     let (mut names, mut carried) = (BTreeSet::new(), BTreeSet::new());
-    let mut children: BTreeMap<&str, Vec<&Joint>> = BTreeMap::new();
+    let mut children = Children::new();
     for joint in &robot.joints {
         let refuse = |condition: &str| {
             let element = format!("joint '{}'", joint.name);
@@ -86,17 +89,14 @@ fn children<'a>(
     for joints in children.values_mut() {
         joints.sort_by(|a, b| a.name.cmp(&b.name));
     }
-    Ok(children)
+    Ok((children, carried))
 }
 
-/// The link that no joint carries.
+/// The link that is not among those which joints carry.
 ///
 /// # Errors
 /// There is none, or there are several; in words.
-fn root(robot: &Robot) -> std::result::Result<&Link, String> {
-    let carried: BTreeSet<&str> = (robot.joints.iter())
-        .map(|joint| joint.child.link.as_str())
-        .collect();
+fn root<'a>(robot: &'a Robot, carried: &BTreeSet<&str>) -> std::result::Result<&'a Link, String> {
     let roots = robot.links.iter();
     let mut roots = roots.filter(|l| !carried.contains(l.name.as_str()));
     match (roots.next(), roots.next()) {
