@@ -69,6 +69,12 @@ fn other(
     vec![AnyConstraint::Other(Box::new(constraint))]
 }
 
+/// The line on which the first of two coordinates is `b`.
+fn line(b: f64) -> Vec<AnyConstraint> {
+    let (a, edge) = (vec![1.0, 0.0], true);
+    other(Half { a, b, edge })
+}
+
 fn end(q: &[f64], alternative: usize) -> GoalEnd {
     GoalEnd {
         q: q.to_vec(),
@@ -129,10 +135,6 @@ fn a_mass_ends_at_the_nearest_point_of_a_line_or_a_half_plane() {
 fn of_several_alternatives_the_motion_takes_the_cheapest() {
     let model = point_mass(&[Vector3::x(), Vector3::y()]);
     let problem = Problem::new(&model, vec![0.0; 4], vec![0.0; 4], 1.0).expect("valid");
-    let line = |b| {
-        let (a, edge) = (vec![1.0, 0.0], true);
-        other(Half { a, b, edge })
-    };
     for (far, near) in [(0, 1), (1, 0)] {
         let mut lines = [2.0, 2.0];
         lines[near] = -1.0;
@@ -155,10 +157,6 @@ fn of_several_alternatives_the_motion_takes_the_cheapest() {
 fn a_search_that_is_stopped_has_the_best_of_its_ends() {
     let model = point_mass(&[Vector3::x(), Vector3::y()]);
     let problem = Problem::new(&model, vec![0.0; 4], vec![0.0; 4], 1.0).expect("valid");
-    let line = |b| {
-        let (a, edge) = (vec![1.0, 0.0], true);
-        other(Half { a, b, edge })
-    };
     let ends = vec![end(&[2.0, 0.0], 0), end(&[-1.0, 0.0], 1)];
     let interrupt = Interrupt::default();
     let settings = DirectSettings {

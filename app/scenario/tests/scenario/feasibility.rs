@@ -28,7 +28,7 @@ fn only(feasibility: &Feasibility) -> &LimitViolation {
 }
 
 #[test]
-fn violations_are_told_with_digits_that_show_them() {
+fn violations_are_reported_with_digits_that_show_them() {
     let mut violation = LimitViolation {
         joint: None,
         limit: Limit::Other,
@@ -57,7 +57,7 @@ fn free() -> Scenario {
 }
 
 #[test]
-fn broken_limits_of_the_position_are_told() {
+fn broken_limits_of_the_position_are_reported() {
     let scenario = free();
     let joint = &scenario.model.joints()[0];
     let upper = joint.limits().upper;
@@ -81,9 +81,9 @@ fn broken_limits_of_the_position_are_told() {
     );
 }
 
-/// Too fast both ways: the worse of the two is told.
+/// Too fast both ways: the error has the worse of the two.
 #[test]
-fn broken_limits_of_the_velocity_are_told_and_enforced_ones_matter() {
+fn broken_limits_of_the_velocity_are_reported_and_enforced_ones_matter() {
     let mut scenario = free();
     let joint = &scenario.model.joints()[0];
     let (name, limit) = (joint.name(), joint.limits().velocity);
@@ -107,7 +107,7 @@ fn broken_limits_of_the_velocity_are_told_and_enforced_ones_matter() {
 }
 
 #[test]
-fn a_slightly_broken_limit_is_told_with_digits() {
+fn a_slightly_broken_limit_is_reported_with_digits() {
     let mut scenario = free();
     scenario.file.enforced_limits.velocity = Enforced::default();
     let joint = &scenario.model.joints()[0];
@@ -164,7 +164,7 @@ fn a_torque_beyond_its_limit() {
 }
 
 #[test]
-fn a_collision_is_told() {
+fn a_collision_is_reported() {
     let scenario = Scenario::load("kinova_gap_01").expect("it can be generated");
     let chebyshev = Chebyshev::new(2, 1.0).expect("a good degree");
     let line = |to: f64| {

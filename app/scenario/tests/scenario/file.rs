@@ -2,7 +2,7 @@
 
 use crate::written::{folder, load_text, with};
 use aghf::urdf::{UrdfOptions, load_robot_with};
-use aghf_scenario::{EnforcedLimits, FlowOptions};
+use aghf_scenario::{EnforcedLimits, FlowOptions, ScenarioFile};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -84,6 +84,19 @@ fn what_a_file_leaves_out_is_all_limits_and_the_papers_choice_for_kinova() {
         (file.feedback.kp, file.feedback.kv, file.success_threshold),
         (10.0, 10.0, 0.05)
     );
+}
+
+#[test]
+fn keys_of_a_program_are_by_default_those_of_a_file() {
+    let [q_start, v_start, q_goal, v_goal] = [[-1.5, 0.25], [0.0, 0.5], [1.5, 0.75], [1.0, 0.0]];
+    let text = json!({
+        "robot": "pendulum_2", "horizon_s": 2.0,
+        "q_start": q_start, "v_start": v_start, "q_goal": q_goal, "v_goal": v_goal
+    });
+    let read: ScenarioFile = serde_json::from_value(text).expect("it is good");
+    let [start, goal] = [[q_start, v_start], [q_goal, v_goal]].map(|of| of.map(Vec::from));
+    let made = ScenarioFile::new("pendulum_2".to_owned(), 2.0, start, goal);
+    assert_eq!(made, read);
 }
 
 #[test]

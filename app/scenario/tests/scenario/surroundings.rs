@@ -292,7 +292,7 @@ fn kinova() -> Value {
     })
 }
 
-/// By default the shapes of a robot keep clear of obstacles and of each other, which is told; keys say otherwise.
+/// By default the shapes of a robot keep clear of obstacles and of each other, with a note; keys say otherwise.
 #[test]
 fn shapes_keep_clear_by_default() {
     let kinova = kinova();
@@ -338,7 +338,7 @@ fn shapes_keep_clear_by_default() {
         ),
         (&pendulum, json!({ "obstacles": [] }), false, None),
     ] {
-        let scenario = load("told", &with(scenario.clone(), keys.clone())).expect("it is good");
+        let scenario = load("noted", &with(scenario.clone(), keys.clone())).expect("it is good");
         let has_shapes = !scenario.scene.robot().links.is_empty();
         let is_collision = matches!(scenario.robot_shape(), RobotShape::Collision { .. });
         assert_eq!(has_shapes, is_collision, "{keys}");
@@ -362,7 +362,7 @@ fn shapes_keep_clear_by_default() {
 #[test]
 fn shapes_are_written_as_they_were_read() {
     let written = |scenario: &Value| {
-        let file = load("told", scenario).expect("it is good").file;
+        let file = load("noted", scenario).expect("it is good").file;
         serde_json::to_value(&file).expect("it is written")
     };
     let silent = written(&kinova());
