@@ -106,7 +106,7 @@ fn options() -> Vec<(&'static str, Change)> {
             nlp.largest_penalty, nlp.infeasible_cost, nlp.sufficient_decrease, nlp.largest_warm_slack,
             nlp.multiplier_range, nlp.first_regularisation, nlp.smallest_regularisation, nlp.largest_regularisation,
             nlp.saddle_step;
-        count: nlp.memory, nlp.cuts, nlp.rounds;
+        count: nlp.memory, nlp.cuts, nlp.rounds, nlp.steps_without_share;
         fraction: nlp.fraction_to_boundary, nlp.infeasible_progress, nlp.backtracking, nlp.short_fraction,
             nlp.long_fraction, nlp.smallest_share;
         shares: nlp.share_factors;

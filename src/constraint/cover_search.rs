@@ -50,6 +50,12 @@ fn is_negative<S: Scalar>(x: S) -> bool {
     x.if_negative(S::zero(), S::one()).vanishes()
 }
 
+/// Returns true if a number is negative in no lane.
+#[inline(always)]
+fn is_nowhere_negative<S: Scalar>(x: S) -> bool {
+    x.if_negative(S::one(), S::zero()).vanishes()
+}
+
 /// The length of a vector and its inverse; both zero below [`FLAT`].
 #[inline]
 pub(super) fn length_and_inverse<S: Scalar>(d: &Vector3<S>) -> [S; 2] {
@@ -109,8 +115,13 @@ impl<S: Scalar> Rows<'_, S> {
         }
     }
 
-    /// Takes the distance of the balls of two nodes for a row.
+    /// Takes the distance of the balls of two nodes for a row, unless it is nowhere larger than that of others.
     fn take(&mut self, row: usize, g: S, points: [&Vector3<S>; 2], of: [usize; 2]) {
+        // The pieces that a search begins with are found again by it. What is not a number is taken.
+        let is_finite = (g - g).vanishes();
+        if is_finite && is_nowhere_negative(self.value(row) - g) {
+            return;
+        }
         if std::mem::take(&mut self.is_far) {
             self.all[..self.count].fill(Nearest::none(self.far));
         }

@@ -23,6 +23,8 @@ pub struct Iterate {
     pub barrier: Barrier,
     /// The share of second derivatives, from 0 to 1, that the Hessian has of inequalities that make it indefinite.
     pub share: f64,
+    /// The number of successive steps with a multiple of the norm and without any of these derivatives.
+    without_share: usize,
 }
 
 impl Default for Iterate {
@@ -42,7 +44,8 @@ impl Clone for Iterate {
     fn clone_from(&mut self, from: &Self) {
         self.working.clone_from(&from.working);
         self.equalities.clone_from(&from.equalities);
-        (self.before, self.barrier, self.share) = (from.before, from.barrier, from.share);
+        (self.before, self.barrier) = (from.before, from.barrier);
+        (self.share, self.without_share) = (from.share, from.without_share);
     }
 }
 
@@ -55,6 +58,7 @@ impl Iterate {
             before: f64::INFINITY,
             barrier,
             share: 1.0,
+            without_share: 0,
         }
     }
 
@@ -255,7 +259,14 @@ impl Iterate {
     /// Adapts the [share](Self::share) of second derivatives after a step with a multiple of the norm, or without one.
     pub fn adapt_share(&mut self, is_regularised: bool, options: &Options) {
         let [less, more] = options.share_factors;
+        let is_without = is_regularised && self.share == 0.0;
+        self.without_share = if is_without {
+            self.without_share + 1
+        } else {
+            0
+        };
         self.share = match is_regularised {
+            true if self.without_share >= options.steps_without_share => 1.0,
             true if self.share > options.smallest_share => less * self.share,
             true => 0.0,
             false => (more * self.share).clamp(options.smallest_share, 1.0),

@@ -260,6 +260,29 @@ fn a_share_of_second_derivatives() {
     }
 }
 
+/// All second derivatives are tried again where some steps without them needed a multiple of the norm too, counted anew
+/// after each step without one.
+#[test]
+fn all_second_derivatives_are_tried_again() {
+    let options = Options {
+        steps_without_share: 2,
+        ..Options::default()
+    };
+    let mut iterate = Iterate::default();
+    iterate.share = 0.0;
+    for (is_regularised, share) in [
+        (true, 0.0),
+        (false, 0.1),
+        (true, 0.0),
+        (true, 0.0),
+        (true, 1.0),
+        (true, 0.25),
+    ] {
+        iterate.adapt_share(is_regularised, &options);
+        assert_eq!(iterate.share, share);
+    }
+}
+
 /// The terms of an equality are those of $\lambda h + \rho h^2 / 2$, with its estimate as weight of second derivatives,
 /// and an update moves multiplier and estimate to the slope. The penalty grows unless the equality has shrunk to a
 /// quarter or is accepted; another working set of inequalities changes neither.
