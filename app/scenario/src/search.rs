@@ -39,8 +39,10 @@ const SAME: f64 = 1.001;
 /// of others, with which 28 motions of a Panda to poses take 8 % more iterations, and one ends at no minimum.
 const POINT_PENALTY: f64 = 1000.0;
 
-/// The factor of the first penalty with which a search that leads to no faster minimum is done again.
+/// The factor of the first penalty with which a search that leads to no better minimum is done again, and the largest
+/// number of times: from a motion that keeps its rows a search with a larger penalty leaves them less.
 const AGAIN: f64 = 10.0;
+const TIMES: i32 = 2;
 
 /// The part of a time limit for the starts of a search that goes on from the best one.
 const PART_OF_STARTS: f64 = 0.5;
@@ -103,7 +105,7 @@ impl<'s, 'o> Search<'s, 'o> {
                 true => problem.horizon(),
                 false => before.curve.horizon(),
             };
-            let found = self.from(&before, horizon, Some(free), None, false)?;
+            let found = self.from(&before, horizon, Some(free), None, 0)?;
             if is_valid(&found) {
                 return Ok(joined(before, found));
             }
@@ -134,7 +136,7 @@ impl<'s, 'o> Search<'s, 'o> {
             .time_limit
             .map(|limit| limit.mul_f64(PART_OF_STARTS));
         let mut first = self.first(settings)?;
-        let (mut others, mut share, mut again) = (Vec::new(), SHARE, false);
+        let (mut others, mut share, mut again) = (Vec::new(), SHARE, 0);
         for _ in 0..STEPS {
             let before = others.last().unwrap_or(&first);
             self.complete = self.goes_on(before);
@@ -162,10 +164,14 @@ impl<'s, 'o> Search<'s, 'o> {
                 let before = others.last_mut().unwrap_or(&mut first);
                 before.iterations.extend(next.iterations);
             }
-            again = !self.complete && !again;
+            again = if self.complete || again == TIMES {
+                0
+            } else {
+                again + 1
+            };
             share = match (self.complete, others.is_empty()) {
                 _ if ends => break,
-                _ if again => share,
+                _ if again > 0 => share,
                 (true, _) => SHARE,
                 // Half the way there on a logarithmic scale.
                 (false, true) if share > LEAST_SHARE => share.sqrt(),
@@ -230,34 +236,38 @@ impl<'s, 'o> Search<'s, 'o> {
             longest: free.longest.min(longest),
             ..free
         });
-        self.twice(from, horizon, free)
+        self.repeated(from, horizon, free)
     }
 
     /// The least effort on a given horizon, from another motion stretched to it.
     pub fn at(&mut self, from: &DirectSolution, horizon: f64) -> Result<DirectSolution> {
-        self.twice(from, horizon, None)
+        self.repeated(from, horizon, None)
     }
 
-    /// One solve from a motion without known multipliers, and if it finds no minimum one with a larger penalty.
-    fn twice(
+    /// One solve from a motion without known multipliers, and while that leads to no minimum others with larger
+    /// penalties.
+    fn repeated(
         &mut self,
         from: &DirectSolution,
         horizon: f64,
         free_horizon: Option<FreeHorizon>,
     ) -> Result<DirectSolution> {
-        let mut found = self.from(from, horizon, free_horizon, None, false)?;
-        if found.converged || !self.goes_on(from) {
-            return Ok(found);
+        let mut found = self.from(from, horizon, free_horizon, None, 0)?;
+        for again in 1..=TIMES {
+            if found.converged || !self.goes_on(from) {
+                break;
+            }
+            let mut other = self.from(from, horizon, free_horizon, None, again)?;
+            let mut iterations = std::mem::take(&mut found.iterations);
+            iterations.append(&mut other.iterations);
+            let is_better = other.converged || (is_valid(&other) && !is_valid(&found));
+            let better = if is_better { other } else { found };
+            found = DirectSolution {
+                iterations,
+                ..better
+            };
         }
-        let mut other = self.from(from, horizon, free_horizon, None, true)?;
-        let mut iterations = std::mem::take(&mut found.iterations);
-        iterations.append(&mut other.iterations);
-        let is_better = other.converged || (is_valid(&other) && !is_valid(&found));
-        let better = if is_better { other } else { found };
-        Ok(DirectSolution {
-            iterations,
-            ..better
-        })
+        Ok(found)
     }
 
     /// The bounds of the horizon with another cost of a second.
@@ -267,14 +277,14 @@ impl<'s, 'o> Search<'s, 'o> {
     }
 
     /// One solve from a motion, to its alternative of a goal that is a set, on a horizon within the bounds, with
-    /// multipliers for its objective if they are known, and with a larger penalty if it is done `again`.
+    /// multipliers for its objective if they are known, and with larger penalties if it is done `again`.
     fn from(
         &mut self,
         from: &DirectSolution,
         horizon: f64,
         free_horizon: Option<FreeHorizon>,
         multipliers: Option<Multipliers>,
-        again: bool,
+        again: i32,
     ) -> Result<DirectSolution> {
         let horizon = match free_horizon {
             Some(free) => horizon.clamp(free.shortest, free.longest),
@@ -309,9 +319,7 @@ impl<'s, 'o> Search<'s, 'o> {
             ..self.settings.clone()
         };
         settings.search.point_penalty = POINT_PENALTY;
-        if again {
-            settings.search.planned_penalty *= AGAIN;
-        }
+        settings.search.planned_penalty *= AGAIN.powi(again);
         let problem = self.scenario.problem()?.with_horizon(horizon)?;
         let found = self.solve(&problem, settings)?;
         Ok(DirectSolution {

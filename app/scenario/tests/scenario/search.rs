@@ -2,7 +2,7 @@
 
 use crate::units::{cart, found, solved};
 use crate::written::load;
-use aghf_scenario::{HorizonBound, Limit, Scenario, Solve, Verdict};
+use aghf_scenario::{HorizonBound, Limit, Scenario};
 use serde_json::json;
 
 /// The least time of the cart, 2 kg, with 40 N: at 20 m/s^2 to 3 m/s, and as long to a stop.
@@ -97,15 +97,16 @@ fn the_goal_of_a_set_is_reached_in_least_time() {
     assert!(end.q[0] > -0.81 - 1e-6 && end.q[0] < -0.78, "{:?}", end.q);
 }
 
-/// A search from the motion of least time that comes to no end is done again with a larger penalty, which does.
+/// A search for a faster motion that comes to no end is done again with a larger penalty, which finds one: without that
+/// this motion takes 1.154 s.
 #[test]
 fn a_search_that_finds_no_minimum_is_done_again() {
     let file = concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/../../robots/panda/scenarios/table_under_pick_0001.json"
+        "/../../robots/panda/scenarios/table_under_pick_0080.json"
     );
     let mut scenario = Scenario::load(file).expect("in the folder");
     scenario.file.objective = serde_json::from_value(json!("balanced")).expect("a preset");
-    let summary = Solve::new(&scenario).run().expect("it is good").summary;
-    assert_eq!(summary.verdict, Verdict::Optimal, "{:?}", summary.notes);
+    let details = found(&scenario);
+    assert!(details.horizon_s < 1.152, "{}", details.horizon_s);
 }
