@@ -6,13 +6,16 @@
     python3 benches/goals.py --robot kinova_gen3 --frame bracelet_link --count 200
     python3 benches/goals.py --robot panda --frame panda_link8 --obstacle
     python3 benches/goals.py --robot .../xarm7.urdf --frame link7
+    python3 benches/goals.py --robot kinova_gen3 --frame bracelet_link --upright
 
 Start and goal are drawn uniformly within the position limits, such that the motors hold them; the pose of the goal is
 that by Pinocchio, and the joint positions are forgotten. The horizon is one second more than one and a half times the
 least one of the joint goal at its velocity limits; all limits are enforced. Both scenarios are solved on one core with
 all defaults, and judged; `cpu` is the processor time of the whole program, loading and tests included. With --obstacle
 a ball of 0.1 m is halfway between the frame at start and goal, if all joints at both are clear of it by 0.1 m. Draws
-with a state in self-collision, which are refused, are drawn again.
+with a state in self-collision, which are refused, are drawn again. With --upright goals are joint positions, and the
+z axis of the frame stays within five degrees of the vertical, as the hand does with a glass of water: start and goal
+are the configurations that `aghf ik` finds from those that are drawn, on twice the horizon.
 """
 
 import argparse
@@ -32,6 +35,8 @@ AGHF = ROOT / "target" / "release" / "aghf"
 RADIUS, CLEAR = 0.1, 0.1
 # The largest number of refused draws, relative to those that are asked for.
 MOST_REFUSED = 10
+# The largest angle of a glass, rad, and that at both ends.
+TILT, TILT_AT_ENDS = np.radians(5.0), np.radians(4.5)
 
 
 class Robot:
@@ -84,6 +89,23 @@ def scenario(robot: Robot, name: str, with_obstacle: bool) -> tuple[dict, pinocc
         return made, robot.pose(goal)
 
 
+def upright(robot: Robot, name: str, frame: str) -> dict:
+    """A scenario from one upright configuration to another."""
+    made, _ = scenario(robot, name, False)
+    for key in ("q_start", "q_goal"):
+        near = ",".join(str(x) for x in made[key])
+        asked = [AGHF, "ik", name, "--frame", frame, "--axis", "0,0,1,0,0,1", "--json"]
+        asked += [f"--tolerance-rad={TILT_AT_ENDS}", f"--near={near}"]
+        found = subprocess.run(asked, capture_output=True, text=True)
+        if found.returncode:
+            return upright(robot, name, frame)
+        made[key] = json.loads(found.stdout)[0]
+    axis = {"of_frame": [0, 0, 1], "direction": [0, 0, 1]}
+    made["keep"] = [{"poses": {"frame": frame, "axis": axis, "tolerance_rad": TILT}}]
+    made["horizon_s"] *= 2.0
+    return made
+
+
 def solve(made: dict, folder: Path, options: list[str]) -> tuple[dict | None, str]:
     """The summary of a solve with the verdict of the judge, or the reason why there is none."""
     file = folder / "scenario.json"
@@ -109,6 +131,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--obstacle", action="store_true")
+    parser.add_argument("--upright", action="store_true")
     parser.add_argument("--json", type=Path, help="a file for all numbers")
     parser.add_argument("--starts", type=int, help="the number of starts of goals by pose [default: that of aghf]")
     given = parser.parse_args()
@@ -117,6 +140,17 @@ def main() -> None:
     robot = Robot(builtin if builtin.exists() else Path(given.robot), given.frame, given.seed)
     rows, drawn, refused = [], 0, []
     with tempfile.TemporaryDirectory() as folder:
+        while given.upright and len(rows) < given.count:
+            drawn += 1
+            found, why = solve(upright(robot, given.robot, given.frame), Path(folder), [])
+            if found is None:
+                refused.append(why)
+                continue
+            times = {"seconds": found["solve_seconds"], "cpu": found["cpu"], "starts": found["starts_tried"]}
+            row = {"draw": drawn, "solved": found["success"] and found["judged"], "verdict": found["verdict"]} | times
+            if not row["solved"]:
+                print(drawn, json.dumps(row), found["failure"], why, flush=True)
+            rows.append(row)
         while len(rows) < given.count:
             made, pose = scenario(robot, given.robot, given.obstacle)
             drawn += 1
@@ -154,10 +188,12 @@ def main() -> None:
 
 def report(rows: list[dict]) -> None:
     solved = [row for row in rows if row["solved"]]
-    print(f"solved and judged valid: {len(solved)} of {len(rows)}; joint goals: {sum(bool(r['joint']) for r in rows)}")
-    if not solved:
-        return
-    print(f"largest error: {max(r['position'] for r in solved):.1e} m, {max(r['rotation'] for r in solved):.1e} rad")
+    print(f"solved and judged valid: {len(solved)} of {len(rows)}")
+    errors = [(row["position"], row["rotation"]) for row in solved if "position" in row]
+    if errors:
+        position, rotation = np.max(errors, axis=0)
+        print(f"largest error: {position:.1e} m, {rotation:.1e} rad")
+        print(f"joint goals: {sum(bool(row['joint']) for row in rows)}")
     for key in ("seconds", "joint_seconds", "cpu", "joint_cpu"):
         times = sorted(row[key] for row in solved if key in row)
         if times:

@@ -8,7 +8,7 @@ use aghf_scenario::{DirectOptions, Scenario, Solve};
 /// The motion is swift at its end: its velocities are no cubics between 201 samples.
 #[test]
 fn a_swift_motion_has_more_samples() {
-    let scenario = Scenario::load("kinova_obstacles_01").expect("built in");
+    let scenario = Scenario::load("kinova_obstacles_03").expect("built in");
     let options = DirectOptions {
         starts: Some(1),
         ..DirectOptions::default()

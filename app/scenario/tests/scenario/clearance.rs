@@ -19,9 +19,9 @@ fn swing(clearance: Value) -> Scenario {
         "robot_shape": { "swept_links": { "radius_m": 0.05 } }, "clearance_m": clearance,
         "obstacles": [
             { "name": "ball", "shape": { "sphere": { "radius_m": 0.15 } },
-              "pose": { "position_m": [-1.35, 0.0, 0.3] } },
+              "pose": { "position_m": [1.0, 0.0, 0.3] } },
             { "name": "block", "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } },
-              "pose": { "position_m": [-1.5, 0, 0.4] } }
+              "pose": { "position_m": [0, 0, 2.5] } }
         ],
     });
     load("swing", &scenario).expect("it is good")
