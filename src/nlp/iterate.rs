@@ -260,11 +260,7 @@ impl Iterate {
     pub fn adapt_share(&mut self, is_regularised: bool, options: &Options) {
         let [less, more] = options.share_factors;
         let is_without = is_regularised && self.share == 0.0;
-        self.without_share = if is_without {
-            self.without_share + 1
-        } else {
-            0
-        };
+        self.without_share = usize::from(is_without) * (self.without_share + 1);
         self.share = match is_regularised {
             true if self.without_share >= options.steps_without_share => 1.0,
             true if self.share > options.smallest_share => less * self.share,
