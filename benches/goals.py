@@ -35,6 +35,8 @@ AGHF = ROOT / "target" / "release" / "aghf"
 RADIUS, CLEAR = 0.1, 0.1
 # The largest number of refused draws, relative to those that are asked for.
 MOST_REFUSED = 10
+# The exit code of `aghf ik` where no configuration is found.
+NOT_FOUND = 3
 # The largest angle of a glass, rad, and that at both ends.
 TILT, TILT_AT_ENDS = np.radians(5.0), np.radians(4.5)
 
@@ -97,8 +99,10 @@ def upright(robot: Robot, name: str, frame: str) -> dict:
         asked = [AGHF, "ik", name, "--frame", frame, "--axis", "0,0,1,0,0,1", "--json"]
         asked += [f"--tolerance-rad={TILT_AT_ENDS}", f"--near={near}"]
         found = subprocess.run(asked, capture_output=True, text=True)
-        if found.returncode:
+        if found.returncode == NOT_FOUND:
             return upright(robot, name, frame)
+        if found.returncode:
+            sys.exit(found.stderr.strip())
         made[key] = json.loads(found.stdout)[0]
     axis = {"of_frame": [0, 0, 1], "direction": [0, 0, 1]}
     made["keep"] = [{"poses": {"frame": frame, "axis": axis, "tolerance_rad": TILT}}]

@@ -143,11 +143,11 @@ def processor() -> str:
     return platform.processor() or platform.machine()
 
 
-def machine() -> str:
-    """The processor, and the commit."""
+def machine(name: str) -> str:
+    """The table that was made last, the commit, and the processor."""
     revision = ["git", "rev-parse", "--short", "HEAD"]
     commit = subprocess.run(revision, cwd=ROOT, capture_output=True, text=True).stdout.strip()
-    return f"Last run of `benches/results.py`: commit {commit}, one core of {os.cpu_count()} of {processor()}."
+    return f"Last run of `benches/results.py`: table `{name}` at commit {commit}, one core of {os.cpu_count()} of {processor()}."
 
 
 def main(chosen: list[str]) -> None:
@@ -163,7 +163,7 @@ def main(chosen: list[str]) -> None:
             made = SECTIONS[name](folder)
         text = pattern.sub(lambda found: found[1] + made + found[2], text)
         # One after the other, so that an interruption loses nothing.
-        RESULTS.write_text(re.sub(r"Last run of .*", machine(), text), encoding="utf-8")
+        RESULTS.write_text(re.sub(r"Last run of .*", machine(name), text), encoding="utf-8")
         print(f"{name}: done", flush=True)
 
 

@@ -94,8 +94,8 @@ pub struct Options {
     pub smallest_share: f64,
     /// The number of successive steps with a multiple of the norm and a share of zero after which the share is one
     /// again: it is not these derivatives alone that make the Hessian indefinite, and without them steps are those of
-    /// Gauss and Newton, which may take hundreds of iterations along a curved row (tuned on 55 problems of Fetch, UR5,
-    /// Baxter and Panda: 5, 10 and 20 end with 0, 1 and 2 motions that are no minima, and 3 without this rule).
+    /// Gauss and Newton, which may take hundreds of iterations along a curved row (108 problems of Fetch, UR5, Baxter
+    /// and Panda take 11 % less time than without this rule, and 2 in place of 3 end with motions that are no minima).
     pub steps_without_share: usize,
     /// The first length of a step along a direction of negative curvature, in the norm of steps.
     pub saddle_step: f64,
