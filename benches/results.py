@@ -147,7 +147,8 @@ def machine(name: str) -> str:
     """The table that was made last, the commit, and the processor."""
     revision = ["git", "rev-parse", "--short", "HEAD"]
     commit = subprocess.run(revision, cwd=ROOT, capture_output=True, text=True).stdout.strip()
-    return f"Last run of `benches/results.py`: table `{name}` at commit {commit}, one core of {os.cpu_count()} of {processor()}."
+    cores = f"one core of {os.cpu_count()} of {processor()}"
+    return f"Last run of `benches/results.py`: table `{name}` at commit {commit}, {cores}."
 
 
 def main(chosen: list[str]) -> None:
