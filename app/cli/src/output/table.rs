@@ -151,7 +151,7 @@ fn flow_rows(d: &FlowDetails) -> (String, Vec<(&'static str, String)>) {
 fn rest_rows(d: &RestDetails) -> (String, Vec<(&'static str, String)>) {
     let settings = format!("k {:e}, tolerance {:e}", d.k, d.tolerance);
     let work = format!(
-        "{} steps, {} factorisations, {} updates of the duals, {} starts",
+        "{} steps, {} factorisations, {} updates of the duals, starts: {}",
         d.steps, d.factorisations, d.dual_updates, d.starts_tried
     );
     let mut rows = vec![
@@ -172,7 +172,7 @@ fn rest_rows(d: &RestDetails) -> (String, Vec<(&'static str, String)>) {
 /// The parameters and the results that only a direct solve has.
 fn direct_rows(summary: &Summary, d: &DirectDetails) -> (String, Vec<(&'static str, String)>) {
     let settings = format!(
-        "tolerance {:e}, {} starts",
+        "tolerance {:e}, starts: {}",
         d.tolerance,
         d.starts_tried.max(1)
     );

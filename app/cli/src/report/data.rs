@@ -101,6 +101,7 @@ pub(super) struct MotionData {
     least_clearance: Option<f64>,
     plots: Vec<Plot>,
     minima: Vec<MinimumData>,
+    cost: f64,
     effort: f64,
 }
 
@@ -154,6 +155,7 @@ impl MotionData {
             least_clearance: motion.facts.least_clearance.or(at_rows),
             plots,
             minima,
+            cost: motion.facts.cost,
             effort: motion.facts.effort,
         })
     }

@@ -13,6 +13,8 @@ pub(super) struct SolveFacts {
     pub verdict: String,
     /// The method in words.
     pub method: String,
+    /// The integral of the running cost and of the weights of the objective.
+    pub cost: f64,
     pub effort: f64,
     pub least_clearance: Option<f64>,
 }
@@ -21,10 +23,10 @@ impl SolveFacts {
     /// The facts in the summary in the file at `path` that a comparison shows.
     pub fn of_file(summary: &Summary, path: &str) -> Self {
         let s = summary;
-        let (cost, gradient_norm) = match &s.details {
-            Details::Flow(flow) => (flow.action, None),
-            Details::Rest(rest) => (rest.action, Some(rest.gradient_norm)),
-            Details::Direct(direct) => (direct.cost, Some(direct.gradient_norm)),
+        let gradient_norm = match &s.details {
+            Details::Flow(_) => None,
+            Details::Rest(rest) => Some(rest.gradient_norm),
+            Details::Direct(direct) => Some(direct.gradient_norm),
         };
         let all = [
             ("summary", Some(path.to_owned())),
@@ -38,7 +40,7 @@ impl SolveFacts {
                 "control effort, int |u|^2 dt",
                 Some(short(s.control_effort)),
             ),
-            ("cost", Some(cost_of(summary, cost))),
+            ("cost", Some(cost_of(summary, minimised(summary)))),
             ("final error with feedback", s.final_error_inf.map(short)),
             ("final error open loop", s.open_loop_error_inf.map(short)),
             ("gradient norm, relative", gradient_norm.map(short)),
@@ -66,9 +68,19 @@ impl SolveFacts {
             commands: Vec::new(),
             verdict: summary.verdict.to_string(),
             method: summary.method.to_string(),
+            cost: minimised(summary),
             effort: summary.control_effort,
             least_clearance: summary.feasibility.smallest_clearance_m,
         }
+    }
+}
+
+/// The quantity that a method minimises.
+fn minimised(summary: &Summary) -> f64 {
+    match &summary.details {
+        Details::Flow(flow) => flow.action,
+        Details::Rest(rest) => rest.action,
+        Details::Direct(direct) => direct.cost,
     }
 }
 

@@ -15,8 +15,12 @@ const LEFT: i32 = 52;
 const BELOW: i32 = 20;
 const MARGIN: i32 = 8;
 const FONT: i32 = 11;
-/// The height of the strip beyond a bound, relative to that of the plot: strips of several joints stay apart.
+/// The height of the strip beyond a bound, relative to that of the plot: strips of several joints mostly stay apart.
 const STRIP: f64 = 0.03;
+/// The opacities of strips by themselves, and of those that overlap others: by the latter the page knows the strips that
+/// show with a chosen joint alone.
+const ALONE: f64 = 0.3;
+const TOGETHER: f64 = 0.25;
 /// The least range of a plot relative to its values: labels of four digits tell its ticks apart.
 const FLAT: f64 = 1e-2;
 /// The colours that the page replaces by its own.
@@ -141,7 +145,7 @@ fn power_label(x: f64, few: bool) -> String {
     }
 }
 
-/// Draws curves with a strip in the colour of each beyond its bounds.
+/// Draws curves with a strip in the colour of each beyond its bounds, and a grey one where strips overlap.
 pub(super) fn plot(axes: Axes, lines: &[Line]) -> Result<Plot> {
     let across = lines.iter().flat_map(|l| &l.points).map(|p| p.0);
     let across = across.clone().fold(f64::INFINITY, f64::min)..across.fold(1e-9, f64::max);
@@ -174,6 +178,58 @@ pub(super) fn plot(axes: Axes, lines: &[Line]) -> Result<Plot> {
     })
 }
 
+/// A strip beyond a bound of a curve: its colour, and where it begins and ends.
+struct Strip {
+    colour: RGBColor,
+    from: f64,
+    to: f64,
+}
+
+impl Strip {
+    fn overlaps(&self, other: &Self) -> bool {
+        self.from < other.to && other.from < self.to
+    }
+}
+
+/// The strips of curves in a range.
+fn strips_of(lines: &[Line], up: &Range<f64>) -> Vec<Strip> {
+    let height = STRIP * (up.end - up.start);
+    let each = lines.iter().flat_map(|line| {
+        let Range { start, end } = line.bounds;
+        let both = [(start, start - height, start), (end, end, end + height)];
+        let within = both.into_iter().filter(|(bound, ..)| up.contains(bound));
+        within.map(|(_, from, to)| Strip {
+            colour: line.colour,
+            from: from.max(up.start),
+            to: to.min(up.end),
+        })
+    });
+    each.collect()
+}
+
+/// The strips that overlap others, and the rest.
+fn apart(strips: Vec<Strip>) -> (Vec<Strip>, Vec<Strip>) {
+    let overlaps = |strip: &Strip| strips.iter().filter(|other| strip.overlaps(other)).count() > 1;
+    let together: Vec<bool> = strips.iter().map(overlaps).collect();
+    let mut together = together.into_iter();
+    strips
+        .into_iter()
+        .partition(|_| together.next() == Some(true))
+}
+
+/// The unions of strips that overlap.
+fn joined(mut strips: Vec<Strip>) -> Vec<Strip> {
+    strips.sort_by(|a, b| a.from.total_cmp(&b.from));
+    let mut all = Vec::<Strip>::new();
+    for strip in strips {
+        match all.last_mut().filter(|last| last.overlaps(&strip)) {
+            Some(last) => last.to = last.to.max(strip.to),
+            None => all.push(strip),
+        }
+    }
+    all
+}
+
 type Drawn = std::result::Result<(), Box<dyn Error>>;
 
 fn draw(
@@ -189,19 +245,20 @@ fn draw(
         .x_label_area_size(fine(BELOW))
         .y_label_area_size(fine(LEFT))
         .build_cartesian_2d(across.clone(), up.clone())?;
-    let strip = STRIP * (up.end - up.start);
-    for line in lines {
-        let Range { start, end } = line.bounds;
-        for (bound, beyond) in [(start, start - strip), (end, end + strip)] {
-            if up.contains(&bound) {
-                let corners = [
-                    (across.start, bound),
-                    (across.end, beyond.clamp(up.start, up.end)),
-                ];
-                let style = line.colour.mix(0.3).filled();
-                chart.draw_series([Rectangle::new(corners, style)])?;
-            }
-        }
+    let mut rectangle = |strip: &Strip, style: RGBAColor| {
+        let corners = [(across.start, strip.from), (across.end, strip.to)];
+        let drawn = chart.draw_series([Rectangle::new(corners, style.filled())]);
+        drawn.map(|_| ())
+    };
+    let (together, alone) = apart(strips_of(lines, &up));
+    for strip in &alone {
+        rectangle(strip, strip.colour.mix(ALONE))?;
+    }
+    for strip in &together {
+        rectangle(strip, strip.colour.mix(TOGETHER))?;
+    }
+    for strip in &joined(together) {
+        rectangle(strip, INK.mix(ALONE))?;
     }
     let few = up.end - up.start < 1.5;
     let up_label = |y: &f64| match axes.logarithmic {

@@ -169,9 +169,10 @@ fn a_curve_for_each_joint_and_limits_in_its_colour() {
     assert_eq!(shaded(1), 2);
 }
 
-/// A torque of one joint is not in the colour of another one whose limits are smaller.
+/// A torque of one joint is not in the colour of another one whose limits are smaller, and where strips of several
+/// joints overlap, a grey one shows in their place until a joint is chosen.
 #[test]
-fn strips_beyond_limits_are_narrow_and_labels_fit() {
+fn strips_beyond_limits_are_narrow_and_apart_and_labels_fit() {
     let scenario = Scenario::load("kinova_obstacles_01").expect("it is built in");
     let (_, data) = page_of(&scenario, &solved(&scenario, 1));
     let numbers = |text: &str, key: &str| -> Vec<f64> {
@@ -180,18 +181,26 @@ fn strips_beyond_limits_are_narrow_and_labels_fit() {
         let values = parts.filter_map(|part| part.split('"').next()?.parse().ok());
         values.collect()
     };
-    let mut strips = 0;
+    let (mut strips, mut grey) = (0, 0);
     for plot in data["plots"].as_array().expect("a list") {
         let svg = plot["svg"].as_str().expect("it is text");
         let height = numbers(svg, "height")[0];
+        let mut shown = Vec::new();
         for strip in svg.split("<rect ").skip(1) {
             let strip = strip.split("/>").next().expect("its end");
-            assert!(
-                numbers(&format!(" {strip}"), "height")[0] < 0.04 * height,
-                "{strip}"
-            );
+            let [y, own] = ["y", "height"].map(|key| numbers(&format!(" {strip}"), key)[0]);
+            let is_grey = strip.contains("#010101");
+            assert!(is_grey || own < 0.04 * height, "{strip}");
             strips += 1;
+            grey += usize::from(is_grey);
+            if !strip.contains("opacity=\"0.25\"") {
+                shown.push([y, y + own]);
+            }
         }
+        shown.sort_by(|[a, _], [b, _]| a.total_cmp(b));
+        // Both ends are rounded to pixels, of which there are four to one of the page.
+        let apart = |pair: &[[f64; 2]]| pair[0][1] <= pair[1][0] + 1.0;
+        assert!(shown.windows(2).all(apart), "{}: {shown:?}", plot["title"]);
         for label in svg.split("<text ").skip(1) {
             let label = label
                 .split('>')
@@ -201,7 +210,7 @@ fn strips_beyond_limits_are_narrow_and_labels_fit() {
             assert!(label.len() <= 8, "{label}");
         }
     }
-    assert!(strips > 4, "{strips} strips");
+    assert!(strips > 4 && grey > 1, "{strips} strips, {grey} grey");
 }
 
 #[test]

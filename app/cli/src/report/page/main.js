@@ -184,8 +184,8 @@ const addMotion = (motion, i) => {
   };
   const joints = new JointTable(motion, values, choose);
   const clearances = motion.clearance && floats(motion.clearance.values);
-  const numbers = [["duration", `${short(motion.horizon)} s`], ["effort ∫τ² dt", short(motion.effort)]];
-  if (clearances) numbers.push(["least clearance", `${(1000 * motion.least_clearance).toFixed(2)} mm`]);
+  const numbers = [["duration", `${short(motion.horizon)} s`], ["cost", short(motion.cost)], ["control effort", short(motion.effort)]];
+  if (clearances) numbers.push(["smallest clearance", `${short(1000 * motion.least_clearance)} mm`]);
   numbers.push(["joints", String(motion.joints.length)]);
   const badge = element("span", motion.failure ? "badge bad" : "badge good", motion.verdict);
   const title = element("div", "title", "", [element("h1", "", motion.name), element("span", "robot", `${motion.robot}, ${motion.method}`), badge]);
@@ -197,7 +197,7 @@ const addMotion = (motion, i) => {
   const panels = [
     data.plot && tradeoffPanel(),
     motion.failure && element("p", "fault", motion.failure),
-    panel("Over time", [element("p", "hint", "A click in a plot moves the robot there. A strip in the colour of a joint lies beyond each of its limits."), grid(over)]),
+    panel("Over time", [element("p", "hint", "A click in a plot moves the robot there. A strip in the colour of a joint lies beyond each of its limits, and a grey one where limits of several joints lie together; a chosen joint shows its own."), grid(over)]),
     panel("Joints", [joints.root]),
     search.length ? panel("The search", [grid(search)]) : null,
     minimaPanel(motion, track),
