@@ -171,6 +171,48 @@ def frame_jacobian(model: Model, q: ArrayLike, frame: str) -> np.ndarray:
     return _aghf.frame_jacobian(model._own, array(q, "q"), frame)[0]
 
 
+def inverse_kinematics(
+    model: Model, placement: ArrayLike, frame: str, *, near: ArrayLike | None = None, guesses: int = 64
+) -> np.ndarray:
+    """Joint positions that take a frame to homogeneous placements in the base, shape (N,) or (B, N).
+
+    They are within the position limits, and the placement is kept within 1e-9 m and rad; NaN where no search found
+    any, which is no proof that there are none. Collisions and torques are not looked at: `aghf ik`, and goals of
+    scenarios, leave such positions out.
+
+    Parameters
+    ----------
+    model : Model
+        The robot.
+    placement : (4, 4) or (B, 4, 4)
+        The placements, as from `frame_placement`.
+    frame : str
+        The frame.
+    near : (N,) or (B, N), optional
+        The joint positions at which the searches begin; by default those within the limits that are nearest to zero.
+    guesses : int, optional
+        The largest number of searches for each placement; those after the first one are from random positions, which
+        are the same in each call.
+
+    Raises
+    ------
+    KeyError
+        The robot has no such frame.
+    ValueError
+        A shape is wrong.
+    InputError
+        The upper left of a placement is not a rotation.
+    """
+    goals = array(placement, "placement")
+    if goals.shape[-2:] != (4, 4):
+        raise ValueError(f"placement: its shape is {list(goals.shape)}, expected [4, 4] or [batch, 4, 4]")
+    first = np.clip(0.0, model.lower, model.upper) if near is None else array(near, "near")
+    rotations, translations = goals[..., :3, :3], goals[..., :3, 3]
+    numbers = np.concatenate([rotations.reshape(*goals.shape[:-2], 9), translations], axis=-1)
+    each = np.ascontiguousarray(np.broadcast_to(first, (*goals.shape[:-2], first.shape[-1])))
+    return _aghf.inverse_kinematics(model._own, numbers, each, frame, guesses)[0]
+
+
 def omega(model: Model, x: ArrayLike, xdot: ArrayLike, xddot: ArrayLike, k: float) -> np.ndarray:
     """The right-hand side of the flow at nodes, (B3), shape (2 N,) or (B, 2 N); ``k`` is the penalty of (11)."""
     return _aghf.omega(model._own, array(x, "x"), array(xdot, "xdot"), array(xddot, "xddot"), k)[0]

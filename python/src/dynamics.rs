@@ -192,7 +192,7 @@ function_of_states! {
 }
 
 /// The frame of this name.
-fn frame_of<'m>(model: &'m Model, name: &str) -> PyResult<&'m Frame<f64>> {
+pub fn frame_of<'m>(model: &'m Model, name: &str) -> PyResult<&'m Frame<f64>> {
     let found = model.frames().iter().find(|frame| frame.name == name);
     found.ok_or_else(|| {
         let names = instead(name, model.frames().iter().map(|frame| frame.name.as_str()));

@@ -6,6 +6,7 @@ mod dynamics;
 mod error;
 mod experiments;
 mod flow;
+mod inverse_kinematics;
 mod model;
 mod own_terms;
 mod signals;
@@ -23,6 +24,10 @@ fn _aghf(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<tracker::PyTracker>()?;
     module.add_function(wrap_pyfunction!(model::builtin_robots, module)?)?;
     dynamics::add_to(module)?;
+    module.add_function(wrap_pyfunction!(
+        inverse_kinematics::inverse_kinematics,
+        module
+    )?)?;
     flow::add_to(module)?;
     solve::add_to(module)?;
     experiments::add_to(module)

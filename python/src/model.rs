@@ -24,7 +24,7 @@ type JointParts = (
 );
 
 /// The placement with a rotation by rows and a translation.
-fn placement_of(numbers: &[f64; 12]) -> Placement<f64> {
+pub fn placement_of(numbers: &[f64]) -> Placement<f64> {
     let (rotation, translation) = numbers.split_at(9);
     Placement::new(
         Matrix3::from_row_slice(rotation),

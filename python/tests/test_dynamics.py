@@ -84,6 +84,38 @@ def test_frames(model):
         assert np.allclose(jacobian[:, 3:, j], linear, atol=1e-4), frame
 
 
+def test_inverse_kinematics(model):
+    frame = model.frame_names[-1]
+    lower, upper = np.maximum(model.lower, -np.pi), np.minimum(model.upper, np.pi)
+    drawn = np.random.default_rng(6).uniform(lower, upper, (70, model.dof))
+    goals = aghf.frame_placement(model, drawn, frame)
+    found = aghf.inverse_kinematics(model, goals, frame)
+    assert found.shape == drawn.shape
+    assert np.all((found >= model.lower) & (found <= model.upper))
+    np.testing.assert_allclose(aghf.frame_placement(model, found, frame), goals, atol=1e-8)
+    # Positions near those that are wanted are kept, and so is one state without a batch.
+    near = np.clip(drawn[3] + 1e-3, model.lower, model.upper)
+    one = aghf.inverse_kinematics(model, goals[3], frame, near=near)
+    assert one.shape == (model.dof,) and np.abs(one - near).max() < 0.1
+    far = goals[:2].copy()
+    far[1, :3, 3] += 100.0
+    found = aghf.inverse_kinematics(model, far, frame, guesses=30)
+    assert np.isfinite(found[0]).all() and np.isnan(found[1]).all()
+
+
+def test_bad_placements(model):
+    frame, goal = model.frame_names[-1], np.eye(4)
+    with pytest.raises(ValueError, match=r"placement.*\[3, 4\]"):
+        aghf.inverse_kinematics(model, goal[:3], frame)
+    with pytest.raises(ValueError, match="near"):
+        aghf.inverse_kinematics(model, goal, frame, near=np.zeros(model.dof + 1))
+    with pytest.raises(KeyError, match="no frame 'nothing'"):
+        aghf.inverse_kinematics(model, goal, "nothing")
+    for wrong in [2.0 * np.eye(4), np.diag([1.0, 1.0, -1.0, 1.0]), np.full((4, 4), np.nan)]:
+        with pytest.raises(aghf.InputError, match="rotation of number 1"):
+            aghf.inverse_kinematics(model, [goal, wrong], frame)
+
+
 @pytest.mark.parametrize("name", aghf.jacobians())
 def test_jacobians_of_omega_agree(name):
     model = aghf.Model.builtin("kinova_gen3")
