@@ -7,6 +7,7 @@
     python3 benches/goals.py --robot panda --frame panda_link8 --obstacle
     python3 benches/goals.py --robot .../xarm7.urdf --frame link7
     python3 benches/goals.py --robot kinova_gen3 --frame bracelet_link --upright
+    python3 benches/goals.py --robot panda --frame panda_hand --scenarios robots/panda/scenarios/*.json
 
 Start and goal are drawn uniformly within the position limits, such that the motors hold them; the pose of the goal is
 that by Pinocchio, and the joint positions are forgotten. The horizon is one second more than one and a half times the
@@ -15,7 +16,8 @@ all defaults, and judged; `cpu` is the processor time of the whole program, load
 a ball of 0.1 m is halfway between the frame at start and goal, if all joints at both are clear of it by 0.1 m. Draws
 with a state in self-collision, which are refused, are drawn again. With --upright goals are joint positions, and the
 z axis of the frame stays within five degrees of the vertical, as the hand does with a glass of water: start and goal
-are the configurations that `aghf ik` finds from those that are drawn, on twice the horizon.
+are the configurations that `aghf ik` finds from those that are drawn, on twice the horizon. With --scenarios
+the joint goals are those of files.
 """
 
 import argparse
@@ -74,8 +76,8 @@ class Robot:
         return all(np.linalg.norm(frame.translation - centre) > RADIUS + CLEAR for frame in self.data.oMf)
 
 
-def scenario(robot: Robot, name: str, with_obstacle: bool) -> tuple[dict, pinocchio.SE3]:
-    """A scenario with a joint goal, and the pose of the goal."""
+def scenario(robot: Robot, name: str, with_obstacle: bool) -> dict:
+    """A scenario with a joint goal."""
     while True:
         start, goal = robot.draw(), robot.draw()
         least = np.max(np.abs(goal - start) / robot.model.velocityLimit)
@@ -88,12 +90,12 @@ def scenario(robot: Robot, name: str, with_obstacle: bool) -> tuple[dict, pinocc
                 continue
             shape = {"sphere": {"radius_m": RADIUS}}
             made["obstacles"] = [{"shape": shape, "pose": {"position_m": list(centre)}}]
-        return made, robot.pose(goal)
+        return made
 
 
 def upright(robot: Robot, name: str, frame: str) -> dict:
     """A scenario from one upright configuration to another."""
-    made, _ = scenario(robot, name, False)
+    made = scenario(robot, name, False)
     for key in ("q_start", "q_goal"):
         near = ",".join(str(x) for x in made[key])
         asked = [AGHF, "ik", name, "--frame", frame, "--axis", "0,0,1,0,0,1", "--json"]
@@ -107,6 +109,14 @@ def upright(robot: Robot, name: str, frame: str) -> dict:
     axis = {"of_frame": [0, 0, 1], "direction": [0, 0, 1]}
     made["keep"] = [{"poses": {"frame": frame, "axis": axis, "tolerance_rad": TILT}}]
     made["horizon_s"] *= 2.0
+    return made
+
+
+def of_file(file: Path) -> dict:
+    """The scenario of a file, with the path of its robot from anywhere."""
+    made = json.loads(file.read_text())
+    if made["robot"].endswith(".urdf"):
+        made["robot"] = str((file.parent / made["robot"]).resolve())
     return made
 
 
@@ -128,6 +138,43 @@ def solve(made: dict, folder: Path, options: list[str]) -> tuple[dict | None, st
     return summary, judged.stdout if judged.returncode else ""
 
 
+def by_pose(made: dict, robot: Robot, frame: str) -> tuple[dict, pinocchio.SE3]:
+    """The scenario with the pose of the joint goal in its place, and that pose."""
+    pose = robot.pose(np.array(made["q_goal"]))
+    orientation = pinocchio.Quaternion(pose.rotation).normalized().coeffs()
+    goal = {"frame": frame, "position_m": list(pose.translation), "orientation_xyzw": list(orientation)}
+    rest = {key: value for key, value in made.items() if key not in ("q_goal", "v_goal")}
+    return rest | {"goal": goal}, pose
+
+
+def measured(found: dict | None, prefix: str = "") -> dict:
+    """The figures of a solve under these names."""
+    if found is None:
+        return {prefix + "solved": False}
+    figures = {"seconds": found["solve_seconds"], "cpu": found["cpu"], "starts": found["starts_tried"]}
+    figures |= {"verdict": found["verdict"], "solved": found["success"] and found["judged"]}
+    figures |= {"duration": found["horizon_s"], "cost": found["cost"]}
+    return {prefix + key: value for key, value in figures.items()}
+
+
+def row_of(made: dict, robot: Robot, given: argparse.Namespace, folder: Path) -> dict:
+    """The figures of a scenario by joints and, but for an upright hand, by pose; those refused have a reason alone."""
+    joint, why = solve(made, folder, [])
+    if joint is None:
+        return {"refused": why}
+    if given.upright:
+        return measured(joint) | {"why": joint["failure"] or why}
+    options = ["--starts", str(given.starts)] if given.starts else []
+    asked, pose = by_pose(made, robot, given.frame)
+    found, why = solve(asked, folder, options)
+    row = measured(joint, "joint_") | measured(found) | {"why": (found or {}).get("failure") or why}
+    if found:
+        reached = robot.pose(np.array(found["end"]["q"]))
+        row["position"] = float(np.linalg.norm(reached.translation - pose.translation))
+        row["rotation"] = float(np.linalg.norm(pinocchio.log3(pose.rotation.T @ reached.rotation)))
+    return row
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--robot", default="kinova_gen3", help="a built-in robot or the path of a URDF file")
@@ -136,80 +183,65 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--obstacle", action="store_true")
     parser.add_argument("--upright", action="store_true")
+    parser.add_argument("--scenarios", type=Path, nargs="+", help="scenarios with joint goals in place of draws")
     parser.add_argument("--json", type=Path, help="a file for all numbers")
     parser.add_argument("--starts", type=int, help="the number of starts of goals by pose [default: that of aghf]")
     given = parser.parse_args()
-    options = ["--starts", str(given.starts)] if given.starts else []
     builtin = ROOT / "robots" / given.robot / f"{given.robot}.urdf"
     robot = Robot(builtin if builtin.exists() else Path(given.robot), given.frame, given.seed)
-    rows, drawn, refused = [], 0, []
+
+    def draw() -> dict:
+        if given.upright:
+            return upright(robot, given.robot, given.frame)
+        return scenario(robot, given.robot, given.obstacle)
+
+    draws = iter(draw, None)
+    if given.scenarios:
+        draws = map(of_file, given.scenarios)
+        given.count = len(given.scenarios)
+    rows, refused = [], []
     with tempfile.TemporaryDirectory() as folder:
-        while given.upright and len(rows) < given.count:
-            drawn += 1
-            found, why = solve(upright(robot, given.robot, given.frame), Path(folder), [])
-            if found is None:
-                refused.append(why)
-                continue
-            times = {"seconds": found["solve_seconds"], "cpu": found["cpu"], "starts": found["starts_tried"]}
-            row = {"draw": drawn, "solved": found["success"] and found["judged"], "verdict": found["verdict"]} | times
-            if not row["solved"]:
-                print(drawn, json.dumps(row), found["failure"], why, flush=True)
-            rows.append(row)
-        while len(rows) < given.count:
-            made, pose = scenario(robot, given.robot, given.obstacle)
-            drawn += 1
-            joint, why = solve(made, Path(folder), [])
-            if joint is None:
-                refused.append(why)
+        for number, made in enumerate(draws):
+            row = row_of(made, robot, given, Path(folder))
+            if "refused" in row:
+                refused.append(row["refused"])
                 if len(refused) > MOST_REFUSED * given.count:
-                    sys.exit(f"{len(refused)} of {drawn} draws are refused, the last one: {why}")
-                continue
-            row = {"draw": drawn, "joint": joint["success"]}
-            rotation = pinocchio.Quaternion(pose.rotation)
-            goal = {"frame": given.frame, "position_m": list(pose.translation)}
-            goal["orientation_xyzw"] = list(rotation.normalized().coeffs())
-            by_pose = {key: value for key, value in made.items() if key not in ("q_goal", "v_goal")}
-            found, why = solve(by_pose | {"goal": goal}, Path(folder), options)
-            row["solved"] = bool(found and found["success"] and found["judged"])
-            if found:
-                details = found
-                reached = robot.pose(np.array(details["end"]["q"]))
-                row["position"] = float(np.linalg.norm(reached.translation - pose.translation))
-                row["rotation"] = float(np.linalg.norm(pinocchio.log3(pose.rotation.T @ reached.rotation)))
-                row |= {"seconds": found["solve_seconds"], "cpu": found["cpu"], "starts": details["starts_tried"]}
-                row["verdict"] = found["verdict"]
-                if joint["success"]:
-                    row["ratio"] = details["cost"] / joint["cost"]
-                    row |= {"joint_seconds": joint["solve_seconds"], "joint_cpu": joint["cpu"]}
-            if not row["solved"]:
-                print(drawn, json.dumps(row), why, flush=True)
-            rows.append(row)
+                    sys.exit(f"{len(refused)} of {number + 1} are refused, the last one: {refused[-1]}")
+            else:
+                rows.append({"number": number} | row)
+                if not row["solved"]:
+                    print(json.dumps(rows[-1]), flush=True)
+            if len(rows) == given.count:
+                break
     if given.json:
         given.json.write_text(json.dumps(rows))
-    print(f"{len(refused)} draws were refused, as start or goal are in self-collision")
+    print(f"{len(refused)} are refused, as start or goal are in collision")
     report(rows)
 
 
 def report(rows: list[dict]) -> None:
     solved = [row for row in rows if row["solved"]]
-    print(f"solved and judged valid: {len(solved)} of {len(rows)}")
+    optimal = sum(row["verdict"] == "optimal" for row in solved)
+    print(f"solved and judged valid: {len(solved)} of {len(rows)}, {optimal} of them minima")
     errors = [(row["position"], row["rotation"]) for row in solved if "position" in row]
     if errors:
         position, rotation = np.max(errors, axis=0)
         print(f"largest error: {position:.1e} m, {rotation:.1e} rad")
-        print(f"joint goals: {sum(bool(row['joint']) for row in rows)}")
+        print(f"joint goals: {sum(row['joint_solved'] for row in rows)}")
     for key in ("seconds", "joint_seconds", "cpu", "joint_cpu"):
         times = sorted(row[key] for row in solved if key in row)
         if times:
             last = times[min(len(times) - 1, round(0.99 * len(times)))]
             print(f"{key}: median {1e3 * statistics.median(times):.0f} ms, 99 % {1e3 * last:.0f} ms")
-    ratios = sorted(row["ratio"] for row in solved if "ratio" in row)
-    above = sum(ratio > 1.02 for ratio in ratios)
-    if ratios:
-        print(
-            f"cost beside the joint goal: median {statistics.median(ratios):.3f}, largest {ratios[-1]:.3f}, "
-            f"more than 2 % above in {above} of {len(ratios)}"
-        )
+    both = [row for row in solved if row.get("joint_solved")]
+    for key in ("cost", "duration"):
+        ratios = sorted(row[key] / row["joint_" + key] for row in both)
+        if ratios:
+            above = sum(ratio > 1.02 for ratio in ratios)
+            print(
+                f"{key} beside the joint goal: median {statistics.median(ratios):.3f}, largest {ratios[-1]:.3f}, "
+                f"more than 2 % above in {above} of {len(ratios)}"
+            )
 
 
 if __name__ == "__main__":
