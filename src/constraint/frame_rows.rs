@@ -24,8 +24,10 @@ pub struct FrameRow<C: Scalar = f64> {
     pub scale: C,
     /// What the row limits, for its label.
     pub what: &'static str,
-    /// The unit of the row divided by its scale.
+    /// The unit of that quantity.
     pub unit: &'static str,
+    /// The kind of that quantity.
+    pub kind: RowKind,
     /// Whether the row is an equality.
     pub is_equality: bool,
 }
@@ -41,6 +43,7 @@ impl FrameRow {
             scale: 1.0,
             what,
             unit: "m",
+            kind: RowKind::Other,
             is_equality: false,
         }
     }
@@ -175,11 +178,8 @@ impl FrameRows {
         self.rows.push(FrameRow {
             square: 1.0,
             scale: 2.0 * r,
-            ..FrameRow::of_position(
-                "squared distance, over twice its bound,",
-                Vector3::zeros(),
-                -r * r,
-            )
+            kind: RowKind::Square,
+            ..FrameRow::of_position("distance", Vector3::zeros(), -r * r)
         });
         Ok(self)
     }
@@ -248,12 +248,18 @@ impl FrameRows {
 
     fn angle(theta: f64) -> FrameRow {
         let (sin, cos) = theta.sin_cos();
-        FrameRow::of_rotation("angle", -Matrix3::identity(), 1.0 + 2.0 * cos, 2.0 * sin)
+        FrameRow {
+            kind: RowKind::Cosine(theta),
+            ..FrameRow::of_rotation("angle", -Matrix3::identity(), 1.0 + 2.0 * cos, 2.0 * sin)
+        }
     }
 
     fn tilt(axis: &Vector3<f64>, to: &Vector3<f64>, theta: f64) -> FrameRow {
         let (sin, cos) = theta.sin_cos();
-        FrameRow::of_rotation("tilt of the axis", -outer(to, axis), cos, sin)
+        FrameRow {
+            kind: RowKind::Cosine(theta),
+            ..FrameRow::of_rotation("tilt of the axis", -outer(to, axis), cos, sin)
+        }
     }
 
     fn unit(&self, what: &str, v: &Vector3<f64>) -> Result<Vector3<f64>> {
@@ -306,7 +312,7 @@ impl<C: Scalar> Constraint<C> for FrameRows<C> {
     }
 
     fn label(&self, row: usize, _: &Model<C>) -> RowLabel {
-        let Some(FrameRow { what, unit, .. }) = self.rows.get(row) else {
+        let Some(row) = self.rows.get(row) else {
             return RowLabel::numbered(row);
         };
         let (frame, reference) = (&self.frame.name, &self.reference);
@@ -315,9 +321,9 @@ impl<C: Scalar> Constraint<C> for FrameRows<C> {
             Some(_) => format!(" in frame '{}'", reference.name),
         };
         RowLabel {
-            name: format!("{what} of frame '{frame}'{relative}"),
-            unit,
-            kind: RowKind::Other,
+            name: format!("{} of frame '{frame}'{relative}", row.what),
+            unit: row.unit,
+            kind: row.kind,
         }
     }
 

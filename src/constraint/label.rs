@@ -4,11 +4,11 @@ use crate::model::{Joint, JointKind, Model};
 use crate::scalar::Scalar;
 
 /// The name, unit and kind of a row of a constraint, for a report.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RowLabel {
     /// The limited quantity, such as `upper position limit of joint 'joint_2'`.
     pub name: String,
-    /// The unit of the row divided by its [scale](super::Constraint::row_scales); empty if unknown.
+    /// The unit of the [excess](RowKind::excess); empty if unknown.
     pub unit: &'static str,
     /// The kind of the limited quantity.
     pub kind: RowKind,
@@ -27,7 +27,7 @@ impl RowLabel {
 }
 
 /// The kind of quantity that a row limits, with the index of the joint for limits of a joint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RowKind {
     /// The position of a joint.
     Position(usize),
@@ -41,6 +41,10 @@ pub enum RowKind {
     Jerk(usize),
     /// The distance of the robot from an obstacle.
     Clearance,
+    /// A length or a speed `x` within a bound `b`, by the row $x^2 - b^2$ of scale $2 b$.
+    Square,
+    /// An angle within this bound, rad, by the difference of the cosines of bound and angle, over the sine of the bound.
+    Cosine(f64),
     /// Any other quantity.
     Other,
 }
@@ -55,7 +59,28 @@ impl RowKind {
             | Self::Torque(joint)
             | Self::Acceleration(joint)
             | Self::Jerk(joint) => Some(joint),
-            Self::Clearance | Self::Other => None,
+            Self::Clearance | Self::Square | Self::Cosine(_) | Self::Other => None,
+        }
+    }
+
+    /// The excess of the limited quantity over its bound, negative within, for a row divided by its
+    /// [scale](super::Constraint::row_scales): the same number, but for squares and cosines, for which it is that to
+    /// first order.
+    #[must_use]
+    pub fn excess(self, scaled: f64, scale: f64) -> f64 {
+        match self {
+            // A row without a value is violated without bound.
+            _ if !scaled.is_finite() => scaled,
+            Self::Square => {
+                let bound = 0.5 * scale;
+                // The row is exact to rounding, so that a square may come out below zero.
+                (scaled * scale + bound * bound).max(0.0).sqrt() - bound
+            }
+            Self::Cosine(bound) => {
+                let (sin, cos) = bound.sin_cos();
+                (cos - sin * scaled).clamp(-1.0, 1.0).acos() - bound
+            }
+            _ => scaled,
         }
     }
 }

@@ -48,7 +48,7 @@ impl<C: Scalar> Constraint<C> for PointSpeedLimit<C> {
         RowLabel {
             name: format!("speed of frame '{}'", self.name),
             unit: "m/s",
-            kind: RowKind::Other,
+            kind: RowKind::Square,
         }
     }
 }

@@ -116,8 +116,9 @@ pub struct StageRows<F> {
 }
 
 impl<F: Fn(&StageInput<'_, HyperDual64>, &mut [HyperDual64])> StageRows<F> {
-    /// Rows computed by `value`, one for each of `scales`, positive values that are bad violations. Derivatives come
-    /// from dual numbers: about $8 N^2$ calls of the closure per point.
+    /// Rows computed by `value` into a slice with an entry per scale. A scale is a positive value of its row that is a
+    /// bad violation, such as the limit itself. Derivatives come from dual numbers: about $8 N^2$ calls of the closure
+    /// per point.
     #[must_use]
     pub fn new(name: &str, scales: Vec<f64>, value: F) -> Self {
         let name = name.to_owned();

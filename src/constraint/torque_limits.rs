@@ -175,15 +175,50 @@ impl<K: Constraint> Constraints<K> {
         }
     }
 
-    /// Checks the limits of torque, acceleration and jerk for `model`.
+    /// The excess of the quantity that a row limits over its bound, in the unit of the label, negative within, for a
+    /// [violation](crate::motion::Violation) of the row.
+    #[must_use]
+    pub fn excess(&self, row: usize, by: f64, model: &Model) -> f64 {
+        let kind = self.label(row, model).kind;
+        match row.checked_sub(self.first_of_stage()) {
+            None => kind.excess(by, self.row_scales()[row]),
+            // Violations of these are values, which a kept pose has in those of the constraint on the state.
+            Some(row) => {
+                let scale = self.stage.scales()[row];
+                match kind {
+                    RowKind::Square | RowKind::Cosine(_) => kind.excess(by / scale, scale),
+                    _ => by,
+                }
+            }
+        }
+    }
+
+    fn check_scales(&self, model: &Model) -> Result<()> {
+        let scales = self.stage.scales().into_iter().enumerate();
+        for (row, scale) in scales {
+            if !(scale > 0.0 && scale.is_finite()) {
+                let RowLabel { name, .. } = self.stage.label(row, model);
+                let condition = format!("it is {scale}, a positive number is needed");
+                return Err(Error::input(
+                    "constraints",
+                    format!("scale of {name}"),
+                    condition,
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks the limits of torque, acceleration and jerk for `model`, and the scales of rows of the stage.
     ///
     /// # Errors
-    /// Those of [`TorqueLimits::check`] and [`StageConstraints::check`].
+    /// Those of [`TorqueLimits::check`] and [`StageConstraints::check`], or a scale is not positive and finite.
     pub fn check(&self, model: &Model) -> Result<()> {
         if self.torque.dim() > 0 {
             self.torque.check(model)?;
         }
         self.stage.check(model)?;
+        self.check_scales(model)?;
         let StageConstraints { foot, phases, .. } = &self.stage;
         let refuse = |condition: &str| Err(Error::input("constraints", "phases", condition));
         for phase in phases {

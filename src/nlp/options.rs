@@ -139,7 +139,7 @@ impl Default for Options {
             largest_regularisation: 1e10,
             share_factors: [0.25, 4.0],
             smallest_share: 0.1,
-            steps_without_share: 5,
+            steps_without_share: 10,
             saddle_step: 0.3,
             rounds: 20,
         }

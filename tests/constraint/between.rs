@@ -2,12 +2,13 @@
 
 use crate::common::{assert_refused, robot};
 use aghf::constraint::{
-    AnyConstraint, Between, Constraint, Evaluator, FrameRows, PointSpeedLimit, StageConstraint,
-    StageInput, Weights,
+    AnyConstraint, Between, Constraint, Constraints, Evaluator, FrameRows, PointSpeedLimit,
+    StageConstraint, StageConstraints, StageInput, TorqueLimits, Weights,
 };
 use aghf::model::{Frame, Model};
 use aghf::spatial::Placement;
 use nalgebra::{DMatrix, Vector3};
+use std::sync::Arc;
 
 fn rows(model: &Model) -> Vec<AnyConstraint> {
     let tool = model.frames().last().expect("it has links");
@@ -104,4 +105,24 @@ fn equalities_and_times_in_the_wrong_order_are_refused() {
     let at = FrameRows::new(&tool, Frame::new("goal", None, Placement::identity())).at_origin();
     let found = Between::new(model, vec![AnyConstraint::Frame(at)], [0.0, 1.0]);
     assert_refused(found, "position along x of frame");
+}
+
+/// A violation of a row is a difference of squares or of cosines, and its excess one of speeds or of angles.
+#[test]
+fn the_excess_of_a_row_is_in_its_unit() {
+    let model = robot("kinova_gen3");
+    let between = Between::new(model.clone(), rows(&model), [0.5, 1.0]).expect("times");
+    let all = Constraints {
+        state: Vec::<AnyConstraint>::new(),
+        torque: TorqueLimits(Vec::new()),
+        stage: StageConstraints {
+            others: vec![Arc::new(between)],
+            ..StageConstraints::default()
+        },
+    };
+    let excess = |row, by| all.excess(row, by, &model);
+    assert!((excess(0, 1.2_f64.powi(2) - 0.3_f64.powi(2)) - 0.9).abs() < 1e-14);
+    assert!((excess(1, 2.0 * (0.4_f64.cos() - 2.0_f64.cos())) - 1.6).abs() < 1e-14);
+    assert!((excess(2, 0.0 - 0.5_f64.powi(2)) + 0.5).abs() < 1e-14);
+    assert_eq!(excess(2, f64::INFINITY), f64::INFINITY);
 }

@@ -57,6 +57,18 @@ fn scaled(rows: impl Fn(FrameRows) -> aghf::Result<FrameRows>, there: Placement<
     g.iter().zip(&scales).map(|(g, scale)| g / scale).collect()
 }
 
+/// The excess of the only row over its bound.
+fn excess(rows: impl Fn(FrameRows) -> aghf::Result<FrameRows>, there: Placement<f64>) -> f64 {
+    let frame = Frame::new("tool", None, there);
+    let goal = Frame::new("goal", None, Placement::identity());
+    let one = rows(FrameRows::new(&frame, goal)).expect("its row");
+    let mut scale = [0.0];
+    one.row_scales(&mut scale);
+    let model = robot("pendulum_1");
+    let g = values(&model, &one, &[0.0; 2]);
+    one.label(0, &model).kind.excess(g[0] / scale[0], scale[0])
+}
+
 fn unit() -> impl Strategy<Value = Vector3<f64>> {
     let vector = prop::array::uniform3(-1.0..1.0_f64).prop_map(Vector3::from);
     vector
@@ -121,6 +133,10 @@ proptest! {
         prop_assert!((slope - 1.0).abs() < 1e-6);
         let distance = scaled(|rows| rows.within_distance(0.5), there)[0];
         prop_assert!((distance - (0.49 - 0.25)).abs() < 1e-14);
+        // The excess is right far beyond the bound too; cosines have half of the digits.
+        prop_assert!((excess(within, there) - (angle - bound)).abs() < 1e-7);
+        let far = excess(|rows| rows.within_distance(bound), there);
+        prop_assert!((far - (0.7 - bound)).abs() < 1e-14);
 
         // The axis n turned by `angle` about an axis across it.
         let across = UnitVector3::new_normalize(n.cross(&e));
@@ -129,6 +145,8 @@ proptest! {
         let [first, second, opposite] = along[..] else { panic!("{along:?}") };
         prop_assert!((first.hypot(second) - angle.sin()).abs() < 1e-13);
         prop_assert_eq!(opposite > 0.0, angle > PI / 3.0);
+        let tilt = excess(|rows| rows.axis_within(&n, &n, bound), tilted);
+        prop_assert!((tilt - (angle - bound)).abs() < 1e-7);
         prop_assert_eq!(scaled(|rows| rows.axis_within(&n, &n, bound), tilted)[0] > 0.0, angle > bound);
     }
 }

@@ -93,3 +93,22 @@ fn invalid_limits_are_refused_by_joint() {
     );
     assert!(refused(vec![None, None]).contains('2'));
 }
+
+#[test]
+fn a_scale_that_is_not_positive_is_refused() {
+    let model = slider(1.0);
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let rows = StageRows::new("power", vec![1.0, bad], |_, _| {});
+        let all = Constraints {
+            state: (),
+            torque: TorqueLimits(Vec::new()),
+            stage: StageConstraints {
+                others: vec![Arc::new(rows)],
+                ..StageConstraints::default()
+            },
+        };
+        let refused = all.check(&model).expect_err("a scale").to_string();
+        let words = format!("scale of row 1 of power: it is {bad}, a positive number is needed");
+        assert!(refused.contains(&words), "{refused}");
+    }
+}

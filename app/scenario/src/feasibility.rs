@@ -186,7 +186,7 @@ impl From<RowKind> for Limit {
             RowKind::Acceleration(_) => Self::Acceleration,
             RowKind::Jerk(_) => Self::Jerk,
             RowKind::Clearance => Self::Clearance,
-            RowKind::Other => Self::Other,
+            RowKind::Square | RowKind::Cosine(_) | RowKind::Other => Self::Other,
         }
     }
 }
@@ -316,6 +316,7 @@ fn add<K: Constraint>(
             continue;
         }
         let RowLabel { name, unit, kind } = constraints.label(row, model);
+        let by = constraints.excess(row, by, model);
         let joint = kind
             .joint()
             .and_then(|i| model.joints().get(i))

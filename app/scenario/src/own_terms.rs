@@ -15,8 +15,8 @@ use nalgebra::DMatrix;
 use std::fmt::{self, Debug};
 use std::sync::Arc;
 
-/// The most violated row of constraints at a state $[q; v]$, and its violation, in its unit, which is negative if all
-/// rows are satisfied; `None` without rows.
+/// The most violated row of constraints at a state $[q; v]$, and its [excess](aghf::constraint::RowKind::excess), in its
+/// unit, which is negative if all rows are satisfied; `None` without rows.
 pub(super) fn worst_row(
     constraints: &[AnyConstraint],
     model: &Model,
@@ -25,13 +25,16 @@ pub(super) fn worst_row(
     let (mut g, mut scales) = (vec![0.0; constraints.dim()], vec![1.0; constraints.dim()]);
     Evaluator::new(model).at(x)?.value(constraints, &mut g)?;
     constraints.row_scales(&mut scales);
-    let rows = g.iter().zip(scales).enumerate();
+    let rows = g.iter().zip(&scales).enumerate();
     let violations = rows.map(|(row, (g, scale))| match constraints.is_equality(row) {
         true => (row, g.abs() / scale),
         false => (row, g / scale),
     });
     let worst = violations.max_by(|(_, a), (_, b)| a.total_cmp(b));
-    Ok(worst.map(|(row, by)| (by, constraints.label(row, model))))
+    Ok(worst.map(|(row, by)| {
+        let label = constraints.label(row, model);
+        (label.kind.excess(by, scales[row]), label)
+    }))
 }
 
 /// A running cost of any type.

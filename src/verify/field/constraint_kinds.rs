@@ -3,7 +3,7 @@
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::constraint::{
     AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, FrameRow,
-    FrameRows, PlacedState, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits,
+    FrameRows, PlacedState, RowKind, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits,
     WeightedDerivatives, Weights,
 };
 use crate::dynamics::forward_kinematics;
@@ -247,6 +247,7 @@ fn frames(p: &RandomInstance) -> Result<Vec<Equality>> {
         scale: s[i + 3],
         what: "row",
         unit: "",
+        kind: RowKind::Other,
         is_equality: false,
     };
     let bodies = [
