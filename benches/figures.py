@@ -4,10 +4,12 @@
     python3 benches/figures.py
 
 A claim is a text with `{}` in place of its numbers, and the values in the tables of results that round to these. Every
-number in the table "Results" of the README belongs to a claim. Exits with 1 where something differs.
+number in the tables "Results" and of peers in the README belongs to a claim. Exits with 1 where something differs.
 """
 
+import csv
 import re
+import statistics
 import sys
 from decimal import Decimal
 from pathlib import Path
@@ -15,7 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 NUMBER = r"\d+(?:\.\d+)?"
 MBM, PAPER, WALKS = "MotionBenchMaker", "The paper's experiments, run anew", "Walks"
-STEP = "A step from random starts"
+STEP, CUROBO, EXPERIMENTS = "A step from random starts", "The conditions of cuRoboV2", "The paper's experiments"
 
 
 class Results:
@@ -54,21 +56,40 @@ class Results:
         return [Decimal(number) for number in re.findall(NUMBER, cell)]
 
     def in_prose(self, words: str) -> list[Decimal]:
-        """The number behind these words."""
+        """The numbers behind these words and in the groups of their pattern."""
         found = re.search(rf"{words} ({NUMBER})", " ".join(self.text.split()))
         if not found:
             sys.exit(f"{self.path}: there is no number behind '{words}'")
-        return [Decimal(found[1])]
+        return [Decimal(number) for number in found.groups()]
 
 
-def of_readme(ours: Results, peers: Results) -> list[tuple[str, list[Decimal]]]:
-    """The claims of the README."""
+class Solves:
+    """The rows of a CSV file of solves, one per section, scenario and method, in the same order for each method."""
+
+    def __init__(self, path: str) -> None:
+        with (ROOT / path).open(encoding="utf-8", newline="") as file:
+            self.rows = list(csv.DictReader(file))
+
+    def of(self, section: str, column: str, method: str, scenario: str) -> list[Decimal]:
+        """The numbers of a column, in the rows of a section whose method and scenario begin like two patterns."""
+        rows = [row for row in self.rows if row["section"] == section and re.match(method, row["method"])]
+        return [Decimal(row[column]) for row in rows if re.match(scenario, row["scenario"])]
+
+    def ratios(self, section: str, column: str, first: str, second: str, scenario: str) -> list[Decimal]:
+        """The numbers of the first method divided by those of the second one, scenario by scenario."""
+        numbers = (self.of(section, column, method, scenario) for method in (first, second))
+        return [a / b for a, b in zip(*numbers, strict=True)]
+
+
+def ends(values: list[Decimal]) -> list[Decimal]:
+    """The least and the largest value."""
+    return [min(values), max(values)]
+
+
+def of_readme(ours: Results) -> list[tuple[str, list[Decimal]]]:
+    """The claims of the README but for those beside peers."""
     solved, medians = (ours.of("Within all limits", name, "^(?!G1)") for name in ("solved", "median, ms"))
-    methods = ("VAMP.*spline", "ours, least time", "ours, balanced")
-    times = [peers.of(MBM, "median ms", rf"^all \| {who}")[0] for who in methods]
     costs, starts = ours.both(STEP, "cost, least to largest", "^ours"), ours.of(STEP, "valid", "^ours")
-    methods = ("ours, balanced", "VAMP.*spline", "VAMP.*corners")
-    valid = [peers.of(MBM, "valid", rf"^all \| {who}")[0] for who in methods]
     mutations = (ROOT / "tests/mutations/list.toml").read_text(encoding="utf-8").count("[[mutation]]")
     return [
         ("{} deliberate errors", [Decimal(mutations)]),
@@ -78,7 +99,7 @@ def of_readme(ours: Results, peers: Results) -> list[tuple[str, list[Decimal]]]:
             [ours.of(MBM, name, "^all")[0] / 1000 for name in ("median ms", "worst")],
         ),
         (
-            "of all {}, balanced, {} are valid and {} minima, median {} s",
+            "of all {}, with the objective `balanced`, {} are valid and {} minima, median {} s",
             [ours.of(MBM, name, "^all", 1)[0] for name in ("problems", "valid", "optimal")]
             + [ours.of(MBM, "median ms", "^all", 1)[0] / 1000],
         ),
@@ -96,15 +117,11 @@ def of_readme(ours: Results, peers: Results) -> list[tuple[str, list[Decimal]]]:
         ),
         ("dynamics, median {} s", ours.of(STEP, "median, s", "^ours")),
         (
-            "{} s in the median and {} s at most, on another machine {} and {} s",
-            [ours.of(STEP, name, who)[0] for who in ("^ours", "^RAPTOR") for name in ("median, s", "slowest, s")],
-        ),
-        (
-            "{} ms without obstacles, {} ms with",
+            "in version 0.2.0: {} ms without obstacles, {} ms with",
             [ours.of(PAPER, "solve, ms", row)[0] for row in (r"^Kinova \|", "^Kinova, obstacles")],
         ),
         (
-            "{} µs for Kinova, {} µs for Digit",
+            "in version 0.2.0: {} µs for Kinova, {} µs for Digit",
             [ours.of(PAPER, name, "^Jacobian, control form", 1)[0] for name in ("N = 7", "N = 22")],
         ),
         (
@@ -112,8 +129,100 @@ def of_readme(ours: Results, peers: Results) -> list[tuple[str, list[Decimal]]]:
             [ours.of(PAPER, name, "^Jacobian, released", 3)[0] for name in ("Kinova (7)", "Digit (22)")],
         ),
         ("the acrobot, {}, as IPOPT", ours.in_prose("it ends at")),
-        ("times in {} ms, ours {} (least time) or {} (balanced)", times),
-        ("{} motions keep all limits and clearances, its {} ({} with sharp corners)", valid),
+    ]
+
+
+def beside_planners(ours: Results, peers: Results) -> list[tuple[str, list[Decimal]]]:
+    """The claims of the README beside VAMP, cuRoboV2, RAPTOR and Pinocchio."""
+    vamp, fast, balanced = "VAMP.*spline", "ours, least time", "ours, balanced"
+    longer = rf"last ({NUMBER}) times .*?with"
+    times = [peers.of(MBM, "median ms", rf"^all \| {who}")[0] for who in (vamp, fast, balanced)]
+    valid = [peers.of(MBM, "valid", rf"^all \| {who}")[0] for who in (balanced, vamp, "VAMP.*corners")]
+    # The last row within limits of torque has a payload; the first one without these limits has none.
+    solvers = ("cuRobo.*", "ours, least-time", "ours, balanced")
+    medians, durations, energies = (
+        [ours.of(CUROBO, name, rf"^{who} \| yes")[-1] for who in solvers]
+        for name in ("median, ms", "duration, s", "energy, J")
+    )
+    jerks = [ours.of(CUROBO, "largest jerk, rad/s³", rf"^{who} \| no")[0] for who in solvers]
+    success = ours.of(CUROBO, "valid", "^cuRobo.* yes") + ours.in_prose("Problems: theirs are")
+    dynamics = [peers.of("Dynamics", name) for name in ("Pinocchio", "aghf", "aghf, 4 lanes")]
+    ahead = [ends([a / b for a, b in zip(dynamics[0], own, strict=True)]) for own in dynamics[1:]]
+    return [
+        ("times in {} ms, aghf in {} (least time) or {} (balanced)", times),
+        ("{} motions keep all limits and clearances, with VAMP {} ({} with sharp corners)", valid),
+        ("least time last {} times as long with {} times", peers.in_prose(f"Motions of least time {longer}")),
+        ("balanced ones {} times with {} times", peers.in_prose(f"Balanced motions {longer}")),
+        (
+            "{} s in the median, aghf {} (least time) or {} s (balanced), {} or {} times as long",
+            [number / 1000 for number in medians] + [number / medians[0] for number in medians[1:]],
+        ),
+        ("shorter motions ({} s, aghf {} or {} s) with less energy ({} J, aghf {} or {} J)", durations + energies),
+        ("less jerk ({} rad/s³, aghf {} or {})", jerks),
+        ("{} of {} motions pass the judge", ours.both(CUROBO, "valid", "^ours, least-time")),
+        ("a success of {} % on {}", success),
+        (
+            "from {} random starts: {} s in the median and {} s at most; RAPTOR reports {} s and {} s",
+            ours.of(STEP, "valid", "^ours")
+            + [ours.of(STEP, name, who)[0] for who in ("^ours", "^RAPTOR") for name in ("median, s", "slowest, s")],
+        ),
+        ("{} to {} times as fast for one state, {} to {} times for four in lanes", ahead[0] + ahead[1]),
+    ]
+
+
+def beside_optimisers(peers: Results, solves: Solves) -> list[tuple[str, list[Decimal]]]:
+    """The claims of the README beside Crocoddyl, IPOPT and Aligator."""
+    efforts = [solves.of("paper", "effort", who, "pend.*_[345]") for who in ("Croc.*best", "ours$", "ours, degree")]
+    crocoddyl = [solves.of("paper", "effort", who, "kinova") for who in ("Croc.*best", "Croc.*tuned", "ours$")]
+    more = statistics.median(min(best, tuned) / own for best, tuned, own in zip(*crocoddyl, strict=True))
+    digit = [peers.both(EXPERIMENTS, "success", rf"^Digit \| {who}") for who in ("ours$", "Crocoddyl, best")]
+
+    shooting, basis = ("ours, degree 32", "IPOPT, multiple"), ("IPOPT, degree 16", "ours, one")
+    free, spheres, nine = "kinova_free", "kinova_obstacles", "limits_(?!05)"
+    third, fifth = (
+        [solves.of("ipopt", "effort", who, name)[0] for who in reversed(shooting)] for name in ("pend.*_3", "limits_05")
+    )
+    less, basis_less = (
+        [100 * (1 - ratio) for ratio in solves.ratios("ipopt", "effort", *methods, names)]
+        for methods, names in ((shooting, nine), (basis, f"{free}|limits"))
+    )
+    slower, within, without, among = (
+        ends(solves.ratios("ipopt", "seconds", *shooting, names)) for names in ("pend", nine, free, spheres)
+    )
+    faster = [ends(solves.ratios("ipopt", "seconds", *basis, names)) for names in (f"{free}|limits", "pend")]
+    means = [
+        statistics.mean(solves.of("ipopt", "effort", who, names)) for who in shooting for names in (free, spheres)
+    ]
+
+    aligator = ("Aligator, best", "Aligator, tuned$")
+    steps = sorted(solves.of("obstacles", "iterations", "|".join(aligator), "kinova"))
+    times = [solves.of("obstacles", "seconds", who, "kinova") for who in ("ours$", "|".join(aligator))]
+    worse = [ratio for who in aligator for ratio in solves.ratios("obstacles", "effort", who, "ours$", "kinova")]
+    slow = [solves.of("obstacles", "seconds", who, "digit") for who in ("ours$", aligator[1])]
+    return [
+        ("of 3 to 5 links ({}, {} and {}) than aghf at degree 16 ({}, {} and {})", efforts[0] + efforts[1]),
+        ("on the last one also at degree 32 ({})", efforts[2][-1:]),
+        (
+            "Kinova in {} to {} s, with Crocoddyl in {} to {} s and {} times the effort in the median",
+            ends(solves.of("paper", "seconds", "ours$", "kinova"))
+            + ends(solves.of("paper", "seconds", "Crocoddyl", "kinova"))
+            + [more],
+        ),
+        ("{} of {} motions of Digit solved, with Crocoddyl {}", digit[0] + digit[1][:1]),
+        ("pendulums: {} to {} times as fast", slower),
+        ("on that of 3 links ({}, aghf {})", third),
+        ("ten problems within limits ({}, aghf {})", fifth),
+        ("at most {} % less effort in {} to {} times its time", [max(less), *within]),
+        ("mean efforts of {} and {} (IPOPT: {} and {})", means),
+        ("in {} to {} and {} to {} times its time", without + among),
+        ("efforts differ by at most {} %, {} to {} times as fast", [max(map(abs, basis_less)), *faster[0]]),
+        ("pendulums {} to {} times", faster[1]),
+        ("fewer iterations, {} to {} in eight of ten solves", [steps[0], steps[7]]),
+        (
+            "Kinova in {} to {} s, with Aligator in {} to {} s and {} to {} times the effort",
+            [end for values in (*times, worse) for end in ends(values)],
+        ),
+        ("Digit in {} to {} s, with Aligator, after tuning for this comparison, in {} s", ends(slow[0]) + slow[1][:1]),
     ]
 
 
@@ -149,12 +258,19 @@ def differences(file: str, claims: list[tuple[str, list[Decimal]]]) -> tuple[lis
 
 
 def main() -> None:
-    ours = Results("benches/RESULTS.md")
-    found, rest = differences("README.md", of_readme(ours, Results("benches/peers/RESULTS.md")))
-    table = rest[rest.index("| figure | command |") : rest.index("[benches/RESULTS.md]")]
-    for row in table.split(" | | ")[1:]:
-        for number in re.findall(rf"(?<![\w.-]){NUMBER}", row.split(" | ")[0]):
-            found.append(f"README.md: {number} in '{row.split(' | ')[0]}' belongs to no claim")
+    ours, peers = Results("benches/RESULTS.md"), Results("benches/peers/RESULTS.md")
+    claims = of_readme(ours) + beside_planners(ours, peers)
+    claims += beside_optimisers(peers, Solves("benches/peers/results.csv"))
+    found, rest = differences("README.md", claims)
+    # The headings of tables, the text behind them, and the columns of figures.
+    for head, end, columns in (
+        ("| figure | command |", "[benches/RESULTS.md]", slice(1)),
+        ("| peer | advantage of the peer |", "## Limits", slice(1, 3)),
+    ):
+        for row in rest[rest.index(head) : rest.index(end)].split(" | | ")[1:]:
+            for cell in row.split(" | ")[columns]:
+                for number in re.findall(rf"(?<![\w.-]){NUMBER}", cell):
+                    found.append(f"README.md: {number} in '{cell}' belongs to no claim")
     for file, claims in of_guide(ours).items():
         found += differences(file, claims)[0]
     print("\n".join(found) or "all figures are those of the tables")
