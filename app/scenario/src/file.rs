@@ -96,9 +96,9 @@ impl Scenario {
         };
         file.check_states(model, path)?;
         file.check_numbers(path)?;
-        check_objective(&file, model.dof(), path)?;
         (file.enforced_limits).read(model, source, folder, path)?;
         file.enforced_limits.check(model, path)?;
+        check_objective(&file, model, path)?;
         check_passive(&file, model, path)?;
         Ok(Self {
             name: name_of(path),

@@ -4,6 +4,7 @@ use super::schema::one_of;
 use super::{IgnoredPair, Method, RobotShape, Scenario, ScenarioFile};
 use aghf::direct::FreeHorizon;
 use aghf::error::{Error, Result, plain};
+use aghf::model::Model;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{self, MapAccess, Visitor};
@@ -272,11 +273,11 @@ impl HorizonBounds {
 }
 
 /// Refuses keys of this file that are invalid for a robot with `dof` joints. `path` names the scenario.
-pub(super) fn check_objective(file: &ScenarioFile, dof: usize, path: &str) -> Result<()> {
+pub(super) fn check_objective(file: &ScenarioFile, model: &Model, path: &str) -> Result<()> {
     let jumps = file.continuity() == Continuous::Velocity;
     let condition = "the continuity is 'velocity', with which accelerations jump";
     if let Objective::Weights(weights) = &file.objective {
-        weights.check(dof, path)?;
+        weights.check(model.dof(), path)?;
         if jumps && !weights.jerk.is_zero() {
             return Err(Error::input(path, "objective.jerk", condition));
         }
@@ -284,11 +285,10 @@ pub(super) fn check_objective(file: &ScenarioFile, dof: usize, path: &str) -> Re
     if file.enforced_limits.jerk.is_some() && jumps {
         return Err(Error::input(path, "enforced_limits.jerk", condition));
     }
-    let unbounded = file.free_horizon.is_none() && !file.enforced_limits.any();
     let preset = file.objective.preset();
-    if unbounded && preset.is_some_and(|preset| preset != Preset::LeastEffort) {
-        let condition =
-            "without limits there is no least time: enforced_limits or free_horizon is needed";
+    let timed = preset.is_some_and(|preset| preset != Preset::LeastEffort);
+    if timed && file.free_horizon.is_none() && !file.enforced_limits.bound_time(model) {
+        let condition = "without limits there is no least time: free_horizon or finite enforced_limits of rates or torques are needed";
         return Err(Error::input(path, "objective", condition));
     }
     if let Some(bounds) = file.free_horizon {
@@ -306,7 +306,7 @@ pub(super) fn check_objective(file: &ScenarioFile, dof: usize, path: &str) -> Re
 impl Scenario {
     /// Refuses an objective that does not go with the other keys.
     pub(super) fn check_objective(&self) -> Result<()> {
-        check_objective(&self.file, self.model.dof(), &self.name)
+        check_objective(&self.file, &self.model, &self.name)
     }
 
     /// The keys of this scenario that the method ignores, and what keeps clear of what though no key says so, in words.
