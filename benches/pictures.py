@@ -3,10 +3,12 @@
 
     cargo build --release
     pip install matplotlib pin
-    benches/pictures.py                  # first_motion, methods, obstacles, degree, standing: half a minute
-    benches/pictures.py methods
+    benches/pictures.py                  # all of them: a minute
+    benches/pictures.py methods          # first_motion, obstacles, limits, objectives, goals, standing, certificates,
+                                         # methods, degree
 """
 
+import contextlib
 import csv
 import json
 import os
@@ -26,7 +28,7 @@ from matplotlib import pyplot as plt  # noqa: E402
 ROOT = Path(__file__).resolve().parents[1]
 AGHF = Path(os.environ.get("AGHF_PROGRAM", ROOT / "target" / "release" / "aghf"))
 DIGIT = ROOT / "robots" / "digit_v3_pinned"
-PICTURES = [ROOT / "src" / "guide" / "pictures", ROOT / "app" / "scenario" / "src" / "guide" / "pictures"]
+GUIDE, SCENARIOS = ROOT / "src" / "guide", ROOT / "app" / "scenario" / "src" / "guide"
 
 #: Text stays text, names in the file are reproducible, and the background is white in dark themes, too.
 STYLE = {
@@ -52,6 +54,25 @@ SWING = {
 }
 
 
+def aghf(folder, *words):
+    """The output of a command in a folder, which may find no motion."""
+    run = subprocess.run([AGHF, *words], cwd=folder, capture_output=True, text=True)
+    if run.returncode not in (0, 3):
+        sys.exit(f"aghf {' '.join(words)}: {run.stderr}")
+    return run.stdout
+
+
+def table(path):
+    """The columns of a table of numbers by their names; other columns are left out."""
+    with open(path, newline="") as file:
+        head, *rows = csv.reader(line for line in file if not line.startswith("#"))
+    columns = {}
+    for name, column in zip(head, zip(*rows)):
+        with contextlib.suppress(ValueError):
+            columns[name] = np.array(column, dtype=float)
+    return columns
+
+
 def solved(scenario, *options):
     """The table of a motion by the names of its columns, and its summary; a failed one counts too."""
     with tempfile.TemporaryDirectory() as folder:
@@ -59,15 +80,10 @@ def solved(scenario, *options):
             path = Path(folder) / "scenario.json"
             path.write_text(json.dumps(scenario))
             scenario = str(path)
-        command = [AGHF, "solve", scenario, "--json", "--no-report", "--out", "motion", "--samples", "201", *options]
-        run = subprocess.run(command, cwd=folder, capture_output=True, text=True)
-        if run.returncode not in (0, 3):
-            sys.exit(f"aghf solve {scenario}: {run.stderr}")
-        failed = ".failed" if run.returncode else ""
-        with open(Path(folder) / "motion" / f"trajectory{failed}.csv", newline="") as file:
-            rows = list(csv.reader(line for line in file if not line.startswith("#")))
-    columns = np.array(rows[1:], dtype=float).T
-    return dict(zip(rows[0], columns)), json.loads(run.stdout)
+        command = ["solve", scenario, "--json", "--no-report", "--out", "motion", "--samples", "201", *options]
+        summary = json.loads(aghf(folder, *command))
+        failed = "" if summary["success"] else ".failed"
+        return table(Path(folder) / "motion" / f"trajectory{failed}.csv"), summary
 
 
 def first_motion():
@@ -127,6 +143,102 @@ def obstacles():
     return figure
 
 
+def limits():
+    """Velocities and accelerations of the scenario of its page."""
+    page = (SCENARIOS / "limits.md").read_text(encoding="utf-8")
+    scenario = json.loads(re.search(r"```json\n(\{.*?)```", page, re.DOTALL)[1])
+    enforced, motion = scenario["enforced_limits"], solved(scenario)[0]
+    joints = json.loads(aghf(ROOT, "robots", scenario["robot"], "--json"))[0]["joints"]
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.4, 2.8), layout="constrained")
+    for i, joint in enumerate(joints):
+        name = joint["name"]
+        kept = name in enforced["velocity"]["joints"]
+        share = np.abs(motion[f"v_{name}"]) / joint["velocity"]
+        left.plot(motion["t"], share, color=[BLUE, ORANGE][i] if kept else GREY, label=name if kept else None)
+        free = enforced["acceleration"][i] is None
+        right.plot(motion["t"], motion[f"a_{name}"], color=ORANGE if free else GREY, label=name if free else None)
+    left.axhline(enforced["velocity"]["share"], color="black", linestyle="--", linewidth=1)
+    for sign in (1, -1):
+        right.axhline(sign * enforced["acceleration"][0], color="black", linestyle="--", linewidth=1)
+    left.set(xlabel="t, s", title="|v| / limit of the robot")
+    right.set(xlabel="t, s", title="a, rad/s²")
+    for ax in (left, right):
+        ax.legend(fontsize=8)
+    return figure
+
+
+def objectives():
+    """Effort against duration of the motions of a trade-off."""
+    name = "limits_03"
+    with tempfile.TemporaryDirectory() as folder:
+        aghf(folder, "tradeoff", name, "--out", "tradeoff")
+        motions = table(Path(folder) / "tradeoff" / "tradeoff.csv")
+        scenario = json.loads(aghf(folder, "scenarios", name))
+    balanced = solved({**scenario, "objective": "balanced"})[1]
+    figure, ax = plt.subplots(figsize=(6.4, 3.0), layout="constrained")
+    ax.plot(motions["duration_s"], motions["control_effort"], "o-", color=BLUE, markersize=4, label="trade-off")
+    ends = [("least time", motions["duration_s"][0], motions["control_effort"][0])]
+    ends += [("balanced", balanced["horizon_s"], balanced["control_effort"])]
+    ends += [("least effort", motions["duration_s"][-1], motions["control_effort"][-1])]
+    for (label, duration, effort), colour in zip(ends, [ORANGE, GREEN, GREY]):
+        ax.plot(duration, effort, "o", color=colour, markersize=9, label=f"{label}: {duration:.2f} s, {effort:.0f}")
+    ax.set(xlabel="duration, s", ylabel="effort, N² m² s")
+    ax.legend(fontsize=8)
+    return figure
+
+
+def goals():
+    """The bar that two arms lift over a post, from the side and from above, by Pinocchio."""
+    folder = ROOT / "robots" / "kinova_gen3_2arms"
+    model = pinocchio.buildModelFromUrdf(str(folder / "kinova_gen3_2arms.urdf"))
+    data, motion = model.createData(), solved("two_arms_bar_01")[0]
+    hands = [model.getFrameId(f"arm_{arm}_end_effector_link") for arm in (1, 2)]
+    places = []
+    for k in range(len(motion["t"])):
+        q = pinocchio.neutral(model)
+        for name, joint in zip(model.names[1:], model.joints[1:]):
+            angle = motion[f"q_{name}"][k]
+            # A joint without limits has a cosine and a sine there.
+            q[joint.idx_q : joint.idx_q + joint.nq] = angle if joint.nq == 1 else [np.cos(angle), np.sin(angle)]
+        pinocchio.framesForwardKinematics(model, data, q)
+        places.append([data.oMf[hand].translation.copy() for hand in hands])
+    places = np.array(places)
+    post = json.loads((folder / "two_arms_bar_01.json").read_text())["obstacles"][1]
+    (x, y, z), shape = post["pose"]["position_m"], post["shape"]["cylinder"]
+    radius, half = shape["radius_m"], shape["length_m"] / 2
+    figure, (side, above) = plt.subplots(1, 2, figsize=(6.4, 3.2), layout="constrained")
+    for ax, axis in ((side, 2), (above, 1)):
+        for hand, colour in ((0, BLUE), (1, ORANGE)):
+            ax.plot(places[:, hand, 0], places[:, hand, axis], color=colour, label=f"hand of arm {hand + 1}")
+        for pair in places[::20]:
+            ax.plot(pair[:, 0], pair[:, axis], color=GREY, linewidth=1.4)
+    side.add_patch(plt.Rectangle((x - radius, z - half), 2 * radius, 2 * half, color="#dddddd"))
+    above.add_patch(plt.Circle((x, y), radius, color="#dddddd"))
+    side.set(xlabel="x, m", ylabel="z, m", title="from the side", aspect="equal")
+    above.set(xlabel="x, m", ylabel="y, m", title="from above", aspect="equal")
+    side.legend(fontsize=8)
+    return figure
+
+
+def certificates():
+    """The reserves of the promises of a motion on the intervals of its certificate."""
+    with tempfile.TemporaryDirectory() as folder:
+        aghf(folder, "solve", "limits_01", "--no-report", "--out", "run")
+        aghf(folder, "certify", "limits_01", "run", "--out", "certificate.json")
+        certificate = json.loads((Path(folder) / "certificate.json").read_text())
+    segments, horizon = len(certificate["coefficients"]), certificate["horizon_s"]
+    figure, ax = plt.subplots(figsize=(6.4, 3.0), layout="constrained")
+    for number, (promise, colour) in enumerate(zip(certificate["promises"], [BLUE, ORANGE, GREEN])):
+        edges, reserves = [], []
+        for segment, begin, end, least, _ in certificate["intervals"]:
+            edges += [horizon * (segment + (1 + time) / 2) / segments for time in (begin, end)]
+            reserves += 2 * [least[number]]
+        ax.plot(edges, reserves, color=colour, label=promise)
+    ax.set(xlabel="t, s", ylabel="least reserve / limit", yscale="log")
+    ax.legend(fontsize=8)
+    return figure
+
+
 def standing():
     """The centre of pressure of Digit's step and stretch, pinned to the ground and on its sole, by Pinocchio."""
     model = pinocchio.buildModelFromUrdf(str(DIGIT / "digit_v3_pinned.urdf"), pinocchio.JointModelFreeFlyer())
@@ -150,8 +262,8 @@ def standing():
     figure, axes = plt.subplots(1, 2, figsize=(8.4, 2.8), layout="constrained", sharex=True, sharey=True)
     for ax, motion in zip(axes, ["step", "stretch"]):
         for kind, colour, label in [("free", ORANGE, "pinned"), ("stand", BLUE, "on its sole")]:
-            table, summary = solved(str(DIGIT / f"digit_{kind}_{motion}.json"))
-            ax.plot(*centre(table), color=colour, linewidth=1.4,
+            columns, summary = solved(str(DIGIT / f"digit_{kind}_{motion}.json"))
+            ax.plot(*centre(columns), color=colour, linewidth=1.4,
                     label=f"{label}: effort {summary['control_effort']:.0f}")
         ax.add_patch(plt.Rectangle((-0.1175, -0.04), 0.235, 0.08, fill=False, color="black"))
         # Where the pinned foot pulls at the ground its centre of pressure is anywhere.
@@ -178,7 +290,8 @@ def degree():
 
 def written(name, figure):
     """Writes an SVG for inclusion in a page of rustdoc: no declaration, no metadata, no empty line."""
-    path = next(folder / f"{name}.svg" for folder in PICTURES if (folder / f"{name}.svg").exists())
+    folder = GUIDE if name in ("methods", "degree") else SCENARIOS
+    path = folder / "pictures" / f"{name}.svg"
     figure.savefig(path, metadata={"Date": None, "Creator": None}, facecolor="white")
     plt.close(figure)
     text = path.read_text(encoding="utf-8")
@@ -197,7 +310,8 @@ def svg_head(found):
 
 
 def main():
-    known = {function.__name__: function for function in [first_motion, methods, obstacles, degree, standing]}
+    all_of_them = [first_motion, obstacles, limits, objectives, goals, standing, certificates, methods, degree]
+    known = {function.__name__: function for function in all_of_them}
     unknown = [name for name in sys.argv[1:] if name not in known]
     if unknown:
         sys.exit(f"no picture {', '.join(unknown)}: there are {', '.join(known)}")

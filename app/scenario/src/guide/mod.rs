@@ -10,12 +10,15 @@ pub mod first_motion {}
 pub mod asking_for_more {}
 
 #[doc = include_str!("limits.md")]
+#[doc = include_str!("pictures/limits.svg")]
 pub mod limits {}
 
 #[doc = include_str!("objectives.md")]
+#[doc = include_str!("pictures/objectives.svg")]
 pub mod objectives {}
 
 #[doc = include_str!("goals.md")]
+#[doc = include_str!("pictures/goals.svg")]
 pub mod goals {}
 
 #[doc = include_str!("standing.md")]
@@ -26,4 +29,5 @@ pub mod standing {}
 pub mod variants {}
 
 #[doc = include_str!("certificates.md")]
+#[doc = include_str!("pictures/certificates.svg")]
 pub mod certificates {}
