@@ -1,6 +1,7 @@
 //! The commands in the blocks of the guide's pages, run as a reader would.
 
 use crate::command::{aghf, empty_folder};
+use aghf_cli::sweep::Sweep;
 use aghf_scenario::ScenarioFile;
 use std::path::Path;
 
@@ -74,14 +75,16 @@ fn the_commands_of_the_pages_run() {
 fn the_keys_of_the_pages_are_those_of_a_scenario() {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
     let mut read = 0;
-    for page in [
-        "asking_for_more",
-        "goals",
-        "limits",
-        "objectives",
-        "standing",
+    for (package, page) in [
+        ("scenario", "asking_for_more"),
+        ("scenario", "goals"),
+        ("scenario", "limits"),
+        ("scenario", "objectives"),
+        ("scenario", "standing"),
+        ("cli", "export"),
+        ("cli", "real_robots"),
     ] {
-        let path = root.join(format!("app/scenario/src/guide/{page}.md"));
+        let path = root.join(format!("app/{package}/src/guide/{page}.md"));
         let text = std::fs::read_to_string(&path).expect("the page is there");
         for keys in blocks(&text, "json") {
             if keys.starts_with('"') {
@@ -98,5 +101,18 @@ fn the_keys_of_the_pages_are_those_of_a_scenario() {
             }
         }
     }
-    assert!(read >= 3, "{read} blocks");
+    assert!(read >= 5, "{read} blocks");
+}
+
+/// The sweep of its page, with a robot that is built in.
+#[test]
+fn the_sweep_of_its_page_is_read() {
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    let text = std::fs::read_to_string(root.join("app/cli/src/guide/sweeps.md"));
+    let text = text.expect("the page is there");
+    let path = empty_folder("page_sweeps").join("grid.toml");
+    let grid = blocks(&text, "toml")[0].replace("ur10.urdf", "kinova_gen3");
+    std::fs::write(&path, grid).expect("writable");
+    let sweep = Sweep::load(&path.to_string_lossy()).expect("it is right");
+    assert_eq!(sweep.sets.len(), 10 * 2 * 2 * 3 * 3 * 3 * 2);
 }

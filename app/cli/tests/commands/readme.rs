@@ -47,6 +47,37 @@ fn the_table_of_commands_names_options_that_are_there() {
     assert!(seen > 15, "{seen} options");
 }
 
+/// Every command in a page of the guides has a page of help, with the options that it has there.
+#[test]
+fn the_commands_of_all_pages_have_their_options() {
+    let folder = empty_folder("page_options");
+    let mut seen = 0;
+    for guide in ["src/guide", "app/scenario/src/guide", "app/cli/src/guide"] {
+        let pages = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(guide);
+        for file in std::fs::read_dir(&pages).expect("it is there") {
+            let path = file.expect("it can be read").path();
+            if path.extension().is_none_or(|kind| kind != "md") {
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).expect("it is text");
+            for command in commands(&text) {
+                let names = command
+                    .iter()
+                    .take_while(|word| word.chars().all(|c| c.is_ascii_lowercase()));
+                let words: Vec<&str> = names.map(String::as_str).chain(["--help"]).collect();
+                let help = aghf(&folder, &words);
+                assert_eq!(help.code, Some(0), "{}: {command:?}", path.display());
+                for option in command.iter().filter(|word| word.starts_with("--")) {
+                    let known = help.stdout.contains(option.as_str());
+                    assert!(known, "{}: {command:?} has no {option}", path.display());
+                    seen += 1;
+                }
+            }
+        }
+    }
+    assert!(seen > 30, "{seen} options");
+}
+
 /// The commands of the README, on a robot and a scenario where it leaves the choice; those that open a browser or take
 /// long only exist.
 #[test]
