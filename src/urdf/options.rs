@@ -14,9 +14,9 @@ crate::names::named_enum! {
 /// Such a joint does not fit the model: in every algorithm of this library joint `i` moves body `i` and is degree of
 /// freedom `i`, with an independent force.
 pub enum Mimic("mimic") {
-    /// Refuse the robot.
+    /// Refuses the robot.
     Refuse = "refuse",
-    /// Let it move by itself, with a note, as Pinocchio's `buildModelFromUrdf` does by default.
+    /// Lets each mimic joint move by itself, with a note, as Pinocchio's `buildModelFromUrdf` does by default.
     Independent = "independent",
 }
 }

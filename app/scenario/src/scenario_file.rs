@@ -52,8 +52,8 @@ pub struct ScenarioFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub srdf: Option<PathBuf>,
     /// The group of the SRDF whose joints are planned. All others are locked: where `locked_joints` says, otherwise in
-    /// `held_state`, otherwise, a mimic joint, where its master takes it, otherwise as close to zero as their limits
-    /// allow. A scenario that was read has these as `locked_joints`.
+    /// `held_state`, otherwise, for a mimic joint, at the position that its master gives it, otherwise as close to zero
+    /// as their limits allow. A scenario that was read has these as `locked_joints`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub group: Option<String>,
     /// The name of a state in the SRDF where joints outside of the group are held; it may have one for each of several

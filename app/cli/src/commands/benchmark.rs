@@ -14,7 +14,7 @@ const DOWNLOAD: &str = "to get it: pip download --no-deps --no-binary vamp-plann
     tar xjf vamp_planner-0.6.4/resources/panda/problems.tar.bz2 -C vamp_planner-0.6.4/resources/panda; \
     then name vamp_planner-0.6.4/resources/panda";
 
-/// Solve the planning problems of a folder one by one on one core, judge each motion, and report by family.
+/// Solves the planning problems of a folder one by one on one core, judges each motion, and reports by family.
 ///
 /// The folder contains scenarios, FAMILY_NUMBER.json, such as robots/panda/scenarios; or one folder per family with
 /// MoveIt's planning scenes and requests, sceneNUMBER.yaml and requestNUMBER.yaml, directly or in a subfolder

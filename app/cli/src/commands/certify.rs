@@ -13,14 +13,14 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Prove that a motion keeps the promises of its scenario at all times, and write the proof.
+/// Proves that a motion keeps the promises of its scenario at all times, and writes the proof.
 ///
 /// Limits of positions, velocities, accelerations, jerks and torques, clearances, conditions along the way and the
 /// force on a standing foot are proved for every time, not for samples, and the states at both ends and at waypoints,
-/// with rounding accounted for. The certificate lists intervals and a reserve
-/// of each promise on each; `aghf-check` and `python -m aghf.check_certificate` check it with code of their own. Exit
-/// code 1, and no file, if a promise is broken or cannot be proved; the message names each row, its time and its
-/// excess. What the scenario asks for and no certificate covers yet is listed in it and printed, with exit code 4.
+/// with rounding accounted for. The certificate lists intervals and a reserve of each promise on each; `aghf-check` and
+/// `python -m aghf.check_certificate` check it with code of their own. Exit code 1, and no file, if a promise is broken
+/// or cannot be proved; the message names each row, its time and its excess. Parts of the scenario that certificates do
+/// not cover yet are listed in it and printed, with exit code 4.
 #[derive(Debug, Args)]
 pub(super) struct Certify {
     /// A built-in or generated scenario, or the path of a JSON file, "-" for the standard input.
@@ -36,7 +36,7 @@ pub(super) struct Certify {
     /// all is proved for positions within it, with the velocities and accelerations of the motion.
     #[arg(long, value_name = "RAD", default_value_t = 0.0)]
     tracking_error: f64,
-    /// Replace the file if it exists.
+    /// Replaces the file if it exists.
     #[arg(long)]
     force: bool,
 }
@@ -88,7 +88,7 @@ fn json(value: &impl Serialize) -> Result<String> {
     Ok(format!("{}\n", String::from_utf8_lossy(&text)))
 }
 
-/// Check a certificate with code that shares nothing with the planner, as the program `aghf-check` does.
+/// Checks a certificate with code that shares nothing with the planner, as the program `aghf-check` does.
 ///
 /// Exit code 1 and the reason if it is refused.
 #[derive(Debug, Args)]

@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 use std::process::ExitCode;
 
-/// Compare every analytic derivative with dual numbers at random states of a robot, and the direct method with the
+/// Compares every analytic derivative with dual numbers at random states of a robot, and the direct method with the
 /// flow.
 ///
 /// Prints the worst relative error of each quantity, its entry in the matrix and the number of its state; the same seed
@@ -25,7 +25,7 @@ pub(super) struct Check {
     /// Seed of the states.
     #[arg(long, default_value_t = CheckOptions::default().seed)]
     seed: u64,
-    /// Print JSON.
+    /// Prints JSON.
     #[arg(long)]
     json: bool,
 }

@@ -12,7 +12,7 @@ use std::process::ExitCode;
 /// The summaries in the folder of a solve, that of a success first.
 const SUMMARIES: [&str; 2] = [REPORT_FILES[1], REPORT_FILES[4]];
 
-/// Show two motions side by side in time, on one page.
+/// Shows two motions side by side in time, on one page.
 ///
 /// They may belong to one scenario solved by two methods, or to two scenarios.
 #[derive(Debug, Args)]
@@ -24,7 +24,7 @@ pub(super) struct Compare {
     /// File for the page.
     #[arg(long, short, default_value = "compare.html")]
     out: PathBuf,
-    /// Replace the file if it exists.
+    /// Replaces the file if it exists.
     #[arg(long)]
     force: bool,
 }

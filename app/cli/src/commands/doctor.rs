@@ -7,12 +7,12 @@ use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Say what the file of a robot can be used for, and what is in the way.
+/// Examines the file of a robot, and lists faults that prevent its use.
 ///
 /// Each finding comes with the key of a scenario, the option or the change of the file as its remedy: joints and mimic
 /// joints, inertias, limits, losses, collision shapes with the balls that cover them, and links that overlap at zero or
-/// in the named states of an SRDF. What the other commands refuse is a finding here, and the rest is examined without
-/// it. Exit code 3 if no key makes it possible to plan motions.
+/// in the named states of an SRDF. Faults for which the other commands refuse the file are listed, and the rest is
+/// examined without them. Exit code 3 if no key makes it possible to plan motions.
 #[derive(Debug, Args)]
 pub(super) struct Doctor {
     /// The path of a URDF file, "-" for the standard input, or a built-in robot.
@@ -26,7 +26,7 @@ pub(super) struct Doctor {
     /// or a cylinder a tenth of its smallest extent, from 0.005 to 0.02].
     #[arg(long, allow_negative_numbers = true)]
     excess: Option<f64>,
-    /// Print JSON.
+    /// Prints JSON.
     #[arg(long)]
     json: bool,
 }

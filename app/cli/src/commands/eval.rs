@@ -8,7 +8,7 @@ use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Evaluate the dynamics of a robot at a given state and print JSON, to compare with other code.
+/// Evaluates the dynamics of a robot at a given state and prints JSON, to compare with other code.
 ///
 /// INPUT is a JSON file with the keys q, v, a, or with x, xdot, xddot, k; "-" reads the standard input. With x, q and v
 /// are its halves and a is the second half of xdot. Joints are numbered as in `aghf robots ROBOT`. Matrices are lists

@@ -11,7 +11,7 @@ use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Write the motion of a solve for ROS 2.
+/// Writes the motion of a solve for ROS 2.
 ///
 /// A trajectory is a trajectory_msgs/JointTrajectory with positions, velocities, accelerations, efforts and
 /// time_from_start, for a controller of joints; `aghf judge` reads it back. An MCAP file is a recording that Foxglove,
@@ -31,7 +31,7 @@ pub(super) struct Export {
     /// The file [default: trajectory.yaml, trajectory.json or motion.mcap beside the summary].
     #[arg(long, short)]
     out: Option<PathBuf>,
-    /// Replace the file if it exists.
+    /// Replaces the file if it exists.
     #[arg(long)]
     force: bool,
 }

@@ -9,7 +9,7 @@ use serde_json::json;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Find joint positions that take a frame of a robot to a pose.
+/// Finds joint positions that take a frame of a robot to a pose.
 ///
 /// The search is the one by which `aghf solve` finds the ends of goals. The positions are within the limits of the
 /// joints, and the motors hold them; the nearest to `--near` comes first. There is one row per configuration, with a
@@ -47,7 +47,7 @@ pub(super) struct Ik {
     /// limits allow].
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
     near: Option<Vec<f64>>,
-    /// Print JSON.
+    /// Prints JSON.
     #[arg(long)]
     json: bool,
 }

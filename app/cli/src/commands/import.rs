@@ -10,7 +10,7 @@ use clap::{Args, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Convert the problem of another planner to a scenario.
+/// Converts the problem of another planner to a scenario.
 #[derive(Debug, Args)]
 pub(super) struct Import {
     #[command(subcommand)]
@@ -22,11 +22,12 @@ enum From {
     Moveit(FromMoveIt),
 }
 
-/// Convert a planning scene and a planning request of MoveIt, both in YAML, to a scenario.
+/// Converts a planning scene and a planning request of MoveIt, both in YAML, to a scenario.
 ///
-/// The motion goes from the joint state of the request to its goal in joint space, at rest at both ends, within all
-/// limits of the robot; joints without a goal are locked. Boxes, cylinders and spheres of the scene are obstacles. The
-/// robot has the shapes of its URDF. A scenario is written only if all of the input could be read.
+/// The motion goes from the joint state of the request to its goal, by joints or by pose, at rest at both ends, within
+/// all limits of the robot, and keeps path constraints; joints outside of the goal, for a goal by pose outside of the
+/// group, are locked. Boxes, cylinders and spheres of the scene are obstacles. The robot has the shapes of its URDF. A
+/// scenario is written only if all of the input could be read.
 #[derive(Debug, Args)]
 struct FromMoveIt {
     /// The planning scene.
@@ -60,7 +61,7 @@ struct FromMoveIt {
     /// File for the scenario.
     #[arg(long, short)]
     out: PathBuf,
-    /// Replace that file if it exists.
+    /// Replaces that file if it exists.
     #[arg(long)]
     force: bool,
 }

@@ -9,7 +9,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Judge a trajectory from any source: is it a motion of the scenario?
+/// Judges whether a trajectory from any source is a motion of the scenario.
 ///
 /// The trajectory is a trajectory_msgs/JointTrajectory in a file that ends in .yaml, .yml or .json, as `aghf export`
 /// writes it, or a table, a CSV file as `aghf solve` writes it: a column t in s, a column q_JOINT for every joint, and
@@ -36,7 +36,7 @@ pub(super) struct Judge {
     /// File for the verdict as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
-    /// Replace that file if it exists.
+    /// Replaces that file if it exists.
     #[arg(long, requires = "json")]
     force: bool,
 }

@@ -48,7 +48,7 @@ const FAILED: u8 = 3;
 /// Exit code for a certificate that does not cover all of its scenario.
 const IN_PART: u8 = 4;
 
-/// Plans motions of robots with the Affine Geometric Heat Flow.
+/// Plans motions of robots by a direct method, or by the Affine Geometric Heat Flow.
 ///
 /// Without a command it plans a motion for kinova_table_01: an arm over a table and around a post, within all limits,
 /// with a cost of the duration.
@@ -95,7 +95,7 @@ struct UrdfArgs {
     /// The link that becomes the root of the robot, such as the foot on which it stands [default: that of the file].
     #[arg(long, value_name = "LINK")]
     root: Option<String>,
-    /// Count the damping and the friction in the URDF, which are left out otherwise.
+    /// Counts the damping and the friction in the URDF, which are left out otherwise.
     #[arg(long)]
     losses: bool,
     #[command(flatten)]

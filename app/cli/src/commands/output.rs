@@ -12,7 +12,7 @@ pub(super) struct OutArgs {
     /// necessary].
     #[arg(long)]
     out: Option<PathBuf>,
-    /// Replace files that exist.
+    /// Replaces files that exist.
     #[arg(long)]
     force: bool,
 }

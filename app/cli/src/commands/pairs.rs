@@ -9,7 +9,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// List the pairs of links of a robot that may overlap, with the reasons.
+/// Lists the pairs of links of a robot that may overlap, with the reasons.
 ///
 /// The pairs are those that an SRDF disables, otherwise neighbours, and pairs that overlap at each of 10000 random
 /// configurations. The file can be edited, and used by a scenario: "self_collision": {"ignored_pairs_file":
@@ -30,7 +30,7 @@ pub(super) struct Pairs {
     /// File for the pairs [default: printed].
     #[arg(long, short)]
     out: Option<PathBuf>,
-    /// Replace that file if it exists.
+    /// Replaces that file if it exists.
     #[arg(long, requires = "out")]
     force: bool,
 }

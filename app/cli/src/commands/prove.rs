@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 use std::process::ExitCode;
 
-/// Prove every numbered equation over a prime field, at random robots and states, and print the ledger.
+/// Proves every numbered equation over a prime field, at random robots and states, and prints the ledger.
 ///
 /// Both sides of an equation are computed exactly and compared with ==. A false identity would pass with at most the
 /// printed probability. Exit code 1 if an identity fails; the output names it, its conventions, and the first entry
@@ -21,7 +21,7 @@ pub(super) struct Prove {
     /// Seed of the points.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Print JSON.
+    /// Prints JSON.
     #[arg(long)]
     json: bool,
 }

@@ -10,23 +10,23 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// List the built-in robots, or show one: joints, limits, masses, and notes from loading.
+/// Lists the built-in robots, or shows one: joints, limits, masses, and notes from loading.
 #[derive(Debug, Args)]
 pub(super) struct Robots {
     /// A built-in robot, or the path of a URDF file, "-" for the standard input [default: list all built-in ones].
     robot: Option<String>,
     #[command(flatten)]
     reading: UrdfArgs,
-    /// Write the robot that was read to this file as a URDF, shapes included, fixed joints merged.
+    /// Writes the robot that was read to this file as a URDF, shapes included, fixed joints merged.
     #[arg(long, requires = "robot")]
     urdf: Option<PathBuf>,
     /// An SRDF, whose spheres replace the shapes of their links.
     #[arg(long, requires = "robot")]
     srdf: Option<PathBuf>,
-    /// Replace that file if it exists.
+    /// Replaces that file if it exists.
     #[arg(long, requires = "urdf")]
     force: bool,
-    /// Print JSON.
+    /// Prints JSON.
     #[arg(long)]
     json: bool,
 }

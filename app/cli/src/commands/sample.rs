@@ -10,7 +10,7 @@ use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Make a table of a motion from the summary of a solve, at any rate.
+/// Makes a table of a motion from the summary of a solve, at any rate.
 ///
 /// The columns are those of trajectory.csv: t (s), then q_JOINT (rad or m), v_JOINT (rad/s or m/s), a_JOINT (rad/s^2 or
 /// m/s^2) and u_JOINT (N m or N) of every joint. For a failed solve the first line is a comment, after a #, that gives
@@ -24,7 +24,7 @@ pub(super) struct Sample {
     /// File for the table [default: the standard output].
     #[arg(long)]
     out: Option<PathBuf>,
-    /// Replace the file if it exists.
+    /// Replaces the file if it exists.
     #[arg(long, requires = "out")]
     force: bool,
 }

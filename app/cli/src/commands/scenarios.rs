@@ -10,7 +10,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// List the built-in and generated scenarios, or print one as a JSON file.
+/// Lists the built-in and generated scenarios, or prints one as a JSON file.
 ///
 /// Generated ones are called FAMILY_SEED; ten of each family are listed, and any other seed gives a new one.
 #[derive(Debug, Args)]
@@ -19,15 +19,15 @@ pub(super) struct Scenarios {
     scenario: Option<String>,
     #[command(flatten)]
     robot: RobotArgs,
-    /// Print the JSON Schema of scenario files instead, which a file may name as "$schema" for completion in an editor,
-    /// or that of the options of a solve.
+    /// Prints the JSON Schema of scenario files instead, which a file may name as "$schema" for completion in an
+    /// editor, or that of the options of a solve.
     #[arg(long, value_name = "OF", num_args = 0..=1, default_missing_value = "scenario",
         conflicts_with_all = ["scenario", "keys"])]
     schema: Option<Keys>,
-    /// Print a Markdown table of the keys of scenario files instead, or of the options of a solve.
+    /// Prints a Markdown table of the keys of scenario files instead, or of the options of a solve.
     #[arg(long, value_name = "OF", num_args = 0..=1, default_missing_value = "scenario", conflicts_with = "scenario")]
     keys: Option<Keys>,
-    /// Rewrite a scenario file of version 0.2 in the form of this version, with the same meaning: defaults that have
+    /// Rewrites a scenario file of version 0.2 in the form of this version, with the same meaning: defaults that have
     /// changed are written out.
     #[arg(long, requires = "scenario",
         conflicts_with_all = ["schema", "keys", "robot", "mimic", "packages", "group", "srdf"])]
@@ -35,7 +35,7 @@ pub(super) struct Scenarios {
     /// File for the scenario [default: printed].
     #[arg(long, short, requires = "scenario")]
     out: Option<PathBuf>,
-    /// Replace that file if it exists.
+    /// Replaces that file if it exists.
     #[arg(long, requires = "out")]
     force: bool,
 }
@@ -43,9 +43,9 @@ pub(super) struct Scenarios {
 /// The keys that are described.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Keys {
-    /// Those of scenario files.
+    /// The keys of scenario files.
     Scenario,
-    /// Those of the options of a solve.
+    /// The options of a solve.
     Options,
 }
 

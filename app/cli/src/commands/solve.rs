@@ -20,16 +20,16 @@ use std::time::Duration;
 /// minute, after which few people still wait.
 const TIME_LIMIT: Duration = Duration::from_secs(60);
 
-/// Solve a scenario and write the trajectory.
+/// Solves a scenario and writes the trajectory.
 ///
 /// `aghf scenarios` lists the built-in scenarios. The default parameters of the flow are those of the scenario. A new
 /// folder, out/SCENARIO or out/SCENARIO-2 and so on, gets trajectory.csv (t in s, then q, v, a and u of every joint;
 /// for more rows see `aghf sample`), summary.json, from which the solve can be repeated, and report.html, a page that
-/// shows the motion (`aghf view` opens it). The verdict is optimal, valid, which is a motion that keeps everything of a
-/// search that has not converged, or not valid, with the worst violations; then the files are called
-/// trajectory.failed.csv and so on, next to those of an earlier motion. Ctrl-C ends the search with the best motion so
-/// far, and so do 60 s unless --time-limit-s is given. A walk, a scenario with phases, gets a folder of such files per
-/// phase: phase_1 and so on.
+/// shows the motion (`aghf view` opens it). The verdict is optimal; valid, if the motion keeps everything but the
+/// search has not converged; or not valid, with the worst violations: then the files are called trajectory.failed.csv
+/// and so on, next to those of an earlier motion. Ctrl-C, or a limit of 60 s unless --time-limit-s is given, ends the
+/// search with the best motion so far. A walk, a scenario with phases, gets a folder of such files per phase: phase_1
+/// and so on.
 #[derive(Debug, Args)]
 pub(super) struct SolveArgs {
     /// A built-in scenario, or the path of a JSON file, "-" for the standard input: a scenario, or the summary.json of
@@ -40,7 +40,7 @@ pub(super) struct SolveArgs {
     robot: RobotArgs,
     #[command(flatten)]
     options: OptionArgs,
-    /// Start from the motion of another solve, its folder or summary.json, instead of from several starts; goal,
+    /// Starts from the motion of another solve, its folder or summary.json, instead of from several starts; goal,
     /// obstacles and limits may be others. For direct.
     #[arg(long, value_name = "RUN")]
     start: Option<PathBuf>,
@@ -48,13 +48,13 @@ pub(super) struct SolveArgs {
     sampling: SamplingArgs,
     #[command(flatten)]
     out: OutArgs,
-    /// Do not write report.html, the page that shows the motion.
+    /// Leaves out report.html, the page that shows the motion.
     #[arg(long)]
     no_report: bool,
-    /// Print only the summary, as JSON.
+    /// Prints only the summary, as JSON.
     #[arg(long)]
     json: bool,
-    /// Print a line for every stage of the search to the standard error.
+    /// Prints a line for every stage of the search to the standard error.
     #[arg(long, short)]
     verbose: bool,
 }

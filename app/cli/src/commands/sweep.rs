@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 /// The interval of progress lines if no terminal shows a bar.
 const LINE_EVERY: Duration = Duration::from_secs(60);
 
-/// Solve scenarios with every combination of parameters of a grid, on all cores, and rank the parameters.
+/// Solves scenarios with every combination of parameters of a grid, on all cores, and ranks the parameters.
 ///
 /// Built in: table_09_pendulums, table_10_kinova, table_11_digit, table_12_kinova_obstacles, table_13_digit_obstacles,
 /// table_09_quick, table_10_quick, direct_quick, direct_limits_quick. The tables are the paper's, for the flow; the
@@ -30,10 +30,10 @@ pub(super) struct Sweep {
     /// Number of parallel solves [default: number of cores].
     #[arg(long)]
     jobs: Option<usize>,
-    /// Solve only one part of several, such as 2/8, to distribute a sweep over machines.
+    /// Solves only one part of several, such as 2/8, to distribute a sweep over machines.
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Join the results of shards instead of solving.
+    /// Joins the results of shards instead of solving.
     #[arg(long, conflicts_with_all = ["jobs", "shard"])]
     merge: bool,
     /// Files to join [default: all results.shard-*.csv in the folder].

@@ -13,7 +13,7 @@ use clap::Args;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Show how much effort less time costs: motions of a scenario from the least duration to the least effort.
+/// Shows the trade-off between duration and effort: motions of a scenario from the least duration to the least effort.
 ///
 /// Each motion is found from the one before, so that twenty take about as long as a few solves; the objective of the
 /// scenario has no effect. A new folder, out/tradeoff/SCENARIO, gets tradeoff.csv, report.html, a page with the curve

@@ -15,7 +15,7 @@ const PAGES: [&str; 2] = ["report.html", "report.failed.html"];
 const LONGEST_REQUEST: u64 = 1 << 14;
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 
-/// Open the page of a motion, a sweep or another experiment in a browser.
+/// Opens the page of a motion, a sweep or another experiment in a browser.
 ///
 /// Without a browser, or with --serve, the page is served to the browsers of this machine until Ctrl-C, and its address
 /// is printed.
@@ -23,7 +23,7 @@ const LONGEST_WAIT: Duration = Duration::from_secs(5);
 pub(super) struct View {
     /// Folder of a solve, a sweep or another experiment, or the path of a page.
     path: PathBuf,
-    /// Serve the page at http://127.0.0.1:PORT/ [default of PORT: a free one].
+    /// Serves the page at http://127.0.0.1:PORT/ [default of PORT: a free one].
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "0")]
     serve: Option<u16>,
 }

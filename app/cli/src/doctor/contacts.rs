@@ -118,8 +118,8 @@ fn zero(model: &Model) -> Vec<f64> {
     joints.map(|joint| joint.limits().nearest(0.0)).collect()
 }
 
-/// A named state, in which other joints are at zero and mimic joints follow theirs; findings about what of it does not
-/// fit the robot.
+/// A named state, in which other joints are at zero and mimic joints follow theirs; findings about joints of it that do
+/// not fit the robot.
 fn configuration(
     state: &GroupState,
     (model, followers): (&Model, &[Follower]),

@@ -1,4 +1,4 @@
-//! What the file of a robot can be used for, and what is in the way.
+//! The examination of the file of a robot: faults that prevent its use.
 
 mod contacts;
 mod elements;
@@ -35,7 +35,7 @@ pub struct Examination {
     pub excess: Option<f64>,
 }
 
-/// What was found out about a robot.
+/// The findings about a robot.
 #[derive(Clone, Debug, Serialize)]
 pub struct Diagnosis {
     /// The name of the robot as it was given.
@@ -52,9 +52,9 @@ pub struct Diagnosis {
     pub kept_clear: &'static str,
     /// The collision shapes, if the dynamics could be built.
     pub shapes: Shapes,
-    /// The configurations that were looked at: zero, and the named states of the SRDF.
+    /// The configurations that were examined: zero, and the named states of the SRDF.
     pub states: Vec<State>,
-    /// What matters to a user.
+    /// The findings that matter to a user.
     pub findings: Vec<Finding>,
 }
 
@@ -74,7 +74,7 @@ pub enum Plannable {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
-    /// The robot is refused, whatever the keys.
+    /// The robot is refused with any keys.
     Refused,
     /// The robot is refused without a key or an option.
     NeedsKey,
@@ -91,7 +91,7 @@ pub struct Finding {
     pub kind: &'static str,
     /// Their names.
     pub names: Vec<String>,
-    /// What is true of them.
+    /// The fault.
     pub condition: String,
     /// The key, the option or the change of the file that remedies it; empty if nothing needs to be.
     pub remedy: String,
@@ -135,7 +135,7 @@ impl Finding {
     }
 }
 
-/// Examines a robot. What the reader of a robot refuses is a finding, and the rest is examined without it.
+/// Examines a robot. Faults for which the reader refuses the robot are findings, and the rest is examined without them.
 ///
 /// # Errors
 /// The excess is not positive, a file cannot be read, or the robot is no URDF.
@@ -197,7 +197,7 @@ pub fn examine(examination: &Examination) -> Result<Diagnosis> {
 }
 
 impl Diagnosis {
-    /// Adds the shapes of the links and what of them overlaps.
+    /// Adds the shapes of the links and those that overlap.
     fn of_shapes(
         &mut self,
         (model, followers): (&Model, &[Follower]),

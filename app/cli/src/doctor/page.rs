@@ -50,7 +50,7 @@ pub fn page(diagnosis: &Diagnosis) -> String {
     text.trim_end().to_owned()
 }
 
-/// A finding in a line, and what remedies it in the next.
+/// A finding in a line, and its remedy in the next.
 fn in_words(finding: &Finding) -> String {
     let Finding {
         kind,

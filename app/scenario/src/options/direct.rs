@@ -41,7 +41,7 @@ pub struct DirectOptions {
     /// by default 3e-6.
     pub reserve: Option<f64>,
     /// Number of starts; by default 32 up to 7 joints and fewer beyond, 1 within limits of the joints, on a standing
-    /// foot or if links keep clear of each other, 40 with passive joints. There are more while none ends within the
+    /// foot or if links keep clear of each other, 40 with passive joints. More follow until one satisfies the
     /// constraints.
     pub starts: Option<usize>,
     /// Seed of the starts; by default 0.

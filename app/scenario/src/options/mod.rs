@@ -23,7 +23,7 @@ use std::time::Duration;
 aghf::names::named_enum! {
 /// A method for solving a scenario. All flows minimise the action of a Lagrangian.
 pub enum Method("method") {
-    /// Direct minimisation of the control effort by Newton's method, to the limit of the flow.
+    /// Direct minimisation of the objective within all constraints, by an interior-point method.
     Direct = "direct",
     /// The Affine Geometric Heat Flow as published (Algorithm B3): collocated, constraints as penalties.
     Flow = "flow",

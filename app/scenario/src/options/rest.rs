@@ -18,7 +18,7 @@ pub struct RestOptions {
     pub segments: Option<usize>,
     /// Relative norm of the gradient at the end; by default 1e-6, with a flow to rest without constraints 1e-8.
     pub tolerance: Option<f64>,
-    /// Number of starts; by default 1, with passive joints 40. There are more while none ends within the constraints.
+    /// Number of starts; by default 1, with passive joints 40. More follow until one satisfies the constraints.
     pub starts: Option<usize>,
     /// Seed of the starts; by default 0.
     pub seed: Option<u64>,
