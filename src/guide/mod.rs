@@ -7,8 +7,8 @@
 //! `aghf-cli`.
 //!
 //! To extend: one page for each thing that a user can replace, with an example that is compiled and run as a test. Each
-//! of these has the same shape: what the trait asks for, an object of one's own, what [`verify`](crate::verify) says of
-//! it, where it goes, and what the limits are.
+//! of these has the same shape: the requirements of the trait, an object of one's own, its check by
+//! [`verify`](crate::verify), its use, and its limits.
 //!
 //! | to replace | implement | verified by |
 //! | --- | --- | --- |
@@ -16,13 +16,13 @@
 //! | a [constraint](mod@constraint) | [`Constraint`](crate::constraint::Constraint) | dual numbers |
 //! | the [Jacobian](jacobian) of the flow | [`NodeJacobian`](crate::flow::jacobian::NodeJacobian) | dual numbers |
 //! | the [running cost](mod@running_cost) of the direct method | a closure, or [`RunningCost`](crate::cost::RunningCost) | dual numbers |
-//! | the [optimiser](mod@optimiser): its barrier rule, its constants | [`BarrierUpdate`](crate::nlp::BarrierUpdate) | the same minimum |
+//! | the [optimiser](mod@optimiser): its barrier rule, its constants, its basis | [`BarrierUpdate`](crate::nlp::BarrierUpdate) | the same minimum |
 //! | the [scalar](mod@scalar) | [`Scalar`](crate::scalar::Scalar) | the laws of a field, and derivatives |
 //! | the [integrator](mod@integrator) | [`Integrator`](crate::ode::Integrator) | its order on a known solution |
 //! | the kind of [joint](mod@joint) | an edit in this crate | dual numbers and the field |
 //!
-//! [A crate of your own](your_crate) says what its `Cargo.toml` needs, a profile for debug builds above all, and which
-//! examples there are to begin with.
+//! [A crate of your own](your_crate) has the contents of its `Cargo.toml`, above all a profile for debug builds, and
+//! lists examples to begin with.
 
 #[doc = include_str!("methods.md")]
 #[doc = include_str!("pictures/methods.svg")]
