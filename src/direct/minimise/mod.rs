@@ -192,6 +192,10 @@ fn take_end<K: Constraint, P: CostWithControl>(
     candidate.kept =
         rows.count() > 0 && !candidate.converged && violation <= stage.feasible && !rough;
     program.put(&x, candidate);
+    if stage.last && !candidate.converged {
+        // The finer quadrature may be that of another iterate.
+        program.is_coarse(true)?;
+    }
     [candidate.cost, candidate.quadrature_error] = program.finer_cost;
     let time = program.free.weight * candidate.horizons.whole();
     candidate.objective = candidate.cost + time;

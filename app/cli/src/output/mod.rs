@@ -20,7 +20,7 @@ pub use folder::{OutputFolder, refuse_existing};
 pub use json::write_json;
 pub use judgement::{judgement_table, verdict};
 pub use rows::csv_of;
-pub(crate) use rows::{cost_of, csv_cell};
+pub(crate) use rows::{cost_of, csv_cell, minimised};
 pub use table::{
     check_table, configurations_table, robot_table, scenario_table, summary_table, verdict_table,
 };

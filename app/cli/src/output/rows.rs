@@ -2,7 +2,7 @@
 
 use super::table::short;
 use aghf::error::{Error, Result};
-use aghf_scenario::{Method, Summary};
+use aghf_scenario::{Details, Method, Preset, Summary};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -42,8 +42,27 @@ pub(crate) fn csv_cell(value: &Value) -> String {
     }
 }
 
-/// The cost, with the objective that makes it another number than the control effort.
-pub(crate) fn cost_of(summary: &Summary, cost: f64) -> String {
+/// The quantity that a solve minimises: with least time the horizon, s.
+pub(crate) fn minimised(summary: &Summary) -> f64 {
+    match &summary.details {
+        Details::Flow(flow) => flow.action,
+        Details::Rest(rest) => rest.action,
+        Details::Direct(direct) if is_least_time(summary) => direct.horizon_s,
+        Details::Direct(direct) => direct.cost,
+    }
+}
+
+fn is_least_time(summary: &Summary) -> bool {
+    let objective = &summary.provenance.scenario.objective;
+    summary.method == Method::Direct && objective.preset() == Some(Preset::LeastTime)
+}
+
+/// The minimised quantity, with the objective that makes it another number than the control effort.
+pub(crate) fn cost_of(summary: &Summary) -> String {
+    let mut cost = short(minimised(summary));
+    if is_least_time(summary) {
+        cost += " s, the horizon";
+    }
     let objective = serde_json::to_value(&summary.provenance.scenario.objective);
     let given = |(_, weight): &(&String, &Value)| weight.as_f64() != Some(0.0);
     let objective = match objective {
@@ -53,7 +72,7 @@ pub(crate) fn cost_of(summary: &Summary, cost: f64) -> String {
             terms.collect::<Vec<_>>().join(", ")
         }
         Ok(Value::String(preset)) if summary.method == Method::Direct => preset,
-        _ => return short(cost),
+        _ => return cost,
     };
-    format!("{}; objective: {objective}", short(cost))
+    format!("{cost}; objective: {objective}")
 }

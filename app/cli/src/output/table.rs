@@ -188,7 +188,7 @@ fn direct_rows(summary: &Summary, d: &DirectDetails) -> (String, Vec<(&'static s
     let stopped = || "the simulation stopped".to_owned();
     let replay = d.replay_error_inf.map_or_else(stopped, short);
     let mut rows = Vec::new();
-    rows.push(("cost", cost_of(summary, d.cost)));
+    rows.push(("cost", cost_of(summary)));
     let mut horizon = format!("{} s", short(d.horizon_s));
     if let Some(HorizonBound {
         least_s,

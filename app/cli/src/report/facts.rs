@@ -1,6 +1,6 @@
 //! The facts of a solve: its summary, and the commands that repeat it.
 
-use crate::output::{cost_of, csv_cell, short, summary_rows};
+use crate::output::{cost_of, csv_cell, minimised, short, summary_rows};
 use aghf_scenario::{Details, Summary, builtin_scenarios, is_generated};
 
 /// The facts of a motion on a page.
@@ -13,7 +13,7 @@ pub(super) struct SolveFacts {
     pub verdict: String,
     /// The method in words.
     pub method: String,
-    /// The integral of the running cost and of the weights of the objective.
+    /// The minimised quantity.
     pub cost: f64,
     pub effort: f64,
     pub least_clearance: Option<f64>,
@@ -40,7 +40,7 @@ impl SolveFacts {
                 "control effort, int |u|^2 dt",
                 Some(short(s.control_effort)),
             ),
-            ("cost", Some(cost_of(summary, minimised(summary)))),
+            ("cost", Some(cost_of(summary))),
             ("final error with feedback", s.final_error_inf.map(short)),
             ("final error open loop", s.open_loop_error_inf.map(short)),
             ("gradient norm, relative", gradient_norm.map(short)),
@@ -72,15 +72,6 @@ impl SolveFacts {
             effort: summary.control_effort,
             least_clearance: summary.feasibility.smallest_clearance_m,
         }
-    }
-}
-
-/// The quantity that a method minimises.
-fn minimised(summary: &Summary) -> f64 {
-    match &summary.details {
-        Details::Flow(flow) => flow.action,
-        Details::Rest(rest) => rest.action,
-        Details::Direct(direct) => direct.cost,
     }
 }
 
