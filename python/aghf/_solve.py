@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import html
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypedDict
+from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import ArrayLike
-
+from ._json import given, named
 from ._native import _aghf
-from ._model import Model, array
+from ._solution import Samples as Samples
+from ._solution import Solution as Solution
+from ._solution import Tradeoff as Tradeoff
 from ._table import Table
 from ._verify import Constraint, RunningCost
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 InputError = _aghf.InputError
 
@@ -27,212 +22,6 @@ Method = Literal["direct", "flow", "rest", "duals", "two_phases"]
 PlannedStarts = Literal["later", "first", "never"]
 Guess = Literal["line_configuration", "line_state"]
 Integrator = Literal["bdf", "esdirk34"]
-
-
-class Options(TypedDict, total=False):
-    """The options of `solve` that are those of `aghf solve`."""
-
-    method: Method | None
-    degree: int | None
-    segments: int | None
-    degree_tolerance: float | None
-    tolerance: float | None
-    reserve: float | None
-    starts: int | None
-    seed: int | None
-    planned_starts: PlannedStarts | None
-    time_limit_s: float | None
-    k: float | None
-    s_max: float | None
-    guess: Guess | None
-    jacobian: str | None
-    integrator: Integrator | None
-    k_cons: float | None
-    c_cons: float | None
-
-
-class Samples(NamedTuple):
-    """A motion at times: positions, velocities, accelerations and torques, each (T, N)."""
-
-    t: np.ndarray
-    q: np.ndarray
-    v: np.ndarray
-    a: np.ndarray
-    tau: np.ndarray
-
-
-class Solution:
-    """The result of a solve.
-
-    It can be pickled: what reads it again needs the file of the robot at the same place, unless that is built in, and
-    has neither a running cost and constraints of one's own nor the progress of the search.
-
-    Attributes
-    ----------
-    verdict : str
-        "optimal", "valid", which keeps everything but has not converged, or "not valid".
-    success : bool
-        True if the motion is valid.
-    horizon : float
-        The duration of the motion, s.
-    summary : dict
-        The contents of summary.json as written by `aghf solve`.
-    scenario : dict
-        The solved scenario.
-    model : Model
-        Its robot, without locked joints.
-    minima : list of dict
-        For the direct method: the costs of the minima, with the number of starts that led to each.
-    """
-
-    def __init__(self, own: _aghf.Solution) -> None:
-        self._own = own
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _solution, (self._own.summary_json(),)
-
-    def __copy__(self) -> Solution:
-        return Solution(self._own)
-
-    def __deepcopy__(self, memo: object) -> Solution:
-        return Solution(self._own)
-
-    @property
-    def verdict(self) -> str:
-        return self._own.verdict
-
-    @property
-    def success(self) -> bool:
-        return self._own.success
-
-    @property
-    def horizon(self) -> float:
-        return self._own.horizon
-
-    @cached_property
-    def model(self) -> Model:
-        return Model(self._own.model, (_model, (self._own.summary_json(),)))
-
-    @cached_property
-    def summary(self) -> dict[str, Any]:
-        return _read(self._own.summary_json())
-
-    @cached_property
-    def scenario(self) -> dict[str, Any]:
-        return _read(self._own.scenario_json())
-
-    @property
-    def minima(self) -> list[dict[str, Any]]:
-        minima: list[dict[str, Any]] = self.summary.get("minima", [])
-        return minima
-
-    def evaluate(self, t: ArrayLike) -> Samples:
-        """The motion at times within ``[0, horizon]``, shape () or (T,), s."""
-        times = array(t, "t")
-        return Samples(times, *self._own.evaluate(times))
-
-    def sample(self, count: int = 201) -> Samples:
-        """The motion at this number of equidistant times, both ends included."""
-        return self.evaluate(np.linspace(0.0, self.horizon, count))
-
-    def to_joint_trajectory(self, rate: float | None = None) -> dict[str, Any]:
-        """The motion in the shape of a ``trajectory_msgs/JointTrajectory``.
-
-        The points are at this rate, Hz, or as many as `aghf judge` needs.
-        """
-        return _read(self._own.joint_trajectory_json(rate))
-
-    def save(self, path: str | os.PathLike[str], *, rate: float | None = None, replace: bool = False) -> list[str]:
-        """Writes the motion to a file ending in .mcap, which Foxglove, rerun and `ros2 bag` open, at this rate, Hz, by
-        default 100, or all files of the solve into a folder; returns their paths."""
-        path = os.fspath(path)
-        if path.endswith(".mcap"):
-            self._own.save_mcap(path, rate, replace)
-            return [path]
-        if rate is not None:
-            raise ValueError("rate: it belongs to a file ending in .mcap")
-        return self._own.save(path, replace)
-
-    def report_html(self) -> str:
-        """The page of the motion: HTML that needs no network and no other file."""
-        return self._own.report_html()
-
-    def _repr_html_(self) -> str:
-        return _frame(self.report_html())
-
-    def __repr__(self) -> str:
-        effort = self.summary["control_effort"]
-        return f"Solution('{self.summary['scenario']}', {self.verdict}, {self.horizon:.4g} s, effort {effort:.4g})"
-
-
-class Tradeoff:
-    """The least effort of a scenario at several durations.
-
-    Attributes
-    ----------
-    solutions : list of Solution
-        The motions by their durations, from that of least time to that of least effort.
-    table : Table
-        The duration, s, the control effort and the verdict of each.
-    """
-
-    def __init__(self, solutions: list[Solution]) -> None:
-        self.solutions = solutions
-        self.table = Table.from_rows(
-            {
-                "duration_s": each.horizon,
-                "control_effort": each.summary["control_effort"],
-                "verdict": each.verdict,
-            }
-            for each in solutions
-        )
-
-    def report_html(self) -> str:
-        """The page of the curve, on which a click chooses the motion."""
-        return _aghf.tradeoff_html([each._own for each in self.solutions])
-
-    def _repr_html_(self) -> str:
-        return _frame(self.report_html())
-
-
-def _frame(page: str) -> str:
-    page = html.escape(page, quote=True)
-    return f'<iframe srcdoc="{page}" style="width: 100%; height: 46rem; border: 0"></iframe>'
-
-
-def _read(text: str) -> dict[str, Any]:
-    """The object of a text in JSON."""
-    read: dict[str, Any] = json.loads(text)
-    return read
-
-
-def _solution(summary: str) -> Solution:
-    """The solution that was pickled."""
-    return Solution(_aghf.Solution.from_summary(summary))
-
-
-def _model(summary: str) -> Model:
-    """The robot of a solution that was pickled."""
-    return _solution(summary).model
-
-
-def _named(scenario: str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, str | None]:
-    """The name and the text of a scenario; a built-in one or one in a file has no text."""
-    if isinstance(scenario, Mapping):
-        return "scenario", json.dumps(scenario, default=_plain)
-    return os.fspath(scenario), None
-
-
-def _plain(x: object) -> Any:
-    if isinstance(x, (np.ndarray, np.generic)):
-        return x.tolist()
-    raise TypeError(f"'{type(x).__name__}' is no part of a scenario")
-
-
-def _options(**options: object) -> str:
-    """The options that were given."""
-    given = {name: value for name, value in options.items() if value is not None}
-    return json.dumps(given, default=_plain)
 
 
 def solve(
@@ -308,7 +97,7 @@ def solve(
     InputError
         Names the file, the key and the fault.
     """
-    options = _options(
+    options = given(
         method=method,
         degree=degree,
         segments=segments,
@@ -329,20 +118,36 @@ def solve(
         c_cons=c_cons,
     )
     own = start._own if start is not None else None
-    return Solution(_aghf.solve(_named(scenario), options, running_cost, list(constraints), on_iteration, own))
+    return Solution(_aghf.solve(named(scenario), options, running_cost, list(constraints), on_iteration, own))
 
 
 def solve_many(
     scenarios: Iterable[str | os.PathLike[str] | Mapping[str, Any]],
     *,
     threads: int | None = None,
-    **options: Unpack[Options],
+    method: Method | None = None,
+    degree: int | None = None,
+    segments: int | None = None,
+    degree_tolerance: float | None = None,
+    tolerance: float | None = None,
+    reserve: float | None = None,
+    starts: int | None = None,
+    seed: int | None = None,
+    planned_starts: PlannedStarts | None = None,
+    time_limit_s: float | None = None,
+    k: float | None = None,
+    s_max: float | None = None,
+    guess: Guess | None = None,
+    jacobian: str | None = None,
+    integrator: Integrator | None = None,
+    k_cons: float | None = None,
+    c_cons: float | None = None,
 ) -> list[Solution | Exception]:
     """Solves scenarios in parallel, one per core or on this number of threads.
 
     The results are in the order of the scenarios and do not depend on the number of threads. A scenario that is refused
     has its exception in the list, such as an `InputError`. Ctrl-C ends all searches with the best motions so far; each
-    scenario that had not begun then has an `InputError`.
+    scenario whose solve had not begun then has a `concurrent.futures.CancelledError`.
 
     Parameters
     ----------
@@ -350,16 +155,46 @@ def solve_many(
         Scenarios as for `solve`.
     threads : int, optional
         The number of scenarios that are solved at the same time, by default one per core.
-    **options
-        The options of `solve` for each of them, without its ``threads``.
+    method, degree, ... : optional
+        The options of `solve` for each of them.
     """
-    named = [_named(scenario) for scenario in scenarios]
-    found = _aghf.solve_many(named, _options(**options), threads)
+    options = given(
+        method=method,
+        degree=degree,
+        segments=segments,
+        degree_tolerance=degree_tolerance,
+        tolerance=tolerance,
+        reserve=reserve,
+        starts=starts,
+        seed=seed,
+        planned_starts=planned_starts,
+        time_limit_s=time_limit_s,
+        k=k,
+        s_max=s_max,
+        guess=guess,
+        jacobian=jacobian,
+        integrator=integrator,
+        k_cons=k_cons,
+        c_cons=c_cons,
+    )
+    found = _aghf.solve_many([named(scenario) for scenario in scenarios], options, threads)
     return [own if isinstance(own, Exception) else Solution(own) for own in found]
 
 
 def tradeoff(
-    scenario: str | os.PathLike[str] | Mapping[str, Any], *, points: int = 20, **options: Unpack[Options]
+    scenario: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    points: int = 20,
+    degree: int | None = None,
+    segments: int | None = None,
+    degree_tolerance: float | None = None,
+    tolerance: float | None = None,
+    reserve: float | None = None,
+    starts: int | None = None,
+    seed: int | None = None,
+    planned_starts: PlannedStarts | None = None,
+    threads: int | None = None,
+    time_limit_s: float | None = None,
 ) -> Tradeoff:
     """Finds motions from the least duration to the least effort, each from the one before. Ctrl-C raises.
 
@@ -369,11 +204,22 @@ def tradeoff(
         As for `solve`; its objective has no effect.
     points : int
         The number of motions.
-    **options
+    degree, segments, ... : optional
         The options of `solve` for the direct method.
     """
-    name, text = _named(scenario)
-    found = _aghf.tradeoff(name, text, _options(**options), points)
+    options = given(
+        degree=degree,
+        segments=segments,
+        degree_tolerance=degree_tolerance,
+        tolerance=tolerance,
+        reserve=reserve,
+        starts=starts,
+        seed=seed,
+        planned_starts=planned_starts,
+        threads=threads,
+        time_limit_s=time_limit_s,
+    )
+    found = _aghf.tradeoff(*named(scenario), options, points)
     return Tradeoff([Solution(own) for own in found])
 
 

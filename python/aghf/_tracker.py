@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
@@ -10,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ._json import given, named, text
 from ._model import array
 from ._native import _aghf
-from ._solve import _named, _options, _plain
 
 
 class Command(NamedTuple):
@@ -121,7 +120,7 @@ class Tracker:
         shortest_horizon_s: float | None = None,
         largest_deviation: float | None = None,
     ) -> None:
-        options = _options(
+        options = given(
             search=search or {},
             barrier=barrier,
             iterations_per_step=iterations_per_step,
@@ -132,7 +131,7 @@ class Tracker:
             shortest_horizon_s=shortest_horizon_s,
             largest_deviation=largest_deviation,
         )
-        self._own = _aghf.Tracker(_named(scenario), options)
+        self._own = _aghf.Tracker(named(scenario), options)
 
     def step(self, q: ArrayLike, v: ArrayLike, now: float) -> Step:
         """Improves the plan as far as the options allow; returns the command for now.
@@ -161,4 +160,4 @@ class Tracker:
 
     def set_obstacles(self, obstacles: Iterable[Mapping[str, Any]]) -> None:
         """Replaces all obstacles, as a scenario writes them, from the next step on; they are taken to stand still."""
-        self._own.set_obstacles(json.dumps(list(obstacles), default=_plain))
+        self._own.set_obstacles(text(list(obstacles)))

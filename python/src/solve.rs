@@ -19,9 +19,12 @@ use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
+use serde::Deserialize;
 use std::path::Path;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
+
+pyo3::import_exception!(concurrent.futures, CancelledError);
 
 /// The result of a solve.
 #[pyclass(name = "Solution", module = "aghf", frozen)]
@@ -104,7 +107,14 @@ fn solve<'py>(
 /// The scenario and the options of a solve.
 fn read(name: &str, text: Option<&str>, options: &str) -> PyResult<(Scenario, SolveOptions)> {
     let scenario = read_scenario(name, text)?;
-    Ok((scenario, json("options", options)?))
+    Ok((scenario, read_options(options)?))
+}
+
+/// The options in a text in JSON.
+fn read_options(text: &str) -> PyResult<SolveOptions> {
+    let keys: serde_json::Value = json("options", text)?;
+    // The errors name the options already.
+    SolveOptions::deserialize(keys).map_err(|error| PyValueError::new_err(error.to_string()))
 }
 
 /// An argument that comes as a text in JSON.
@@ -147,16 +157,16 @@ fn told(py: Python<'_>, callback: &Bound<'_, PyAny>, record: &Record) -> PyResul
 }
 
 /// Solves scenarios in parallel on all cores or `threads`, in their order; each is a scenario in JSON with its name. In
-/// place of one that fails is its exception. Ctrl-C ends all with what they have.
+/// place of one that fails is its exception. Ctrl-C ends all with the motions that they have; one that had not begun is
+/// cancelled.
 #[pyfunction]
-#[pyo3(signature = (scenarios, options, threads = None))]
 fn solve_many<'py>(
     py: Python<'py>,
     scenarios: Vec<(String, Option<String>)>,
     options: &str,
     threads: Option<usize>,
 ) -> PyResult<Vec<Bound<'py, PyAny>>> {
-    let options = match json("options", options)? {
+    let options = match read_options(options)? {
         // The solves share the cores.
         SolveOptions::Direct(own) => DirectOptions {
             threads: Some(1),
@@ -171,8 +181,8 @@ fn solve_many<'py>(
     let interrupt = Interrupt::default();
     let one = |(name, text): &(String, Option<String>)| {
         if interrupt.is_raised() {
-            let condition = "it was stopped before this one";
-            return Err(raised(aghf::Error::input(name, "solve_many", condition)));
+            let message = format!("{name}: Ctrl-C came before its solve began");
+            return Err(CancelledError::new_err(message));
         }
         let scenario = read_scenario(name, text.as_deref())?;
         let solve = Solve::new(&scenario).options(options.clone());

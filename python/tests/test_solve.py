@@ -9,6 +9,7 @@ import signal
 import subprocess
 import threading
 import time
+from concurrent.futures import CancelledError
 
 import numpy as np
 import pytest
@@ -90,8 +91,9 @@ def test_control_c_keeps_what_is_done_of_many():
     assert time.monotonic() - began < 20 * ten
     done = [solution for solution in found if isinstance(solution, aghf.Solution)]
     assert len(found) == 400 and done and all(solution.success for solution in done)
-    left = next(error for error in found if isinstance(error, aghf.InputError))
-    assert "stopped before this one" in str(left)
+    left = [each for each in found if not isinstance(each, aghf.Solution)]
+    assert left and all(isinstance(each, CancelledError) for each in left)
+    assert str(left[0]) == "kinova_free_01: Ctrl-C came before its solve began"
 
 
 def test_a_bad_scenario_among_many_has_an_error_of_its_own():
@@ -106,13 +108,20 @@ def test_a_bad_scenario_among_many_has_an_error_of_its_own():
 def test_the_signature_has_every_option_of_the_program():
     program = [os.environ["AGHF_PROGRAM"], "scenarios", "--schema", "options"]
     schema = json.loads(subprocess.run(program, capture_output=True, text=True, check=True).stdout)
-    options = {name for method in schema["oneOf"] for name in method["properties"]}
-    own = {"scenario", "running_cost", "constraints", "on_iteration", "start"}
-    assert set(inspect.signature(aghf.solve).parameters) - own == options
-    with pytest.raises(TypeError, match="speed"):
-        aghf.solve(SWING, speed=1)
-    with pytest.raises(ValueError, match="speed"):
-        aghf.solve_many([SWING], speed=1)
+    methods = {each["properties"]["method"]["const"]: each["properties"].keys() for each in schema["oneOf"]}
+    options = set().union(*methods.values())
+    for function, own, expected in [
+        (aghf.solve, {"scenario", "running_cost", "constraints", "on_iteration", "start"}, options),
+        (aghf.solve_many, {"scenarios"}, options),
+        (aghf.tradeoff, {"scenario", "points"}, methods["direct"] - {"method"}),
+    ]:
+        assert inspect.signature(function).parameters.keys() - own == expected, function
+
+
+@pytest.mark.parametrize("function", [aghf.solve, aghf.solve_many, aghf.tradeoff])
+def test_an_unknown_option_is_a_type_error(function):
+    with pytest.raises(TypeError, match=rf"{function.__name__}\(\) got an unexpected keyword argument 'speed'"):
+        function(SWING, speed=1)
 
 
 def test_solutions_are_pickled_and_copied():
