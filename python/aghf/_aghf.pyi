@@ -9,6 +9,9 @@ from ._verify import Constraint, RunningCost
 
 __version__: str
 
+# The treatment of mimic joints, the root, the losses in JSON, and the folders of packages.
+_UrdfOptions = tuple[str, str | None, str, dict[str, str]]
+
 class InputError(ValueError):
     file: str
     element: str
@@ -18,9 +21,9 @@ class Model:
     @staticmethod
     def builtin(name: str) -> Model: ...
     @staticmethod
-    def load_file(path: str, mimic: str) -> Model: ...
+    def load_file(path: str, options: _UrdfOptions) -> Model: ...
     @staticmethod
-    def parse(text: str, name: str, mimic: str) -> Model: ...
+    def parse(text: str, name: str, options: _UrdfOptions) -> Model: ...
     @staticmethod
     def from_parts(name: str, joints: list[Any], frames: list[Any], gravity: list[float]) -> Model: ...
     @property

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ._json import text
 from ._native import _aghf
 
 
@@ -52,7 +54,15 @@ class Model:
         return self
 
     @classmethod
-    def from_urdf(cls, path_or_text: str | os.PathLike[str], *, mimic: str = "refuse") -> Model:
+    def from_urdf(
+        cls,
+        path_or_text: str | os.PathLike[str],
+        *,
+        mimic: str = "refuse",
+        root: str | None = None,
+        losses: bool | Mapping[str, float | Mapping[str, float]] = False,
+        packages: Mapping[str, str | os.PathLike[str]] | None = None,
+    ) -> Model:
         """Reads a URDF file, or a text that begins with ``<``.
 
         Parameters
@@ -60,17 +70,28 @@ class Model:
         path_or_text : str or os.PathLike
         mimic : {"refuse", "independent"}
             The treatment of mimic joints.
+        root : str, optional
+            The link that becomes the root of the robot, such as the foot on which it stands; by default that of the
+            file.
+        losses : bool or Mapping
+            True to count the damping and the friction in the URDF, or numbers in place of those, as in a scenario:
+            ``{"damping": 0.5, "friction": {"joint_1": 2.0}, "friction_velocity": 0.02, "armature": 0.1}``, each of
+            which is optional, for all joints or by their names.
+        packages : Mapping, optional
+            The folders of packages by their names, for meshes ``package://NAME/PATH``.
 
         Raises
         ------
         InputError
             Names the file, the element and the fault.
         """
-        text = os.fspath(path_or_text)
-        if text.lstrip().startswith("<"):
-            return cls._made("parse", text, "URDF", mimic)
-        own = _aghf.Model.load_file(text, mimic)
-        return cls(own, (cls._made, ("load_file", os.path.abspath(text), mimic)))
+        folders = {name: os.path.abspath(folder) for name, folder in (packages or {}).items()}
+        options = (mimic, root, text(losses), folders)
+        given = os.fspath(path_or_text)
+        if given.lstrip().startswith("<"):
+            return cls._made("parse", given, "URDF", options)
+        own = _aghf.Model.load_file(given, options)
+        return cls(own, (cls._made, ("load_file", os.path.abspath(given), options)))
 
     @classmethod
     def builtin(cls, name: str) -> Model:

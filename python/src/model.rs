@@ -4,11 +4,13 @@ use crate::error::raised;
 use aghf::Error;
 use aghf::model::{Frame, JointKind, JointSpec, Limits, Model};
 use aghf::spatial::{Inertia, Placement};
-use aghf::urdf::{LoadReport, Mimic, UrdfOptions, builtin_robot, load_urdf_with, parse_urdf_with};
+use aghf::urdf::{LoadReport, UrdfOptions, builtin_robot, load_urdf_with, parse_urdf_with};
+use aghf_scenario::Losses;
 use nalgebra::{Matrix3, Vector3};
 use numpy::{PyArray1, ToPyArray};
 use pyo3::prelude::*;
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A joint: name, kind, index of the parent or -1, placement in the parent (rotation by rows, then translation), axis,
@@ -22,6 +24,23 @@ type JointParts = (
     (f64, [f64; 3], [f64; 9]),
     [f64; 4],
 );
+
+/// The options of reading a URDF: the treatment of mimic joints, the root, the losses in JSON as in a scenario, and the
+/// folders of packages.
+type Options = (String, Option<String>, String, BTreeMap<String, PathBuf>);
+
+/// Reads the options; `file` names the robot in errors.
+fn urdf_options(file: &str, (mimic, root, losses, packages): Options) -> PyResult<UrdfOptions> {
+    let losses: Losses = serde_json::from_str(&losses)
+        .map_err(|error| raised(Error::input(file, "losses", error.to_string())))?;
+    Ok(UrdfOptions {
+        mimic: mimic.parse().map_err(raised)?,
+        root,
+        losses: losses.options(),
+        packages,
+        ..UrdfOptions::default()
+    })
+}
 
 /// The placement with a rotation by rows and a translation.
 pub fn placement_of(numbers: &[f64]) -> Placement<f64> {
@@ -51,32 +70,17 @@ impl PyModel {
 
     /// The robot in a URDF file.
     #[staticmethod]
-    fn load_file(path: &str, mimic: &str) -> PyResult<Self> {
-        let mimic: Mimic = mimic.parse().map_err(raised)?;
-        let read = load_urdf_with(
-            Path::new(path),
-            UrdfOptions {
-                mimic,
-                ..UrdfOptions::default()
-            },
-        );
-        let (model, notes) = read.map_err(raised)?;
+    fn load_file(path: &str, options: Options) -> PyResult<Self> {
+        let options = urdf_options(path, options)?;
+        let (model, notes) = load_urdf_with(Path::new(path), options).map_err(raised)?;
         Ok(Self::new(model, &notes))
     }
 
     /// The robot in a URDF text; `name` stands for the file in errors.
     #[staticmethod]
-    fn parse(text: &str, name: &str, mimic: &str) -> PyResult<Self> {
-        let mimic: Mimic = mimic.parse().map_err(raised)?;
-        let (model, notes) = parse_urdf_with(
-            text,
-            name,
-            UrdfOptions {
-                mimic,
-                ..UrdfOptions::default()
-            },
-        )
-        .map_err(raised)?;
+    fn parse(text: &str, name: &str, options: Options) -> PyResult<Self> {
+        let options = urdf_options(name, options)?;
+        let (model, notes) = parse_urdf_with(text, name, options).map_err(raised)?;
         Ok(Self::new(model, &notes))
     }
 
