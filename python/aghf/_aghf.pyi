@@ -1,11 +1,43 @@
 """The compiled part, with arguments as the package passes them."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 
 from ._verify import Constraint, RunningCost
+
+__all__ = [
+    "__version__",
+    "InputError",
+    "Model",
+    "Solution",
+    "Tracker",
+    "builtin_robots",
+    "rnea",
+    "aba",
+    "crba",
+    "mass_matrix_and_rate",
+    "energy",
+    "rnea_derivatives",
+    "aba_derivatives",
+    "rnea_second_derivatives",
+    "aba_second_derivatives",
+    "rnea_vjp",
+    "rnea_weighted_hessian",
+    "forward_kinematics",
+    "frame_placements",
+    "frame_jacobian",
+    "omega",
+    "omega_jacobian",
+    "jacobians",
+    "solve",
+    "solve_many",
+    "tradeoff",
+    "tradeoff_html",
+    "check",
+    "sweep",
+]
 
 __version__: str
 
@@ -17,6 +49,7 @@ class InputError(ValueError):
     element: str
     condition: str
 
+@final
 class Model:
     @staticmethod
     def builtin(name: str) -> Model: ...
@@ -54,6 +87,7 @@ class Model:
     def notes(self) -> list[str]: ...
     def to_urdf(self) -> str: ...
 
+@final
 class Solution:
     @staticmethod
     def from_summary(text: str) -> Solution: ...
@@ -73,8 +107,9 @@ class Solution:
     def save_mcap(self, path: str, rate: float | None, replace: bool) -> None: ...
     def report_html(self) -> str: ...
 
+@final
 class Tracker:
-    def __init__(self, named: tuple[str, str | None], options: str) -> None: ...
+    def __new__(cls, named: tuple[str, str | None], options: str) -> Tracker: ...
     def step(self, q: np.ndarray, v: np.ndarray, now: float) -> tuple[Any, ...]: ...
     def set_goal(self, q: np.ndarray, horizon: float) -> None: ...
     def set_deadline(self, seconds: float | None) -> None: ...
