@@ -27,6 +27,7 @@ __all__ = [
     "rnea_weighted_hessian",
     "forward_kinematics",
     "frame_placements",
+    "inverse_kinematics",
     "frame_jacobian",
     "omega",
     "omega_jacobian",
