@@ -13,6 +13,9 @@ use std::fmt;
 /// The smallest number of time intervals on which a motion is checked.
 const INTERVALS: usize = 2000;
 
+/// The number of time intervals for accelerations, of which no bound depends.
+const COARSE: usize = 200;
+
 /// The number of violations that a sentence names.
 const NAMED: usize = 3;
 
@@ -33,9 +36,32 @@ pub struct Feasibility {
     pub largest_torque: f64,
     /// The largest absolute torque of a passive joint; `None` without passive joints.
     pub largest_passive_torque: Option<f64>,
+    /// The largest acceleration that the scenario does not limit; `None` if it limits all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unlimited_acceleration: Option<Acceleration>,
     /// The force of the ground on a standing foot, at 2001 times; `None` without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foot: Option<FootLoad>,
+}
+
+/// The absolute acceleration of a joint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Acceleration {
+    /// The joint.
+    pub joint: String,
+    /// The acceleration.
+    pub value: f64,
+    /// Its unit: rad/s^2 or m/s^2.
+    pub unit: String,
+    /// The time, s.
+    pub at_s: f64,
+}
+
+impl fmt::Display for Acceleration {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (value, at) = (three_digits(self.value, f64::round), time(self.at_s));
+        write!(f, "{value} {} of '{}' at {at} s", self.unit, self.joint)
+    }
 }
 
 /// The pair with the smallest clearance.
@@ -229,6 +255,7 @@ impl Feasibility {
             limit_violations,
             largest_torque: largest(&mut torques.iter().copied()).unwrap_or(0.0),
             largest_passive_torque: largest(&mut passive.into_iter().map(|i| torques[i])),
+            unlimited_acceleration: unlimited_acceleration(scenario, curve)?,
             foot: scenario.foot_load(curve, INTERVALS)?,
         })
     }
@@ -298,6 +325,29 @@ fn add_goal(scenario: &Scenario, curve: &Curve, found: &mut Vec<LimitViolation>)
         enforced: true,
     }));
     Ok(())
+}
+
+/// The largest acceleration of the joints for which the scenario has no limit of it.
+fn unlimited_acceleration(scenario: &Scenario, curve: &Curve) -> Result<Option<Acceleration>> {
+    let (model, limit) = (&scenario.model, Limit::Acceleration);
+    let is_free = |i: &usize| scenario.bound(limit, *i).is_none();
+    let joints: Vec<_> = (0..model.dof()).filter(is_free).collect();
+    let samples = sample(model, curve, COARSE)?;
+    let all = samples
+        .iter()
+        .flat_map(|at| joints.iter().map(move |i| (at, *i)));
+    let largest = all.max_by(|(a, i), (b, j)| a.a[*i].abs().total_cmp(&b.a[*j].abs()));
+    Ok(largest.map(|(at, i)| {
+        let joint = &model.joints()[i];
+        let (unit, joint) = (limit.unit(joint.kind()).to_owned(), joint.name().to_owned());
+        let (value, at_s) = (at.a[i].abs(), at.t);
+        Acceleration {
+            joint,
+            value,
+            unit,
+            at_s,
+        }
+    }))
 }
 
 /// Adds the violations of `constraints`: the worst per kind of limit and joint, or per name for rows without a joint.

@@ -41,6 +41,13 @@ pub(super) fn without_several_degrees(robot: &Robot) -> Robot {
     robot
 }
 
+/// Beyond these no robot is known to the authors, but files with degrees, millimetres or grams are: a limit of position,
+/// rad, and of velocity, rad/s, the position of a joint in its parent, m, and the mass of a link, kg.
+const FAR: f64 = 20.0 * std::f64::consts::PI;
+const FAST: f64 = 100.0;
+const LONG: f64 = 10.0;
+const HEAVY: f64 = 1000.0;
+
 /// A property of a joint.
 type Property = fn(&Joint) -> bool;
 
@@ -80,12 +87,31 @@ pub(super) fn of_joints(robot: &Robot) -> Vec<Finding> {
 }
 
 /// The notes about limits and losses of the joints that move.
-fn notes(moving: &[&Joint]) -> [Option<Finding>; 8] {
+fn notes(moving: &[&Joint]) -> [Option<Finding>; 11] {
     let losses = "\"losses\": true (--losses); {\"armature\": ...} adds rotor inertia, which a URDF does not have";
     let in_file = "the limit element in the file";
     let rates = "\"enforced_limits\": {\"acceleration\": NUMBER}, a list, or {\"file\": MoveIt's joint_limits.yaml}";
     let given = "\"enforced_limits\": {\"acceleration\": \"urdf\", \"jerk\": \"urdf\"}";
-    let notes: [(&str, &str, Property); 8] = [
+    let units = "the file, which is in m, rad and kg";
+    let notes: [(&str, &str, Property); 11] = [
+        (
+            "limits of position beyond ten turns: are these degrees?",
+            units,
+            |j| {
+                j.joint_type == JointType::Revolute
+                    && j.limit.lower.abs().max(j.limit.upper.abs()) > FAR
+            },
+        ),
+        (
+            "a limit of velocity above 100 rad/s: are these degrees?",
+            units,
+            |j| is_turning(j) && j.limit.velocity > FAST,
+        ),
+        (
+            "its origin is more than 10 m from its parent: are these millimetres?",
+            units,
+            |j| j.origin.xyz.iter().any(|x| x.abs() > LONG),
+        ),
         ("no limits of any kind", in_file, |j| {
             has_one_degree(j) && !has_limits(&j.limit)
         }),
@@ -145,6 +171,14 @@ fn has_limits_of_rates(limit: &JointLimit) -> bool {
     all.iter().any(|x| *x != f64::INFINITY)
 }
 
+/// True for an angle, which is in rad.
+fn is_turning(joint: &Joint) -> bool {
+    matches!(
+        joint.joint_type,
+        JointType::Revolute | JointType::Continuous
+    )
+}
+
 /// The findings about links.
 pub(super) fn of_links(robot: &Robot) -> Vec<Finding> {
     let carried = |link: &str| {
@@ -161,11 +195,24 @@ pub(super) fn of_links(robot: &Robot) -> Vec<Finding> {
         ];
         numbers.iter().all(|x| *x == 0.0) && carried(&link.name)
     });
+    let heavy = robot
+        .links
+        .iter()
+        .filter(|link| link.inertial.mass.value > HEAVY);
+    let heavy = Finding::about(
+        Severity::Note,
+        "link",
+        heavy.map(|link| link.name.clone()),
+        [
+            "a mass above 1000 kg: are these grams?",
+            "the file, which is in m, rad and kg",
+        ],
+    );
     let found = Finding::about(
         Severity::Note,
         "link",
         massless.map(|link| link.name.clone()),
         ["it moves and has no inertia, so it counts as massless", ""],
     );
-    found.into_iter().collect()
+    found.into_iter().chain(heavy).collect()
 }

@@ -104,6 +104,12 @@ fn feasibility_rows(found: &Feasibility) -> Vec<[String; 2]> {
             format!("{} m{pair}", short(clearance)),
         );
     }
+    if let Some(acceleration) = &found.unlimited_acceleration {
+        add(
+            "largest acceleration, not limited",
+            acceleration.to_string(),
+        );
+    }
     if let Some(passive) = found.largest_passive_torque {
         let both = format!("{} of {}", short(passive), short(found.largest_torque));
         add("largest torque of passive joints", both);

@@ -271,3 +271,49 @@ fn faults_of_files_are_findings_or_bad_input() {
         "NAME=FOLDER is needed",
     );
 }
+
+/// Numbers in degrees, millimetres and grams are asked about.
+#[test]
+fn units_of_another_kind_are_noted() {
+    let arm = |limit: &str, x: f64, kg: f64| {
+        format!(
+            r#"<robot name="arm"><link name="base"/>
+            <link name="upper"><inertial><mass value="{kg}"/>
+            <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+            <joint name="lift" type="revolute"><parent link="base"/><child link="upper"/>
+            <origin xyz="{x} 0 0"/><axis xyz="0 0 1"/><limit {limit} effort="10"/></joint></robot>"#
+        )
+    };
+    let radians = r#"lower="-3" upper="3" velocity="2""#;
+    for (text, words, expected) in [
+        (arm(radians, 0.4, 3.0), "are these", None),
+        (
+            arm(r#"lower="-118" upper="120" velocity="2""#, 0.4, 3.0),
+            "limits of position",
+            Some("lift"),
+        ),
+        (
+            arm(r#"lower="-3" upper="3" velocity="180""#, 0.4, 3.0),
+            "limit of velocity above",
+            Some("lift"),
+        ),
+        (arm(radians, 400.0, 3.0), "millimetres", Some("lift")),
+        (arm(radians, 0.4, 3000.0), "grams", Some("upper")),
+    ] {
+        let folder = empty_folder("doctor_units");
+        std::fs::write(folder.join("arm.urdf"), text).expect("a file");
+        let diagnosis = parsed(&aghf(&folder, &["doctor", "arm.urdf", "--json"]));
+        let names: Vec<_> = found(&diagnosis, words)
+            .into_iter()
+            .flat_map(|(_, names)| names)
+            .collect();
+        assert_eq!(
+            names,
+            expected
+                .iter()
+                .map(|name| (*name).to_owned())
+                .collect::<Vec<_>>(),
+            "{words}"
+        );
+    }
+}

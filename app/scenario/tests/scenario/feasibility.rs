@@ -1,7 +1,9 @@
 //! Clearances and violated limits of a motion.
 
 use aghf::curve::{Chebyshev, Curve};
-use aghf_scenario::{Enforced, EnforcedLimits, Feasibility, Limit, LimitViolation, Scenario};
+use aghf_scenario::{
+    Enforced, EnforcedLimits, Feasibility, Limit, LimitViolation, RateLimits, Scenario,
+};
 use nalgebra::DMatrix;
 
 /// A motion of 2 s that does not exist: Kinova upright, with these positions and velocities of joint 0 over time.
@@ -101,6 +103,15 @@ fn broken_limits_of_the_velocity_are_reported_and_enforced_ones_matter() {
     let most = 1.5 * (limit + 0.0123) - limit;
     assert!((speed.by - most).abs() < 1e-12 && speed.at_s == 0.0);
     assert!(found.holds(0.0));
+    let largest = found.unlimited_acceleration.expect("it is not limited");
+    assert_eq!((&*largest.joint, &*largest.unit), (name, "rad/s^2"));
+    assert!(
+        (largest.value - (limit + 0.0123) / 0.8).abs() < 1e-9,
+        "{largest}"
+    );
+    scenario.file.enforced_limits.acceleration = Some(RateLimits::Same(5.0));
+    assert_eq!(of(&scenario, &fast).unlimited_acceleration, None);
+    scenario.file.enforced_limits.acceleration = None;
     scenario.file.enforced_limits.velocity = Enforced::default();
     let found = of(&scenario, &fast);
     assert!(!found.holds(0.0) && !found.holds(most - 1e-9) && found.holds(most + 1e-9));
