@@ -43,7 +43,7 @@ pub enum RowKind {
     Clearance,
     /// A length or a speed `x` within a bound `b`, by the row $x^2 - b^2$ of scale $2 b$.
     Square,
-    /// An angle within this bound, rad, by the difference of the cosines of bound and angle, over the sine of the bound.
+    /// An angle within this bound, rad, by the difference of the cosines of both, over the sine of the bound.
     Cosine(f64),
     /// Any other quantity.
     Other,

@@ -81,7 +81,7 @@ impl EnforcedLimits {
         *self != Self::NONE
     }
 
-    /// Returns true if a velocity, an acceleration, a jerk or a torque is bounded, without which there is no least time.
+    /// Returns true if a velocity, an acceleration, a jerk or a torque is bounded, as a least time needs.
     pub(super) fn bound_time(&self, model: &Model) -> bool {
         let limits = [
             Limit::Velocity,

@@ -288,7 +288,7 @@ pub(super) fn check_objective(file: &ScenarioFile, model: &Model, path: &str) ->
     let preset = file.objective.preset();
     let timed = preset.is_some_and(|preset| preset != Preset::LeastEffort);
     if timed && file.free_horizon.is_none() && !file.enforced_limits.bound_time(model) {
-        let condition = "without limits there is no least time: free_horizon or finite enforced_limits of rates or torques are needed";
+        let condition = "without limits there is no least time: free_horizon or limits of rates or torques are needed";
         return Err(Error::input(path, "objective", condition));
     }
     if let Some(bounds) = file.free_horizon {

@@ -15,8 +15,8 @@ use nalgebra::DMatrix;
 use std::fmt::{self, Debug};
 use std::sync::Arc;
 
-/// The most violated row of constraints at a state $[q; v]$, and its [excess](aghf::constraint::RowKind::excess), in its
-/// unit, which is negative if all rows are satisfied; `None` without rows.
+/// The most violated row of constraints at a state $[q; v]$, and its [excess](aghf::constraint::RowKind::excess), which
+/// is negative if all rows are satisfied; `None` without rows.
 pub(super) fn worst_row(
     constraints: &[AnyConstraint],
     model: &Model,

@@ -41,8 +41,8 @@ pub(super) fn without_several_degrees(robot: &Robot) -> Robot {
     robot
 }
 
-/// Beyond these no robot is known to the authors, but files with degrees, millimetres or grams are: a limit of position,
-/// rad, and of velocity, rad/s, the position of a joint in its parent, m, and the mass of a link, kg.
+/// Numbers of files in degrees, millimetres or grams are beyond these, and those of robots hardly ever: a limit of
+/// position, rad, and of velocity, rad/s, the position of a joint in its parent, m, and the mass of a link, kg.
 const FAR: f64 = 20.0 * std::f64::consts::PI;
 const FAST: f64 = 100.0;
 const LONG: f64 = 10.0;

@@ -17,7 +17,7 @@ const MARGIN: i32 = 8;
 const FONT: i32 = 11;
 /// The height of the strip beyond a bound, relative to that of the plot: strips of several joints mostly stay apart.
 const STRIP: f64 = 0.03;
-/// The opacities of strips by themselves, and of those that overlap others: by the latter the page knows the strips that
+/// The opacities of strips by themselves, and of those that overlap others: by the latter the page knows the strips to
 /// show with a chosen joint alone.
 const ALONE: f64 = 0.3;
 const TOGETHER: f64 = 0.25;

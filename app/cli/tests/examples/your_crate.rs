@@ -37,7 +37,10 @@ fn versions_are_those_of_this_crate() {
         let Some(dependencies) = block.get("dependencies").and_then(Value::as_table) else {
             continue;
         };
-        for (name, theirs) in dependencies.iter().filter(|(name, _)| *name != "aghf") {
+        for (name, theirs) in dependencies
+            .iter()
+            .filter(|(name, _)| !name.starts_with("aghf"))
+        {
             let tables = [
                 &app["dependencies"],
                 &manifest["dependencies"],
