@@ -17,6 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 NUMBER = r"\d+(?:\.\d+)?"
 MBM, PAPER, WALKS = "MotionBenchMaker", "The paper's experiments, run anew", "Walks"
+GOALS, IK = "Goals of a task", "Inverse kinematics"
 STEP, CUROBO, EXPERIMENTS = "A step from random starts", "The conditions of cuRoboV2", "The paper's experiments"
 
 
@@ -90,6 +91,8 @@ def of_readme(ours: Results) -> list[tuple[str, list[Decimal]]]:
     """The claims of the README but for those beside peers."""
     solved, medians = (ours.of("Within all limits", name, "^(?!G1)") for name in ("solved", "median, ms"))
     costs, starts = ours.both(STEP, "cost, least to largest", "^ours"), ours.of(STEP, "valid", "^ours")
+    poses = (r"^Kinova \| pose$", r"^Panda \| pose$")
+    own, theirs = (rf"^(Kinova|Panda|xArm7) \| {who}" for who in ("ours", "TRAC-IK, 50 ms"))
     mutations = (ROOT / "tests/mutations/list.toml").read_text(encoding="utf-8").count("[[mutation]]")
     return [
         ("{} deliberate errors", [Decimal(mutations)]),
@@ -106,6 +109,20 @@ def of_readme(ours: Results) -> list[tuple[str, list[Decimal]]]:
         ("or the folder of the {}", ours.of(MBM, "problems", "^all", 1)),
         ("on five arms, {} of {} solved", [sum(solved), Decimal(100 * len(solved))]),
         ("medians {} to {} ms", [min(medians), max(medians)]),
+        (
+            "{} of {} on Kinova, {} of {} on Panda, median {} and {} s",
+            [number for row in poses for number in ours.both(GOALS, "solved and valid", row)]
+            + [ours.of(GOALS, "median, ms", row)[0] / 1000 for row in poses],
+        ),
+        (
+            "{} poses each: {} on Kinova, {} on Panda, {} on xArm7, median {} to {} ms",
+            ours.of(IK, "poses", r"Kinova \| ours") + ours.of(IK, "solved", own)
+            + ends(ours.of(IK, "median ms", own)),
+        ),
+        (
+            "TRAC-IK, at most {} ms: {}, {} and {}, median {} to {} ms",
+            [Decimal(50), *ours.of(IK, "solved", theirs), *ends(ours.of(IK, "median ms", theirs))],
+        ),
         ("{} of the {} phases certified", [sum(ours.of(WALKS, name)) for name in ("certified", "phases")]),
         (
             "Digit {} s, G1 {} s, Talos {} s",
@@ -117,11 +134,11 @@ def of_readme(ours: Results) -> list[tuple[str, list[Decimal]]]:
         ),
         ("dynamics, median {} s", ours.of(STEP, "median, s", "^ours")),
         (
-            "in version 0.2.0: {} ms without obstacles, {} ms with",
+            "in version 0.2.0, the paper's Kinova experiments: {} ms without obstacles, {} ms with",
             [ours.of(PAPER, "solve, ms", row)[0] for row in (r"^Kinova \|", "^Kinova, obstacles")],
         ),
         (
-            "in version 0.2.0: {} µs for Kinova, {} µs for Digit",
+            "Jacobian at a node: {} µs for Kinova, {} µs for Digit",
             [ours.of(PAPER, name, "^Jacobian, control form", 1)[0] for name in ("N = 7", "N = 22")],
         ),
         (

@@ -44,7 +44,9 @@ pub fn scenario_schema() -> Value {
 pub fn scenario_keys() -> String {
     let schema = scenario_schema();
     let mut table = "| key | value | default |\n| --- | --- | --- |\n".to_owned();
-    add_keys(&schema, &schema, "", &mut table);
+    for keys in objects_in(&schema, &schema) {
+        add_keys(&schema, &keys, "", &mut table);
+    }
     table
 }
 
@@ -101,27 +103,43 @@ pub fn described_options() -> Vec<DescribedOption> {
     all
 }
 
+/// An object with keys in a schema.
+struct Keys<'s> {
+    schema: &'s Value,
+    /// `[]` for each list around it.
+    suffix: String,
+    /// True if it is one of several objects, of which a value has one.
+    is_alternative: bool,
+}
+
 /// Adds a row for each property of an object, below those of the objects in it, to a table. `root` has the definitions.
-fn add_keys(root: &Value, object: &Value, prefix: &str, table: &mut String) {
+fn add_keys(root: &Value, object: &Keys<'_>, prefix: &str, table: &mut String) {
+    let Keys {
+        schema: object,
+        is_alternative,
+        ..
+    } = object;
     for (name, schema) in properties(object).into_iter().flatten() {
         let key = format!("{prefix}{name}");
         let required = object["required"].as_array();
         let required = required.is_some_and(|all| all.iter().any(|other| other == name));
         let default = match &schema["default"] {
+            _ if required && *is_alternative => "one of these".to_owned(),
             _ if required => "required".to_owned(),
             Value::Null | Value::Object(_) | Value::Array(_) => String::new(),
             scalar => format!("`{scalar}`"),
         };
         let help = in_cell(text(schema, "description"));
         *table += &format!("| `{key}` | {help} | {default} |\n");
-        for (suffix, inner) in objects_in(root, schema) {
-            add_keys(root, inner, &format!("{key}{suffix}."), table);
+        for inner in objects_in(root, schema) {
+            let prefix = format!("{key}{}.", inner.suffix);
+            add_keys(root, &inner, &prefix, table);
         }
     }
 }
 
-/// The objects with keys among the alternatives of a schema and of the entries of a list, each with `[]` for a list.
-fn objects_in<'s>(root: &'s Value, schema: &'s Value) -> Vec<(String, &'s Value)> {
+/// The objects with keys among the alternatives of a schema and of the entries of a list.
+fn objects_in<'s>(root: &'s Value, schema: &'s Value) -> Vec<Keys<'s>> {
     let mut found = Vec::new();
     if !schema.is_object() {
         return found;
@@ -130,13 +148,23 @@ fn objects_in<'s>(root: &'s Value, schema: &'s Value) -> Vec<(String, &'s Value)
         found.extend(objects_in(root, &root["$defs"][name]));
     }
     if schema["properties"].is_object() {
-        found.push((String::new(), schema));
+        found.push(Keys {
+            schema,
+            suffix: String::new(),
+            is_alternative: false,
+        });
     }
-    let entries = objects_in(root, &schema["items"]).into_iter();
-    found.extend(entries.map(|(suffix, inner)| (format!("[]{suffix}"), inner)));
-    for key in ["anyOf", "oneOf"] {
-        let alternatives = schema[key].as_array().into_iter().flatten();
-        found.extend(alternatives.flat_map(|alternative| objects_in(root, alternative)));
+    for mut entry in objects_in(root, &schema["items"]) {
+        entry.suffix.insert_str(0, "[]");
+        found.push(entry);
+    }
+    for (key, is_alternative) in [("anyOf", false), ("oneOf", true)] {
+        for alternative in schema[key].as_array().into_iter().flatten() {
+            for mut inner in objects_in(root, alternative) {
+                inner.is_alternative |= is_alternative && alternative["properties"].is_object();
+                found.push(inner);
+            }
+        }
     }
     found
 }
