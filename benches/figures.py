@@ -53,8 +53,10 @@ class Results:
     def both(self, section: str, heading: str, rows: str) -> list[Decimal]:
         """Both numbers of a cell "a to b", in the row whose first two cells match a pattern."""
         head, *body = self.sections[section][0]
-        cell = next(row[head.index(heading)] for row in body if re.search(rows, " | ".join(row[:2])))
-        return [Decimal(number) for number in re.findall(NUMBER, cell)]
+        cells = [row[head.index(heading)] for row in body if re.search(rows, " | ".join(row[:2]))]
+        if not cells:
+            sys.exit(f"{self.path}: {section}: '{heading}': no row matches '{rows}'")
+        return [Decimal(number) for number in re.findall(NUMBER, cells[0])]
 
     def in_prose(self, words: str) -> list[Decimal]:
         """The numbers behind these words and in the groups of their pattern."""
@@ -102,8 +104,8 @@ def of_readme(ours: Results) -> list[tuple[str, list[Decimal]]]:
             [ours.of(MBM, name, "^all")[0] / 1000 for name in ("median ms", "worst")],
         ),
         (
-            "of all {}, with the objective `balanced`, {} are valid and {} minima, median {} s",
-            [ours.of(MBM, name, "^all", 1)[0] for name in ("problems", "valid", "optimal")]
+            "of all {}, with the objective `balanced`, {} are valid and minima, median {} s",
+            [ours.of(MBM, name, "^all", 1)[0] for name in ("problems", "optimal")]
             + [ours.of(MBM, "median ms", "^all", 1)[0] / 1000],
         ),
         ("or the folder of the {}", ours.of(MBM, "problems", "^all", 1)),

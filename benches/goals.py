@@ -37,6 +37,8 @@ AGHF = ROOT / "target" / "release" / "aghf"
 RADIUS, CLEAR = 0.1, 0.1
 # The largest number of refused draws, relative to those that are asked for.
 MOST_REFUSED = 10
+# The number of reasons that are printed.
+REASONS = 5
 # The exit code of `aghf ik` where no configuration is found.
 NOT_FOUND = 3
 # The largest angle of a glass, rad, and that at both ends.
@@ -113,11 +115,10 @@ def upright(robot: Robot, name: str, frame: str) -> dict:
 
 
 def of_file(file: Path) -> dict:
-    """The scenario of a file, with the path of its robot from anywhere."""
+    """The scenario of a file, with the paths of its robot and its SRDF from anywhere."""
     made = json.loads(file.read_text())
-    if made["robot"].endswith(".urdf"):
-        made["robot"] = str((file.parent / made["robot"]).resolve())
-    return made
+    paths = {key: made[key] for key in ("robot", "srdf") if made.get(key, "").endswith("df")}
+    return made | {key: str((file.parent / path).resolve()) for key, path in paths.items()}
 
 
 def solve(made: dict, folder: Path, options: list[str]) -> tuple[dict | None, str]:
@@ -187,6 +188,8 @@ def main() -> None:
     parser.add_argument("--json", type=Path, help="a file for all numbers")
     parser.add_argument("--starts", type=int, help="the number of starts of goals by pose [default: that of aghf]")
     given = parser.parse_args()
+    if given.upright and given.scenarios:
+        parser.error("--upright makes scenarios of its own")
     builtin = ROOT / "robots" / given.robot / f"{given.robot}.urdf"
     robot = Robot(builtin if builtin.exists() else Path(given.robot), given.frame, given.seed)
 
@@ -215,7 +218,7 @@ def main() -> None:
                 break
     if given.json:
         given.json.write_text(json.dumps(rows))
-    print(f"{len(refused)} are refused, as start or goal are in collision")
+    print(f"{len(refused)} are refused" + "".join(f"\n    {why}" for why in sorted(set(refused))[:REASONS]))
     report(rows)
 
 

@@ -120,6 +120,8 @@ def main() -> None:
     parser.add_argument("--clik-count", type=int, default=200, help="the number of poses for the loop in Python")
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
+    if bool(given.robot) != bool(given.frame):
+        parser.error("--robot and --frame belong together")
     built_in = [("kinova_gen3", "bracelet_link"), ("panda", "panda_link8")]
     robots = [(ROOT / "robots" / name / f"{name}.urdf", frame) for name, frame in built_in]
     if given.robot:

@@ -199,17 +199,22 @@ def inverse_kinematics(
     KeyError
         The robot has no such frame.
     ValueError
-        A shape is wrong.
+        A shape is wrong, or the last row of a placement.
     InputError
-        The upper left of a placement is not a rotation.
+        The upper left of a placement is not a rotation, or a number is not finite.
     """
     goals = array(placement, "placement")
-    if goals.shape[-2:] != (4, 4):
+    if goals.shape[-2:] != (4, 4) or goals.ndim > 3:
         raise ValueError(f"placement: its shape is {list(goals.shape)}, expected [4, 4] or [batch, 4, 4]")
+    if not np.array_equal(goals[..., 3, :], np.broadcast_to([0.0, 0.0, 0.0, 1.0], goals[..., 3, :].shape)):
+        raise ValueError("placement: the last row of each is 0, 0, 0, 1")
     first = np.clip(0.0, model.lower, model.upper) if near is None else array(near, "near")
+    shape = (*goals.shape[:-2], model.dof)
+    if first.shape not in (shape, shape[-1:]):
+        raise ValueError(f"near: its shape is {list(first.shape)}, expected {[model.dof]} or {list(shape)}")
     rotations, translations = goals[..., :3, :3], goals[..., :3, 3]
     numbers = np.concatenate([rotations.reshape(*goals.shape[:-2], 9), translations], axis=-1)
-    each = np.ascontiguousarray(np.broadcast_to(first, (*goals.shape[:-2], first.shape[-1])))
+    each = np.ascontiguousarray(np.broadcast_to(first, shape))
     return _aghf.inverse_kinematics(model._own, numbers, each, frame, guesses)[0]
 
 

@@ -29,7 +29,7 @@ class Samples(NamedTuple):
 class Solution:
     """The result of a solve.
 
-    It can be pickled: what reads it again needs the file of the robot at the same place, unless that is built in, and
+    It can be pickled: reading it again needs the file of the robot at the same place, unless that is built in. The copy
     has neither a running cost and constraints of one's own nor the progress of the search.
 
     Attributes

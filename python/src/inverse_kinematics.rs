@@ -37,6 +37,14 @@ pub fn inverse_kinematics<'py>(
             let condition = format!("the rotation of number {} is none", group.start);
             return Err(Error::input(model.name(), "placement", condition));
         }
+        let numbers = [("placement", numbers), ("near", near)];
+        if let Some((what, _)) = numbers
+            .iter()
+            .find(|(_, all)| all.iter().any(|x| !x.is_finite()))
+        {
+            let condition = format!("an entry of number {} is not finite", group.start);
+            return Err(Error::input(model.name(), *what, condition));
+        }
         let rows = FrameRows::new(frame, Frame::new("goal", None, goal));
         let rows = rows.at_origin().oriented();
         let mut search = InverseKinematics::new(model, &rows, bounds.clone())?;

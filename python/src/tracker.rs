@@ -83,7 +83,7 @@ impl PyTracker {
         let violation = match safety {
             Safety::Violated { row, by, after } => {
                 let label = self.0.label(row);
-                Some((label.name, by, label.unit, after))
+                Some((label.name, self.0.excess(row, by), label.unit, after))
             }
             Safety::Kept | Safety::Left => None,
         };

@@ -111,7 +111,20 @@ def test_bad_placements(model):
         aghf.inverse_kinematics(model, goal, frame, near=np.zeros(model.dof + 1))
     with pytest.raises(KeyError, match="no frame 'nothing'"):
         aghf.inverse_kinematics(model, goal, "nothing")
-    for wrong in [2.0 * np.eye(4), np.diag([1.0, 1.0, -1.0, 1.0]), np.full((4, 4), np.nan)]:
+    with pytest.raises(ValueError, match=r"near.*\[2, "):
+        aghf.inverse_kinematics(model, goal, frame, near=np.zeros((2, model.dof)))
+    with pytest.raises(ValueError, match=r"near.*\[\]"):
+        aghf.inverse_kinematics(model, goal, frame, near=0.0)
+    with pytest.raises(ValueError, match="last row"):
+        aghf.inverse_kinematics(model, goal + np.eye(4)[3], frame)
+    with pytest.raises(aghf.InputError, match="near.*number 0 is not finite"):
+        aghf.inverse_kinematics(model, goal, frame, near=np.full(model.dof, np.nan))
+    far = goal.copy()
+    far[0, 3] = np.inf
+    with pytest.raises(aghf.InputError, match="placement.*number 1 is not finite"):
+        aghf.inverse_kinematics(model, [goal, far], frame)
+    nothing = np.vstack([np.full((3, 4), np.nan), goal[3:]])
+    for wrong in [np.diag([2.0, 2.0, 2.0, 1.0]), np.diag([1.0, 1.0, -1.0, 1.0]), nothing]:
         with pytest.raises(aghf.InputError, match="rotation of number 1"):
             aghf.inverse_kinematics(model, [goal, wrong], frame)
 

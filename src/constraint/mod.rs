@@ -91,8 +91,8 @@ pub trait Constraint<C: Scalar = f64> {
         scales.fill(C::one());
     }
 
-    /// The name of row `row` and the unit of the row divided by its [scale](Self::row_scales), for reports. By default
-    /// the number of the row, without a unit.
+    /// The name of row `row` and the unit of its [excess](RowKind::excess), for reports. By default the number of the
+    /// row, without a unit.
     fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
         let _ = model;
         RowLabel::numbered(row)

@@ -180,15 +180,15 @@ impl<K: Constraint> Constraints<K> {
     #[must_use]
     pub fn excess(&self, row: usize, by: f64, model: &Model) -> f64 {
         let kind = self.label(row, model).kind;
+        if !matches!(kind, RowKind::Square | RowKind::Cosine(_)) {
+            return by;
+        }
         match row.checked_sub(self.first_of_stage()) {
             None => kind.excess(by, self.row_scales()[row]),
-            // Violations of these are values, which a kept pose has in those of the constraint on the state.
+            // Rows of the stage are not divided by their scales.
             Some(row) => {
                 let scale = self.stage.scales()[row];
-                match kind {
-                    RowKind::Square | RowKind::Cosine(_) => kind.excess(by / scale, scale),
-                    _ => by,
-                }
+                kind.excess(by / scale, scale)
             }
         }
     }
@@ -234,8 +234,7 @@ impl<K: Constraint> Constraints<K> {
     }
 
     /// The factor of each row, with which a badly violated row is of the order of 0.1, and one unit of the scaled row
-    /// in the unit of its
-    /// label. A torque is scaled by its limit, that of a passive joint by one.
+    /// in the unit of its label. A torque is scaled by its limit, that of a passive joint by one.
     pub(crate) fn factors_and_units(&self) -> [Vec<f64>; 2] {
         let mut scales = self.row_scales();
         let mut units = vec![1.0; scales.len()];

@@ -13,11 +13,11 @@ use nalgebra::{DMatrix, DVector};
 /// The largest value over time of one row of constraints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Violation {
-    /// The row: those of the state come first, then those of the torque.
+    /// The row: those of the state come first, then those of the torque and of the stage.
     pub row: usize,
-    /// The violation, in the unit of its [label](Constraints::label): the row divided by its
-    /// [scale](Constraints::row_scales), or the absolute value of that for an equality. Negative if the row is
-    /// satisfied with a margin, infinite if it is NaN.
+    /// The row divided by its [scale](Constraints::row_scales), or the absolute value of that for an equality. Negative
+    /// if the row is satisfied with a margin, infinite if it is NaN. [`Constraints::excess`] has it in the unit of the
+    /// [label](Constraints::label).
     pub by: f64,
     /// The time of the violation, s.
     pub at_s: f64,

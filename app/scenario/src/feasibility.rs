@@ -13,7 +13,7 @@ use std::fmt;
 /// The smallest number of time intervals on which a motion is checked.
 const INTERVALS: usize = 2000;
 
-/// The number of time intervals for accelerations, of which no bound depends.
+/// The number of time intervals for accelerations, on which no bound depends.
 const COARSE: usize = 200;
 
 /// The number of violations that a sentence names.
@@ -36,7 +36,7 @@ pub struct Feasibility {
     pub largest_torque: f64,
     /// The largest absolute torque of a passive joint; `None` without passive joints.
     pub largest_passive_torque: Option<f64>,
-    /// The largest acceleration that the scenario does not limit; `None` if it limits all.
+    /// The largest acceleration at 201 times that the scenario does not limit; `None` if it limits all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unlimited_acceleration: Option<Acceleration>,
     /// The force of the ground on a standing foot, at 2001 times; `None` without one.
@@ -89,7 +89,7 @@ pub struct LimitViolation {
     pub limit: Limit,
     /// The limit in words.
     pub name: String,
-    /// The largest excess over the limit, or over the enforced share of it; see [`Violation::by`].
+    /// The largest excess over the limit, or over the enforced share of it, see [`Constraints::excess`].
     pub by: f64,
     /// The unit of the excess: rad or m, rad/s or m/s, N m or N.
     pub unit: String,
@@ -362,7 +362,8 @@ fn add<K: Constraint>(
     let intervals = INTERVALS.div_ceil(curve.segments());
     let first = found.len();
     for Violation { row, by, at_s } in violations(model, curve, constraints, intervals)? {
-        if by <= 0.0 {
+        // Angles are less exact than their cosines.
+        if by <= 0.0 || constraints.excess(row, by, model) <= 0.0 {
             continue;
         }
         let RowLabel { name, unit, kind } = constraints.label(row, model);

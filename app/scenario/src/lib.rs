@@ -63,7 +63,7 @@ mod yaml;
 pub use builtin::builtin_scenarios;
 pub use clearance::{Clearance, Clearances, PairClearance};
 pub use curve_file::CurveFile;
-pub use feasibility::{Feasibility, Limit, LimitViolation, Nearest};
+pub use feasibility::{Acceleration, Feasibility, Limit, LimitViolation, Nearest};
 pub use file::Scenario;
 pub use flow_parameters::FlowParameters;
 pub use generate::{FAMILIES, Family, generate, generate_for, generated_scenarios, is_generated};

@@ -81,22 +81,6 @@ impl EnforcedLimits {
         *self != Self::NONE
     }
 
-    /// Returns true if a velocity, an acceleration, a jerk or a torque is bounded, as a least time needs.
-    pub(super) fn bound_time(&self, model: &Model) -> bool {
-        let limits = [
-            Limit::Velocity,
-            Limit::Acceleration,
-            Limit::Jerk,
-            Limit::Torque,
-        ];
-        let is_bounded = |joint| {
-            limits
-                .iter()
-                .any(|limit| self.bound(model, *limit, joint).is_some())
-        };
-        (0..model.dof()).any(is_bounded)
-    }
-
     /// The enforced lower and upper bound on the position, velocity or torque of joint `joint` of `model`, in rad or m,
     /// rad/s or m/s, N m or N; one of them may be infinite. `None` if nothing is enforced, or if `limit` is not a limit
     /// of a joint.

@@ -272,7 +272,7 @@ impl HorizonBounds {
     }
 }
 
-/// Refuses keys of this file that are invalid for a robot with `dof` joints. `path` names the scenario.
+/// Refuses keys of this file that are invalid for a robot. `path` names the scenario.
 pub(super) fn check_objective(file: &ScenarioFile, model: &Model, path: &str) -> Result<()> {
     let jumps = file.continuity() == Continuous::Velocity;
     let condition = "the continuity is 'velocity', with which accelerations jump";
@@ -287,8 +287,8 @@ pub(super) fn check_objective(file: &ScenarioFile, model: &Model, path: &str) ->
     }
     let preset = file.objective.preset();
     let timed = preset.is_some_and(|preset| preset != Preset::LeastEffort);
-    if timed && file.free_horizon.is_none() && !file.enforced_limits.bound_time(model) {
-        let condition = "without limits there is no least time: free_horizon or limits of rates or torques are needed";
+    if timed && file.free_horizon.is_none() && !file.bounds_time(model) {
+        let condition = "without limits there is no least time: limits of rates or torques or free_horizon are needed";
         return Err(Error::input(path, "objective", condition));
     }
     if let Some(bounds) = file.free_horizon {

@@ -26,15 +26,15 @@ pub(super) fn worst_row(
     Evaluator::new(model).at(x)?.value(constraints, &mut g)?;
     constraints.row_scales(&mut scales);
     let rows = g.iter().zip(&scales).enumerate();
-    let violations = rows.map(|(row, (g, scale))| match constraints.is_equality(row) {
-        true => (row, g.abs() / scale),
-        false => (row, g / scale),
-    });
-    let worst = violations.max_by(|(_, a), (_, b)| a.total_cmp(b));
-    Ok(worst.map(|(row, by)| {
+    let all = rows.map(|(row, (g, scale))| {
         let label = constraints.label(row, model);
-        (label.kind.excess(by, scales[row]), label)
-    }))
+        let scaled = match constraints.is_equality(row) {
+            true => g.abs() / scale,
+            false => g / scale,
+        };
+        (label.kind.excess(scaled, *scale), label)
+    });
+    Ok(all.max_by(|(a, _), (b, _)| a.total_cmp(b)))
 }
 
 /// A running cost of any type.

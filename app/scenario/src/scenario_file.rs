@@ -1,6 +1,5 @@
 //! The keys of a scenario.
 
-use super::EnforcedLimits;
 use super::clearance::Clearance;
 use super::flow_parameters::FlowParameters;
 use super::goal::Goal;
@@ -14,6 +13,7 @@ use super::phases::WalkPhase;
 use super::schema::{self, FeedbackKeys, one_of};
 use super::stand::Stand;
 use super::waypoints::PointOnTheWay;
+use super::{EnforcedLimits, Limit};
 use aghf::curve::Chebyshev;
 use aghf::error::{Error, Result, plain};
 use aghf::model::Model;
@@ -162,6 +162,19 @@ pub struct ScenarioFile {
 }
 
 impl ScenarioFile {
+    /// Returns true if a velocity, an acceleration, a jerk, a torque or a kept speed is bounded, as a least time needs.
+    pub(super) fn bounds_time(&self, model: &Model) -> bool {
+        let limits = [
+            Limit::Velocity,
+            Limit::Acceleration,
+            Limit::Jerk,
+            Limit::Torque,
+        ];
+        let is_bounded = |joint, limit| self.enforced_limits.bound(model, limit, joint).is_some();
+        (0..model.dof()).any(|joint| limits.iter().any(|limit| is_bounded(joint, *limit)))
+            || self.keep.iter().any(|kept| kept.speed.is_some())
+    }
+
     /// The keys of a motion of this robot from one state to another within `horizon_s`; all others are as by default.
     /// A state is a pair of positions and velocities.
     #[must_use]

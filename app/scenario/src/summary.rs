@@ -156,7 +156,7 @@ pub struct RestDetails {
     /// The largest slip at the points of the quadrature, rad/s or m/s.
     #[serde(deserialize_with = "not_finite_for_null")]
     pub slip: f64,
-    /// The largest violation of a constraint, in its own unit; `None` without constraints.
+    /// The largest [violation](aghf::motion::Violation::by) of a constraint; `None` without constraints.
     pub largest_violation: Option<f64>,
     /// The number of the start that led to this result, counted from zero.
     pub best_start: usize,
@@ -198,7 +198,7 @@ pub struct DirectDetails {
     /// if the search has not converged.
     #[serde(deserialize_with = "not_finite_for_null")]
     pub smallest_curvature: f64,
-    /// The largest violation of a constraint, in its own unit; `None` without constraints.
+    /// The largest [violation](aghf::motion::Violation::by) of a constraint; `None` without constraints.
     pub largest_violation: Option<f64>,
     /// The number of unknowns.
     pub unknowns: usize,

@@ -126,6 +126,14 @@ impl ScenarioTracker {
         self.0
             .with_dependent(|scenario, tracker| tracker.constraints().label(row, &scenario.model))
     }
+
+    /// The excess of the quantity that a row limits over its bound, in the unit of the label, for a violation of it.
+    #[must_use]
+    pub fn excess(&self, row: usize, by: f64) -> f64 {
+        self.0.with_dependent(|scenario, tracker| {
+            (tracker.constraints()).excess(row, by, &scenario.model)
+        })
+    }
 }
 
 impl ScenarioTrackerOptions {

@@ -174,6 +174,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
         tracker.centre()?;
         if let Some(Violation { row, by, at_s }) = tracker.look_at_rest(0.0)? {
             let label = tracker.constraints.label(row, model);
+            let by = tracker.constraints.excess(row, by, model);
             let condition = format!(
                 "no safe plan was found: the best one violates {} by {by:e} {} at {at_s} s",
                 label.name, label.unit

@@ -41,7 +41,7 @@ pub enum Safety {
     Violated {
         /// The row that is violated most, as in [`Violation::row`](crate::motion::Violation).
         row: usize,
-        /// The violation, in the unit of the row.
+        /// The violation of the row, see [`Constraints::excess`](crate::constraint::Constraints::excess).
         by: f64,
         /// The time until then, s.
         after: f64,

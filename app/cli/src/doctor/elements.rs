@@ -41,8 +41,10 @@ pub(super) fn without_several_degrees(robot: &Robot) -> Robot {
     robot
 }
 
-/// Numbers of files in degrees, millimetres or grams are beyond these, and those of robots hardly ever: a limit of
-/// position, rad, and of velocity, rad/s, the position of a joint in its parent, m, and the mass of a link, kg.
+/// Numbers beyond these are hardly those of robots, often those of files in degrees, millimetres or grams: a limit of
+/// position, rad, and of velocity, rad/s, a position in a parent or a limit, m, and the mass of a link, kg. From
+/// `NO_LIMIT` on there is none.
+const NO_LIMIT: f64 = 1e5;
 const FAR: f64 = 20.0 * std::f64::consts::PI;
 const FAST: f64 = 100.0;
 const LONG: f64 = 10.0;
@@ -87,30 +89,37 @@ pub(super) fn of_joints(robot: &Robot) -> Vec<Finding> {
 }
 
 /// The notes about limits and losses of the joints that move.
-fn notes(moving: &[&Joint]) -> [Option<Finding>; 11] {
+fn notes(moving: &[&Joint]) -> [Option<Finding>; 12] {
     let losses = "\"losses\": true (--losses); {\"armature\": ...} adds rotor inertia, which a URDF does not have";
     let in_file = "the limit element in the file";
     let rates = "\"enforced_limits\": {\"acceleration\": NUMBER}, a list, or {\"file\": MoveIt's joint_limits.yaml}";
     let given = "\"enforced_limits\": {\"acceleration\": \"urdf\", \"jerk\": \"urdf\"}";
     let units = "the file, which is in m, rad and kg";
-    let notes: [(&str, &str, Property); 11] = [
+    let notes: [(&str, &str, Property); 12] = [
         (
             "limits of position beyond ten turns: are these degrees?",
             units,
             |j| {
-                j.joint_type == JointType::Revolute
-                    && j.limit.lower.abs().max(j.limit.upper.abs()) > FAR
+                j.joint_type == JointType::Revolute && (FAR..NO_LIMIT).contains(&farthest(&j.limit))
             },
         ),
         (
             "a limit of velocity above 100 rad/s: are these degrees?",
             units,
-            |j| is_turning(j) && j.limit.velocity > FAST,
+            |j| is_turning(j) && (FAST..NO_LIMIT).contains(&j.limit.velocity),
         ),
         (
             "its origin is more than 10 m from its parent: are these millimetres?",
             units,
             |j| j.origin.xyz.iter().any(|x| x.abs() > LONG),
+        ),
+        (
+            "limits of position beyond 10 m: are these millimetres?",
+            units,
+            |j| {
+                j.joint_type == JointType::Prismatic
+                    && (LONG..NO_LIMIT).contains(&farthest(&j.limit))
+            },
         ),
         ("no limits of any kind", in_file, |j| {
             has_one_degree(j) && !has_limits(&j.limit)
@@ -169,6 +178,11 @@ fn has_limits(limit: &JointLimit) -> bool {
 fn has_limits_of_rates(limit: &JointLimit) -> bool {
     let all = [limit.acceleration, limit.deceleration, limit.jerk];
     all.iter().any(|x| *x != f64::INFINITY)
+}
+
+/// The larger distance of both limits of position from zero.
+fn farthest(limit: &JointLimit) -> f64 {
+    limit.lower.abs().max(limit.upper.abs())
 }
 
 /// True for an angle, which is in rad.

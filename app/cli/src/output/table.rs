@@ -105,10 +105,8 @@ fn feasibility_rows(found: &Feasibility) -> Vec<[String; 2]> {
         );
     }
     if let Some(acceleration) = &found.unlimited_acceleration {
-        add(
-            "largest acceleration, not limited",
-            acceleration.to_string(),
-        );
+        let value = acceleration.to_string();
+        add("largest acceleration, not limited", value);
     }
     if let Some(passive) = found.largest_passive_torque {
         let both = format!("{} of {}", short(passive), short(found.largest_torque));

@@ -293,6 +293,16 @@ fn units_of_another_kind_are_noted() {
             Some("lift"),
         ),
         (
+            arm(r#"lower="-1e9" upper="1e9" velocity="1e9""#, 0.4, 3.0),
+            "are these",
+            None,
+        ),
+        (
+            arm(r#"lower="0" upper="400" velocity="2""#, 0.4, 3.0).replace("revolute", "prismatic"),
+            "limits of position beyond 10 m",
+            Some("lift"),
+        ),
+        (
             arm(r#"lower="-3" upper="3" velocity="180""#, 0.4, 3.0),
             "limit of velocity above",
             Some("lift"),

@@ -100,6 +100,14 @@ fn the_table_of_a_summary_has_its_notes_and_the_largest_passive_torque() {
         flow.contains("objective: the published flow minimises the control effort alone"),
         "{flow}"
     );
+    let fast = serde_json::from_value(json!("least-time")).expect("a preset");
+    let soon = |scenario: &mut Scenario| scenario.file.objective = Clone::clone(&fast);
+    let soon = table("limits_01", &soon, SolveOptions::default());
+    assert!(
+        soon.contains(" s, the horizon; objective: least-time")
+            && soon.contains("largest acceleration, not limited"),
+        "{soon}"
+    );
     let passive = table("cart_pole_swingup", &|_| (), SolveOptions::default());
     let row = passive
         .lines()

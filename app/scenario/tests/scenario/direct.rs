@@ -130,3 +130,36 @@ fn a_motion_whose_torques_overflow_is_not_valid() {
         "{failure}"
     );
 }
+
+/// The cost of a motion that breaks its limits is that of the motion, and of the iterate that it comes from.
+#[test]
+fn the_cost_of_a_motion_that_is_not_valid_is_its_own() {
+    let link = "link_1";
+    let scenario = json!({
+        "robot": "pendulum_2", "horizon_s": 1.0,
+        "q_start": [0, 0], "v_start": [0, 0], "q_goal": [1.0, 0.5], "v_goal": [0, 0],
+        "keep": [{ "speed": { "frame": link, "point_m": [0, 0, -0.5], "most_m_s": 0.1 } }]
+    });
+    let scenario = load("slow", &scenario).expect("it is good");
+    let summary = Solve::new(&scenario).run().expect("a result").summary;
+    let Details::Direct(details) = &summary.details else {
+        panic!("it is a direct solve");
+    };
+    assert_eq!(summary.verdict, Verdict::NotValid);
+    let apart = (details.cost / summary.control_effort - 1.0).abs();
+    assert!(apart < 1e-3, "{} and {}", details.cost, summary.control_effort);
+    // The excess is a speed: the point has to be faster than half a radian per second on average.
+    let speed = &summary.feasibility.limit_violations[0];
+    assert!(speed.unit == "m/s" && (0.2..3.0).contains(&speed.by), "{speed}");
+}
+
+/// A kept speed bounds the time too.
+#[test]
+fn a_kept_speed_has_a_least_time() {
+    let scenario = json!({
+        "robot": "pendulum_2", "horizon_s": 3.0, "objective": "least-time",
+        "q_start": [0, 0], "v_start": [0, 0], "q_goal": [0.4, 0.2], "v_goal": [0, 0],
+        "keep": [{ "speed": { "frame": "link_1", "point_m": [0, 0, -0.5], "most_m_s": 0.5 } }]
+    });
+    load("fast", &scenario).expect("it is accepted");
+}

@@ -184,7 +184,8 @@ const addMotion = (motion, i) => {
   };
   const joints = new JointTable(motion, values, choose);
   const clearances = motion.clearance && floats(motion.clearance.values);
-  const numbers = [["duration", `${short(motion.horizon)} s`], ["cost", short(motion.cost)], ["control effort", short(motion.effort)]];
+  const numbers = [["duration", `${short(motion.horizon)} s`], ["control effort", short(motion.effort)]];
+  if (![short(motion.horizon), short(motion.effort)].includes(short(motion.cost))) numbers.push(["cost", short(motion.cost)]);
   if (clearances) numbers.push(["smallest clearance", `${short(1000 * motion.least_clearance)} mm`]);
   numbers.push(["joints", String(motion.joints.length)]);
   const badge = element("span", motion.failure ? "badge bad" : "badge good", motion.verdict);
