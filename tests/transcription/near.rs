@@ -111,11 +111,17 @@ fn rows_that_are_far_change_nothing() {
             assert_same(&all, &around_the_post(&model, &kept, basis, moved));
         }
     }
-    // The post is in the way of a motion whose effort is mostly that of holding the arm.
+    // The post is in the way of a motion whose effort is mostly that of holding the arm: it costs far more than the
+    // tolerance of 1e-6.
     let mut free = kept.clone();
     free.state.truncate(1);
     let [near, free] = [&kept, &free].map(|kept| around_the_post(&model, kept, (1, 12), default));
-    assert!(near.cost > 1.001 * free.cost, "{} {}", near.cost, free.cost);
+    assert!(
+        near.cost > 1.0005 * free.cost,
+        "{} {}",
+        near.cost,
+        free.cost
+    );
 }
 
 /// Lists of rows that are maxima of many functions change no motion, whether they are made anew at each point or not.

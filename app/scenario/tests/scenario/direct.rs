@@ -147,10 +147,18 @@ fn the_cost_of_a_motion_that_is_not_valid_is_its_own() {
     };
     assert_eq!(summary.verdict, Verdict::NotValid);
     let apart = (details.cost / summary.control_effort - 1.0).abs();
-    assert!(apart < 1e-3, "{} and {}", details.cost, summary.control_effort);
+    assert!(
+        apart < 1e-3,
+        "{} and {}",
+        details.cost,
+        summary.control_effort
+    );
     // The excess is a speed: the point has to be faster than half a radian per second on average.
     let speed = &summary.feasibility.limit_violations[0];
-    assert!(speed.unit == "m/s" && (0.2..3.0).contains(&speed.by), "{speed}");
+    assert!(
+        speed.unit == "m/s" && (0.2..3.0).contains(&speed.by),
+        "{speed}"
+    );
 }
 
 /// A kept speed bounds the time too.
