@@ -27,9 +27,9 @@ def _plain(x: object) -> Any:
     raise TypeError(f"'{type(x).__name__}' is neither a number, a text nor a container of these")
 
 
-def given(**options: object) -> str:
-    """The options that were given, in JSON."""
-    return text({name: value for name, value in options.items() if value is not None})
+def given(arguments: Mapping[str, object], *others: str) -> str:
+    """The options that were given among the arguments of a function, all but the others, in JSON."""
+    return text({name: value for name, value in arguments.items() if name not in others and value is not None})
 
 
 def named(scenario: str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, str | None]:

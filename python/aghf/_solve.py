@@ -97,26 +97,7 @@ def solve(
     InputError
         Names the file, the key and the fault.
     """
-    options = given(
-        method=method,
-        degree=degree,
-        segments=segments,
-        degree_tolerance=degree_tolerance,
-        tolerance=tolerance,
-        reserve=reserve,
-        starts=starts,
-        seed=seed,
-        planned_starts=planned_starts,
-        threads=threads,
-        time_limit_s=time_limit_s,
-        k=k,
-        s_max=s_max,
-        guess=guess,
-        jacobian=jacobian,
-        integrator=integrator,
-        k_cons=k_cons,
-        c_cons=c_cons,
-    )
+    options = given(locals(), "scenario", "running_cost", "constraints", "on_iteration", "start")
     own = start._own if start is not None else None
     return Solution(_aghf.solve(named(scenario), options, running_cost, list(constraints), on_iteration, own))
 
@@ -158,25 +139,7 @@ def solve_many(
     method, degree, ... : optional
         The options of `solve` for each of them.
     """
-    options = given(
-        method=method,
-        degree=degree,
-        segments=segments,
-        degree_tolerance=degree_tolerance,
-        tolerance=tolerance,
-        reserve=reserve,
-        starts=starts,
-        seed=seed,
-        planned_starts=planned_starts,
-        time_limit_s=time_limit_s,
-        k=k,
-        s_max=s_max,
-        guess=guess,
-        jacobian=jacobian,
-        integrator=integrator,
-        k_cons=k_cons,
-        c_cons=c_cons,
-    )
+    options = given(locals(), "scenarios", "threads")
     found = _aghf.solve_many([named(scenario) for scenario in scenarios], options, threads)
     return [own if isinstance(own, Exception) else Solution(own) for own in found]
 
@@ -207,18 +170,7 @@ def tradeoff(
     degree, segments, ... : optional
         The options of `solve` for the direct method.
     """
-    options = given(
-        degree=degree,
-        segments=segments,
-        degree_tolerance=degree_tolerance,
-        tolerance=tolerance,
-        reserve=reserve,
-        starts=starts,
-        seed=seed,
-        planned_starts=planned_starts,
-        threads=threads,
-        time_limit_s=time_limit_s,
-    )
+    options = given(locals(), "scenario", "points")
     found = _aghf.tradeoff(*named(scenario), options, points)
     return Tradeoff([Solution(own) for own in found])
 

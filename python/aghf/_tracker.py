@@ -120,17 +120,7 @@ class Tracker:
         shortest_horizon_s: float | None = None,
         largest_deviation: float | None = None,
     ) -> None:
-        options = given(
-            search=search or {},
-            barrier=barrier,
-            iterations_per_step=iterations_per_step,
-            least_gain=least_gain,
-            look=look,
-            deadline_s=deadline_s,
-            bandwidth=bandwidth,
-            shortest_horizon_s=shortest_horizon_s,
-            largest_deviation=largest_deviation,
-        )
+        options = given({**locals(), "search": search or {}}, "self", "scenario")
         self._own = _aghf.Tracker(named(scenario), options)
 
     def step(self, q: ArrayLike, v: ArrayLike, now: float) -> Step:

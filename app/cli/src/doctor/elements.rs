@@ -49,6 +49,8 @@ const FAR: f64 = 20.0 * std::f64::consts::PI;
 const FAST: f64 = 100.0;
 const LONG: f64 = 10.0;
 const HEAVY: f64 = 1000.0;
+/// The remedy for numbers in other units.
+const UNITS: &str = "the file, which is in m, rad and kg";
 
 /// A property of a joint.
 type Property = fn(&Joint) -> bool;
@@ -94,28 +96,27 @@ fn notes(moving: &[&Joint]) -> [Option<Finding>; 12] {
     let in_file = "the limit element in the file";
     let rates = "\"enforced_limits\": {\"acceleration\": NUMBER}, a list, or {\"file\": MoveIt's joint_limits.yaml}";
     let given = "\"enforced_limits\": {\"acceleration\": \"urdf\", \"jerk\": \"urdf\"}";
-    let units = "the file, which is in m, rad and kg";
     let notes: [(&str, &str, Property); 12] = [
         (
             "limits of position beyond ten turns: are these degrees?",
-            units,
+            UNITS,
             |j| {
                 j.joint_type == JointType::Revolute && (FAR..NO_LIMIT).contains(&farthest(&j.limit))
             },
         ),
         (
             "a limit of velocity above 100 rad/s: are these degrees?",
-            units,
+            UNITS,
             |j| is_turning(j) && (FAST..NO_LIMIT).contains(&j.limit.velocity),
         ),
         (
             "its origin is more than 10 m from its parent: are these millimetres?",
-            units,
+            UNITS,
             |j| j.origin.xyz.iter().any(|x| x.abs() > LONG),
         ),
         (
             "limits of position beyond 10 m: are these millimetres?",
-            units,
+            UNITS,
             |j| {
                 j.joint_type == JointType::Prismatic
                     && (LONG..NO_LIMIT).contains(&farthest(&j.limit))
@@ -217,10 +218,7 @@ pub(super) fn of_links(robot: &Robot) -> Vec<Finding> {
         Severity::Note,
         "link",
         heavy.map(|link| link.name.clone()),
-        [
-            "a mass above 1000 kg: are these grams?",
-            "the file, which is in m, rad and kg",
-        ],
+        ["a mass above 1000 kg: are these grams?", UNITS],
     );
     let found = Finding::about(
         Severity::Note,

@@ -75,15 +75,7 @@ fn the_commands_of_the_pages_run() {
 fn the_keys_of_the_pages_are_those_of_a_scenario() {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
     let mut read = 0;
-    for (package, page) in [
-        ("scenario", "asking_for_more"),
-        ("scenario", "goals"),
-        ("scenario", "limits"),
-        ("scenario", "objectives"),
-        ("scenario", "standing"),
-        ("cli", "export"),
-        ("cli", "real_robots"),
-    ] {
+    for (package, page) in PAGES.into_iter().chain([("scenario", "asking_for_more")]) {
         let path = root.join(format!("app/{package}/src/guide/{page}.md"));
         let text = std::fs::read_to_string(&path).expect("the page is there");
         for keys in blocks(&text, "json") {

@@ -1,7 +1,7 @@
 //! The commands that the README and the guide show.
 
 use crate::command::{aghf, empty_folder};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 fn text_of(path: &str) -> String {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(path);
@@ -22,6 +22,31 @@ fn commands(text: &str) -> Vec<Vec<String>> {
         .collect()
 }
 
+/// The page of help of a command.
+fn help_of(folder: &Path, command: &[String]) -> String {
+    let names = command
+        .iter()
+        .take_while(|word| word.chars().all(|c| c.is_ascii_lowercase()));
+    let words: Vec<&str> = names.map(String::as_str).chain(["--help"]).collect();
+    let help = aghf(folder, &words);
+    assert_eq!(help.code, Some(0), "{command:?}: {}", help.stderr);
+    help.stdout
+}
+
+/// The pages of the guides.
+fn pages() -> Vec<PathBuf> {
+    let guides = ["src/guide", "app/scenario/src/guide", "app/cli/src/guide"];
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    let files = guides.map(|guide| std::fs::read_dir(root.join(guide)).expect("it is there"));
+    let paths = files
+        .into_iter()
+        .flatten()
+        .map(|file| file.expect("it can be read").path());
+    paths
+        .filter(|path| path.extension().is_some_and(|kind| kind == "md"))
+        .collect()
+}
+
 /// Every command of the table has a page of help, and every option that stands in its row is on it.
 #[test]
 fn the_table_of_commands_names_options_that_are_there() {
@@ -32,15 +57,10 @@ fn the_table_of_commands_names_options_that_are_there() {
     let table = table.replace("\n| `--", "\n| `aghf solve --");
     for row in table.lines().filter(|line| line.starts_with("| `aghf ")) {
         let command = &commands(row)[0];
-        let names = command
-            .iter()
-            .take_while(|word| word.chars().all(|c| c.is_ascii_lowercase()));
-        let words: Vec<&str> = names.map(String::as_str).chain(["--help"]).collect();
-        let help = aghf(&folder, &words);
-        assert_eq!(help.code, Some(0), "{command:?}: {}", help.stderr);
+        let help = help_of(&folder, command);
         let pieces = row.split(|c: char| !(c.is_ascii_alphanumeric() || c == '-'));
         for option in pieces.filter(|piece| piece.starts_with("--") && piece.len() > 2) {
-            assert!(help.stdout.contains(option), "{command:?} has no {option}");
+            assert!(help.contains(option), "{command:?} has no {option}");
             seen += 1;
         }
     }
@@ -52,28 +72,16 @@ fn the_table_of_commands_names_options_that_are_there() {
 fn the_commands_of_all_pages_have_their_options() {
     let folder = empty_folder("page_options");
     let mut seen = 0;
-    for guide in ["src/guide", "app/scenario/src/guide", "app/cli/src/guide"] {
-        let pages = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(guide);
-        for file in std::fs::read_dir(&pages).expect("it is there") {
-            let path = file.expect("it can be read").path();
-            if path.extension().is_none_or(|kind| kind != "md") {
-                continue;
-            }
-            let text = std::fs::read_to_string(&path).expect("it is text");
-            for command in commands(&text) {
-                let names = command
-                    .iter()
-                    .take_while(|word| word.chars().all(|c| c.is_ascii_lowercase()));
-                let words: Vec<&str> = names.map(String::as_str).chain(["--help"]).collect();
-                let help = aghf(&folder, &words);
-                assert_eq!(help.code, Some(0), "{}: {command:?}", path.display());
-                let ends = |c: char| c.is_whitespace() || "=,.[]()<`".contains(c);
-                let known: Vec<&str> = help.stdout.split(ends).collect();
-                for option in command.iter().filter(|word| word.starts_with("--")) {
-                    let is_known = known.contains(&option.as_str());
-                    assert!(is_known, "{}: {command:?} has no {option}", path.display());
-                    seen += 1;
-                }
+    for page in pages() {
+        let text = std::fs::read_to_string(&page).expect("it is text");
+        for command in commands(&text) {
+            let help = help_of(&folder, &command);
+            let ends = |c: char| c.is_whitespace() || "=,.[]()<`".contains(c);
+            let known: Vec<&str> = help.split(ends).collect();
+            for option in command.iter().filter(|word| word.starts_with("--")) {
+                let is_known = known.contains(&option.as_str());
+                assert!(is_known, "{}: {command:?} has no {option}", page.display());
+                seen += 1;
             }
         }
     }
