@@ -87,7 +87,7 @@ class Tracker:
         The relative decrease of the objective from which on a plan to the same goal replaces the former; by default
         0.001.
     look : int, optional
-        The number of intervals of the look at a plan; by default 160.
+        The number of intervals of the look at a plan per degree of it; by default 10.
     deadline_s : float, optional
         The time within which a step returns, s; by default there is none.
     bandwidth : float, optional

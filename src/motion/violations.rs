@@ -7,8 +7,10 @@ use crate::curve::{Chebyshev, Curve};
 use crate::error::{Error, Result};
 use crate::linalg::multiply;
 use crate::model::Model;
+use crate::scalar::LANES;
 use crate::transcription::Shared;
 use nalgebra::{DMatrix, DVector};
+use std::array::from_fn;
 
 /// The largest value over time of one row of constraints.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,12 +76,12 @@ pub(crate) struct LargestRows<'a, K> {
     /// Takes equal parts of a segment to those at which it is evaluated, this number of intervals of them.
     part: fn(f64) -> f64,
     intervals: usize,
+    /// Rows that cannot exceed this remain at their least value.
+    above: f64,
     times: Vec<f64>,
     largest: Vec<Violation>,
-    /// The largest value of each row at the regular times, and its time.
-    sampled: Vec<(f64, f64)>,
-    /// The maxima that may be violations, by segments.
-    uncertain: Vec<Option<(usize, Bracket)>>,
+    /// The maxima that may be violations, with their segments and rows.
+    uncertain: Vec<(usize, usize, Bracket)>,
     own: Vec<(usize, Bracket)>,
 }
 
@@ -108,9 +110,9 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
             scales,
             part,
             intervals,
+            above: f64::NEG_INFINITY,
             times: Vec::new(),
             largest: Vec::new(),
-            sampled: Vec::new(),
             uncertain: Vec::new(),
             own: Vec::new(),
         })
@@ -118,7 +120,8 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
 
     /// The same with times that are dense near the ends of each segment, $T (1 - \cos \pi k / K) / 2$. In `k` a
     /// polynomial in time is a sum of cosines with as many half-waves as its degree at most, so that a few times the
-    /// degree resolve it, near an end at which the state is fixed too.
+    /// degree resolve it, near an end at which the state is fixed too. Rows that cannot exceed
+    /// zero remain at their least value.
     ///
     /// # Errors
     /// Those of [`violations`].
@@ -128,7 +131,8 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
         intervals: usize,
     ) -> Result<Self> {
         let part = |part: f64| 0.5 - 0.5 * (std::f64::consts::PI * part).cos();
-        Self::new(model, constraints, intervals, part)
+        let all = Self::new(model, constraints, intervals, part)?;
+        Ok(Self { above: 0.0, ..all })
     }
 
     /// The parts of a segment at which it is evaluated.
@@ -149,12 +153,8 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
             by: *by,
             at_s: 0.0,
         }));
-        self.sampled.clear();
-        self.sampled
-            .resize(self.scales.len(), (f64::NEG_INFINITY, 0.0));
         self.rows.are_known = false;
         self.uncertain.clear();
-        self.uncertain.resize(self.scales.len(), None);
         for segment in 0..motion.segments() {
             let (begin, length) = (motion.begin(segment), motion.length(segment));
             let time = |k: f64| length * part(k / intervals as f64);
@@ -167,21 +167,28 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
                 let Some(values) = self.rows.of_row(largest.row) else {
                     continue;
                 };
-                let [sampled, (by, position)] = maxima(&values[..=intervals], *equality);
-                if sampled.0 > self.sampled[largest.row].0 {
-                    self.sampled[largest.row] = (sampled.0, begin + time(sampled.1));
+                let values = &values[..=intervals];
+                if bound(values, *equality) <= self.above {
+                    continue;
                 }
+                let [sampled, estimate] = maxima(values, *equality);
+                let middle = (estimate.1.round() as usize).clamp(1, (intervals - 1).max(1));
+                let mut by_parabola = true;
+                for k in (1..intervals).filter(|_| !equality) {
+                    let around = [k - 1, k, k + 1];
+                    let bracket = Bracket {
+                        times: around.map(|k| self.times[k]),
+                        values: around.map(|k| values[k]),
+                    };
+                    if bracket.is_valid() && bracket.may_exceed(0.0) {
+                        self.uncertain.push((segment, largest.row, bracket));
+                        by_parabola &= k != middle;
+                    }
+                }
+                let (by, position) = if by_parabola { estimate } else { sampled };
                 if by > largest.by {
                     largest.by = by;
                     largest.at_s = begin + time(position);
-                    let middle = (position.round() as usize).clamp(1, (intervals - 1).max(1));
-                    let bracket = Bracket {
-                        times: [middle - 1, middle, middle + 1].map(|k| time(k as f64)),
-                        values: [middle - 1, middle, middle + 1].map(|k| values[k]),
-                    };
-                    let inside = intervals > 1 && !equality && bracket.is_valid();
-                    let refined = inside && bracket.may_exceed(0.0);
-                    self.uncertain[largest.row] = refined.then_some((segment, bracket));
                 }
             }
         }
@@ -193,9 +200,8 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
     fn refine(&mut self, motion: &mut impl Motion) -> Result<()> {
         for segment in 0..motion.segments() {
             let begin = motion.begin(segment);
-            let all = self.uncertain.iter().enumerate();
-            let own = all
-                .filter_map(|(row, of)| of.filter(|(at, _)| *at == segment).map(|of| (row, of.1)));
+            let own = self.uncertain.iter().filter(|(at, ..)| *at == segment);
+            let own = own.map(|(_, row, bracket)| (*row, *bracket));
             self.own.clear();
             self.own.extend(own);
             if self.own.is_empty() {
@@ -225,12 +231,9 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
             }
             for (row, bracket) in &self.own {
                 let (time, height) = bracket.maximum();
-                let (sampled, at_s) = self.sampled[*row];
-                (self.largest[*row].by, self.largest[*row].at_s) = if height >= sampled {
-                    (height, begin + time)
-                } else {
-                    (sampled, at_s)
-                };
+                if height > self.largest[*row].by {
+                    (self.largest[*row].by, self.largest[*row].at_s) = (height, begin + time);
+                }
             }
         }
         Ok(())
@@ -332,6 +335,27 @@ fn interpolation(chebyshev: &Chebyshev, times: &[f64]) -> DMatrix<f64> {
         table.set_column(k, &weights);
     }
     table
+}
+
+/// An upper bound of the [`maxima`] of values and of those that [`Bracket::may_exceed`] asks for, computed for many of
+/// them side by side.
+fn bound(values: &[f64], equality: bool) -> f64 {
+    let height = |value: f64| if equality { value.abs() } else { value };
+    let larger = |a: f64, b: f64| if b > a { b } else { a };
+    let mut most = [f64::NEG_INFINITY; LANES];
+    let mut rest = values;
+    while let Some(near) = rest.first_chunk::<{ LANES + 2 }>() {
+        let above: [_; LANES] = from_fn(|k| height(3.0 * near[k + 1] - near[k] - near[k + 2]));
+        most = from_fn(|k| larger(most[k], larger(height(near[k]), above[k])));
+        rest = &rest[LANES..];
+    }
+    let windows = rest
+        .windows(3)
+        .map(|near| 3.0 * near[1] - near[0] - near[2]);
+    let others = rest.iter().copied().chain(windows).map(height);
+    most.into_iter()
+        .chain(others)
+        .fold(f64::NEG_INFINITY, larger)
 }
 
 /// The largest of values at successive times, or of their absolute values for an equality, and its position in

@@ -28,7 +28,7 @@ pub struct ScenarioTrackerOptions {
     pub iterations_per_step: Option<usize>,
     /// Relative decrease of the objective from which on a plan to the same goal replaces the former; by default 0.001.
     pub least_gain: Option<f64>,
-    /// Number of intervals of the look at a plan; by default 160.
+    /// Number of intervals of the look at a plan per degree; by default 10.
     pub look: Option<usize>,
     /// Time within which a step returns, s; by default there is none.
     pub deadline_s: Option<f64>,

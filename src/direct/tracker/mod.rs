@@ -25,7 +25,7 @@ use plan::{Commander, Plan};
 use search::{Searched, Which};
 use std::sync::Arc;
 use std::time::Duration;
-use workspace::Workspace;
+use workspace::{OnPlan, Workspace};
 
 /// The number of intervals per quadrature point at which rows are scanned after the first search: the look is finer.
 const SCAN: usize = 3;
@@ -57,8 +57,8 @@ const SCAN: usize = 3;
 /// begins anew with each plan.
 ///
 /// **Memory.** It is allocated by [`new`](Self::new), [`set_constraints`](Self::set_constraints) and the first steps.
-/// A later step allocates a vector per factorisation, by `faer`, and otherwise nothing, unless a function of the user
-/// does, there are equalities, or more maxima of rows come near than in all steps before.
+/// A later step allocates nothing, unless a function of the user does, there are equalities, or more maxima of rows
+/// come near than in all steps before.
 ///
 /// ```
 /// use aghf::constraint::{Bounds, Constraints, TorqueLimits};
@@ -102,6 +102,7 @@ pub struct Tracker<'a, K, P> {
     pace: Pace,
     commander: Commander,
     workspace: Workspace<'a, K, P>,
+    on_plan: OnPlan,
     memory: PathMemory,
     /// The state at which a plan begins.
     begin: Vec<f64>,
@@ -158,7 +159,6 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
             grids,
             problem: problem.clone(),
             others: [(); 3].map(|()| plan.clone()),
-            plan,
             attempted: None,
             asked: None,
             aims: true,
@@ -167,6 +167,8 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
             now: None,
             pace: Pace::unknown(),
             commander: Commander::new(model),
+            on_plan: OnPlan::new(&plan.motion, workspace.rows.parts()),
+            plan,
             workspace,
             memory: PathMemory::default(),
             begin: Vec::new(),

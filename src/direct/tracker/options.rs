@@ -22,9 +22,10 @@ pub struct TrackerOptions {
     /// The decrease of the objective with its barrier, relative to the objective, from which on a plan to the same goal
     /// replaces the former, by default 1e-3: each replacement may make a jump of the acceleration.
     pub least_gain: f64,
-    /// The number `K` of intervals of the look at a plan, by default 160, at times $T (1 - \cos \pi k / K) / 2$. The
-    /// state at which a plan begins is fixed, and may be at a bound already: with equal intervals it takes 1000 of them
-    /// not to miss violations of 1e-4 within the first milliseconds.
+    /// The number of intervals of the look at a plan per degree of its polynomial, by default 10: for `K` in all, the
+    /// times are $T (1 - \cos \pi k / K) / 2$. The state at which a plan begins is fixed, and may be at a bound already:
+    /// with equal intervals it takes 1000 of them not to miss violations of 1e-4 within the first milliseconds. On 446
+    /// plans of two arms among obstacles, of degrees 8, 12 and 16, 8 per degree missed no violation, and 6 one.
     pub look: usize,
     /// The time within which a step returns; see [`Tracker::step`](super::Tracker::step). By default there is none.
     pub deadline: Option<Duration>,
@@ -48,7 +49,7 @@ impl Default for TrackerOptions {
             barrier: 1e-2,
             iterations_per_step: 1,
             least_gain: 1e-3,
-            look: 160,
+            look: 10,
             deadline: None,
             bandwidth: 30.0,
             shortest_horizon: 0.1,
@@ -71,7 +72,7 @@ impl TrackerOptions {
             self.iterations_per_step,
             1..=DirectSettings::MOST_ITERATIONS,
         )?;
-        check_count("look", self.look, 1..=1_000_000)?;
+        check_count("look", self.look, 1..=1000)?;
         for (what, value) in [
             ("barrier", self.barrier),
             ("least_gain", self.least_gain),

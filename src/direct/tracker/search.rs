@@ -3,7 +3,6 @@
 use super::Tracker;
 use super::pace::{Pace, learn};
 use super::plan::Plan;
-use super::workspace::Workspace;
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::curve::Curve;
@@ -121,8 +120,8 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
             Which::Tried => tried,
             Which::Reference => reference,
         };
-        let Workspace { rows, on_plan, .. } = &mut self.workspace;
-        let rows = rows.along(&mut on_plan.of(plan))?;
+        let rows = &mut self.workspace.rows;
+        let rows = rows.along(&mut self.on_plan.of(plan))?;
         let most = rows.iter().copied().max_by(|a, b| a.by.total_cmp(&b.by));
         Ok(most.filter(|row| row.by > DirectSettings::FEASIBLE))
     }

@@ -18,7 +18,6 @@ use std::sync::Arc;
 pub(super) struct Workspace<'a, K, P> {
     pub search: RealTime<'a, K, P>,
     pub rows: LargestRows<'a, K>,
-    pub on_plan: OnPlan,
 }
 
 impl<'a, K: Constraint, P: CostWithControl> Workspace<'a, K, P> {
@@ -42,13 +41,12 @@ impl<'a, K: Constraint, P: CostWithControl> Workspace<'a, K, P> {
             goal: None,
         };
         let search = RealTime::new(context, candidate, options.barrier)?;
-        let rows = LargestRows::near_ends(model, constraints.clone(), options.look)?;
-        let on_plan = OnPlan::new(candidate, rows.parts());
-        Ok(Self {
-            search,
-            rows,
-            on_plan,
-        })
+        let rows = LargestRows::near_ends(
+            model,
+            constraints.clone(),
+            options.look * options.settings.degree,
+        )?;
+        Ok(Self { search, rows })
     }
 }
 
@@ -73,7 +71,7 @@ pub(super) struct OnPlan {
 }
 
 impl OnPlan {
-    fn new(candidate: &Candidate, times: impl Iterator<Item = f64>) -> Self {
+    pub fn new(candidate: &Candidate, times: impl Iterator<Item = f64>) -> Self {
         let (basis, n) = (&candidate.path.basis, candidate.path.coefficients.nrows());
         let tables: Vec<_> = times.map(|time| basis.functions_at(time).1).collect();
         let mut table = DMatrix::zeros(basis.degree() + 1, 4 * tables.len());

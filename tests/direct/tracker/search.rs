@@ -115,18 +115,18 @@ fn crowded(model: &Model) -> Kept {
     kept
 }
 
-/// After the first steps only factorisations allocate, one or two vectors of `faer` per iteration: with looks and a
-/// goal that moves, among near obstacles, and where plans take the place of others. Nothing is kept.
+/// After the first steps nothing is allocated: with looks and a goal that moves, among near obstacles, and where plans
+/// take the place of others.
 #[test]
-fn steps_allocate_for_factorisations_alone() {
+fn steps_allocate_nothing() {
     let model = robot("kinova_gen3");
     assert!(allocating_steps(&model, crowded(&model)).0 > 150);
     let [_, replaced] = allocating_steps(&model, kept(&model, FAR)).into();
     assert!(replaced > 3, "{replaced}");
 }
 
-/// Takes 400 steps, and asserts that those after the first 100 allocate at most twice per iteration and keep nothing;
-/// returns the numbers of their iterations and of plans that took the place of others.
+/// Takes 400 steps, and asserts that those after the first 100 allocate nothing; returns the numbers of their iterations
+/// and of plans that took the place of others.
 fn allocating_steps(model: &Model, kept: Kept) -> (usize, usize) {
     let problem = reach(model);
     let mut tracker = tracker(&problem, kept, options(12));
@@ -154,8 +154,7 @@ fn allocating_steps(model: &Model, kept: Kept) -> (usize, usize) {
     for from in [100, 200, 300] {
         let mut done = (0, 0);
         let of = allocation_counter::measure(|| done = steps(from));
-        let most = 2 * done.0 as u64;
-        assert!(of.count_total <= most && of.bytes_current == 0, "{of:?}");
+        assert_eq!(of.count_total, 0, "{of:?}");
         all = (all.0 + done.0, all.1 + done.1);
     }
     all
