@@ -4,7 +4,8 @@
     pip install ./python numpy crocoddyl pin
     python3 benches/tracker.py --count 200 --deadlines 10000
 
-Deadlines: the processor time of a step beyond its deadline, on a moving goal among obstacles of which one moves.
+Deadlines: the processor time of a step beyond its deadline, on a moving goal among obstacles of which one moves; and
+the judgement of the plan after each step that was cut off, from where it is to its end, among the obstacles then.
 Steps: the processor time of a step with its iteration and its look, after the first search, at 500 Hz with a goal that
 moves every 20 ms; the first search is the cold solve. Cases: random reaches of the Kinova arm within all limits and
 around a ball, the tool of whose goal is then moved by 1 cm; "warm" starts from the solution before, both to the
@@ -129,11 +130,13 @@ def deadlines(count: int) -> None:
     goal = start + 0.5 * np.eye(len(start))[0]
     problem = reach("kinova_gen3", start, goal, 1.0, obstacles=OBSTACLES)
     tracker, (q, v), late, cut, kept = aghf.Tracker(problem, search={"threads": 1}), (start, 0 * start), [], 0, 0
+    judged = {True: 0, False: 0}
     for k in range(count):
         if k % 10 == 0:
             tracker.set_goal(goal + 0.3 * np.sin(1e-3 * k) * np.eye(len(start))[0], 0.6)
             ball = {**OBSTACLES[-1], "pose": {"position_m": [0.6, 0.6, 0.5 + 0.05 * np.sin(1e-3 * k)]}}
-            tracker.set_obstacles([*OBSTACLES[:-1], ball])
+            obstacles = [*OBSTACLES[:-1], ball]
+            tracker.set_obstacles(obstacles)
         deadline = rng.uniform(0.3e-3, 3e-3)
         tracker.set_deadline(deadline)
         began = time.thread_time()
@@ -141,9 +144,15 @@ def deadlines(count: int) -> None:
         late.append(1e3 * (time.thread_time() - began - deadline))
         q, v = step.command.q, step.command.v
         cut, kept = cut + step.cut_off, kept + (step.safety == "kept")
+        if step.cut_off and step.safety == "kept":
+            rest = tracker.rest(401)
+            ends = {"q_start": rest.q[0], "v_start": rest.v[0], "q_goal": rest.q[-1], "v_goal": 0 * start}
+            own = {**problem, **ends, "horizon_s": rest.t[-1], "obstacles": obstacles}
+            judged[aghf.judge(own, *rest)["valid"]] += 1
     over = np.mean(np.array(late) > 0.2)
     print(f"{count} deadlines of 0.3 to 3 ms: later by more than 0.2 ms {over:.2%}, at most {max(late):.2f} ms late")
     print(f"cut off {cut / count:.1%}, safe plan {kept / count:.1%}")
+    print(f"plans of cut-off steps that are reported as safe: {judged[True]} valid by the judge, {judged[False]} not")
 
 
 def moved(count: int) -> None:

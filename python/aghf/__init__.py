@@ -24,6 +24,7 @@ from ._dynamics import (
     rnea_weighted_hessian,
 )
 from ._goal import Goal
+from ._judge import judge
 from ._model import Model
 from ._native import _aghf
 from ._pinocchio import pinocchio_configuration
@@ -64,6 +65,7 @@ __all__ = [
     "frame_placement",
     "inverse_kinematics",
     "jacobians",
+    "judge",
     "mass_matrix_and_rate",
     "omega",
     "omega_jacobian",

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from ._json import given, named, text
 from ._model import array
 from ._native import _aghf
+from ._solution import Samples
 
 
 class Command(NamedTuple):
@@ -137,6 +138,11 @@ class Tracker:
             *others,
             *flags,
         )
+
+    def rest(self, count: int = 201) -> Samples:
+        """The rest of the plan after the last step at this number of equidistant times, the first of them now."""
+        times = np.linspace(0.0, self._own.left(), count)
+        return Samples(times, *self._own.evaluate(times))
 
     def set_goal(self, q: ArrayLike, horizon_s: float) -> None:
         """Changes the goal to a configuration at rest, (N,), to be reached within a horizon, s.

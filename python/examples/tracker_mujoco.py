@@ -1,24 +1,26 @@
 """A closed loop with MuJoCo: a robot that weighs 20 % more than its model, with damping and friction, follows a target
-that moves at up to 0.3 m/s, among a table, a post and a ball that crosses; aghf replans at 500 Hz.
+that moves at up to 0.3 m/s, among a table, a post and a ball that crosses; aghf replans at 500 Hz, and sees target and
+ball at 50 Hz.
 
 The target is one of the joints: two of them swing, so slowly that the tool keeps the speed. Plans have the least
 acceleration: one that ends at rest moves like the target now if its goal is where that will be after two thirds of the
 horizon. The simulation waits for each step.
 
-    pip install mujoco
-    python python/examples/tracker_mujoco.py [--seconds 60] [--robot panda]
+    pip install matplotlib mujoco
+    python python/examples/tracker_mujoco.py [--seconds 60] [--robot panda] [--page loops.html]
 """
 
 import argparse
-import collections
 import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 from mujoco_replay import order_of, specification_of
+from tracker_page import Loop, write
 
 import aghf
 
@@ -87,8 +89,8 @@ def simulation(model: aghf.Model) -> tuple[mujoco.MjModel, list[tuple[int, int]]
     return world, [(i, world.geom(name).id) for i in moving for name in SIZES]
 
 
-def run(robot: str, seconds: float) -> bool:
-    """Prints the figures of a closed loop; returns true without contact and violated limits."""
+def run(robot: str, seconds: float, observed: float) -> Loop:
+    """The record of a closed loop in which target and ball are observed at a rate, Hz."""
     model, start = aghf.Model.builtin(robot), np.array(START[robot])
     ball_at, target = ball_of(model, start), target_of(model, start)
     scenario = {
@@ -104,60 +106,54 @@ def run(robot: str, seconds: float) -> bool:
         "clearance_m": {"obstacles": CLEARANCE},
     }
     tracker, (world, pairs) = aghf.Tracker(scenario, search={"degree": 8}), simulation(model)
-    data, order = mujoco.MjData(world), order_of(model, world)
+    data, order, loop = mujoco.MjData(world), order_of(model, world), Loop()
     data.qpos[order] = start
-    latencies, processor, errors, deviations, closest = [], [], [], [], np.inf
-    worst, iterations, replaced = {"position": -np.inf, "velocity": -np.inf}, 0, 0
-    safety: collections.Counter[str] = collections.Counter()
-    clipped = 0
+    # Unbounded joints use no share of a limit.
+    bounded = np.isfinite(model.upper - model.lower)
+    lower, upper = model.lower[bounded], model.upper[bounded]
+    every = max(1, round(1 / (PERIOD * observed)))
     for k in range(int(seconds / PERIOD)):
         now, q, v = k * PERIOD, data.qpos[order], data.qvel[order]
         ball = ball_at(now)
         goal = target(now + 2 / 3 * HORIZON)
         began = time.perf_counter(), time.thread_time()
-        tracker.set_obstacles(obstacles(ball))
-        if k % 10 == 0:
+        if k % every == 0:
+            tracker.set_obstacles(obstacles(ball))
             tracker.set_goal(goal, HORIZON)
         step = tracker.step(q, v, now)
-        latencies.append(time.perf_counter() - began[0])
-        processor.append(time.thread_time() - began[1])
+        loop.latency.append(time.perf_counter() - began[0])
+        loop.processor.append(time.thread_time() - began[1])
         u = np.clip(step.command.u, -model.effort_limits, model.effort_limits)
-        clipped += bool(np.any(u != step.command.u))
         world.geom_pos[world.geom("sphere").id] = ball
         data.qfrc_applied[order] = u
         mujoco.mj_step(world, data, SUBSTEPS)
-        safety[step.safety] += 1
-        iterations, replaced = iterations + step.iterations, replaced + step.replaced
-        errors.append(np.linalg.norm(tool(model, q) - tool(model, target(now))))
-        deviations.append(step.deviation)
-        beyond = {
-            "position": np.maximum(q - model.upper, model.lower - q),
-            "velocity": np.abs(v) - model.velocity_limits,
-        }
-        worst = {limit: max(worst[limit], by.max()) for limit, by in beyond.items()}
+        loop.safety.append(step.safety)
+        loop.deviation.append(step.deviation)
+        loop.iterations, loop.plans = loop.iterations + step.iterations, loop.plans + step.replaced
+        loop.error.append(float(np.linalg.norm(tool(model, q) - tool(model, target(now)))))
+        loop.position.append(float(np.max(np.abs(2 * q[bounded] - lower - upper) / (upper - lower))))
+        loop.velocity.append(float(np.max(np.abs(v) / model.velocity_limits)))
+        loop.torque.append(float(np.max(np.abs(u) / model.effort_limits)))
         if k % 10 == 0:
-            closest = min(closest, *(mujoco.mj_geomDistance(world, data, i, j, 1.0, None) for i, j in pairs))
-    print(f"{robot}: {len(errors)} steps at {1 / np.mean(latencies):.0f} Hz, {iterations} iterations, {replaced} plans")
-    for name, times in (("latency", latencies), ("processor time", processor)):
-        quantiles = " / ".join(f"{1e3 * np.quantile(times, share):.2f}" for share in (0.5, 0.99, 0.999))
-        print(f"  {name}, ms: {quantiles} (median / 99 % / 99.9 %)")
-    edges = [0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0, np.inf]
-    counts, _ = np.histogram(1e3 * np.array(latencies), edges)
-    print("  " + ", ".join(f"below {high:g} ms: {count}" for high, count in zip(edges[1:], counts, strict=True)))
-    print(f"  tool from target, m: {np.mean(errors):.3f} in the mean, {max(errors):.3f} at most")
-    print(f"  joints from plan, rad: {np.mean(deviations):.4f} in the mean, {max(deviations):.4f} at most")
-    print(f"  least clearance in MuJoCo, m: {closest:.4f}; steps by safety: {dict(safety)}")
-    print("  beyond limits, at most: " + ", ".join(f"{limit} {by:.4f}" for limit, by in worst.items()))
-    print(f"  steps with a torque at its limit: {clipped}")
-    return closest > 0.0 and max(worst.values()) <= 0.0
+            loop.clearance.append((now, min(mujoco.mj_geomDistance(world, data, i, j, 1.0, None) for i, j in pairs)))
+    return loop
 
 
 def main() -> bool:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--robot", choices=START, action="append")
+    parser.add_argument("--observed", type=float, default=50.0, help="rate at which target and ball are seen, Hz")
+    parser.add_argument("--page", type=Path, help="writes a page of the loops")
     arguments = parser.parse_args()
-    return all([run(robot, arguments.seconds) for robot in arguments.robot or START])
+    loops = {}
+    for robot in arguments.robot or START:
+        loops[robot] = run(robot, arguments.seconds, arguments.observed)
+        print(f"{robot}: " + "\n  ".join(loops[robot].figures()), flush=True)
+    if arguments.page:
+        write(arguments.page, f"Closed loops with MuJoCo, {arguments.seconds:g} s", loops, PERIOD)
+        print(f"wrote {arguments.page}")
+    return all(loop.least_clearance > 0.0 and loop.is_within_limits for loop in loops.values())
 
 
 if __name__ == "__main__":

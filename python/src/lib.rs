@@ -8,6 +8,7 @@ mod experiments;
 mod flow;
 mod inverse_kinematics;
 mod model;
+mod motion;
 mod own_terms;
 mod signals;
 mod solve;
@@ -28,6 +29,7 @@ fn _aghf(module: &Bound<'_, PyModule>) -> PyResult<()> {
         inverse_kinematics::inverse_kinematics,
         module
     )?)?;
+    module.add_function(wrap_pyfunction!(motion::judge, module)?)?;
     flow::add_to(module)?;
     solve::add_to(module)?;
     experiments::add_to(module)

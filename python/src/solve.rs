@@ -3,9 +3,9 @@
 use crate::batch::{Array, Numbers};
 use crate::error::raised;
 use crate::model::PyModel;
+use crate::motion::evaluate;
 use crate::own_terms::{PyConstraint, PyRunningCost, Raised};
 use crate::signals::{LOOK, until_signalled, watched};
-use aghf::dynamics::{Data, rnea};
 use aghf::motion::Interrupt;
 use aghf_cli::export::{joint_trajectory, save_mcap};
 use aghf_cli::output::{OutputFolder, REPORT_FILES, Sampling, refuse_existing, write_report};
@@ -14,7 +14,6 @@ use aghf_scenario::{
     DirectOptions, LoadOptions, Record, Scenario, Solve, SolveOptions, SolveReport, Solved, Trace,
     Tradeoff, Verdict,
 };
-use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -300,39 +299,7 @@ impl PySolution {
 
     /// Positions, velocities, accelerations and torques at times, each with the shape `(times, N)`.
     fn evaluate<'py>(&self, py: Python<'py>, t: Numbers<'py>) -> PyResult<[Array<'py>; 4]> {
-        let (model, curve) = (&self.scenario.model, &self.report.curve);
-        let n = model.dof();
-        let refuse = |error| PyValueError::new_err(format!("t: {error}"));
-        let times = t.as_slice().map_err(refuse)?;
-        let horizon = curve.horizon();
-        let outside = |t: &&f64| !(0.0..=horizon).contains(*t);
-        if let Some(time) = times.iter().find(outside) {
-            let message = format!("t: it has {time}, the motion is from 0 to {horizon} s");
-            return Err(PyValueError::new_err(message));
-        }
-        let mut all = [const { Vec::new() }; 4].map(|mut all: Vec<f64>| {
-            all.reserve(n * times.len());
-            all
-        });
-        let data = &mut Data::new(model);
-        let mut tau = vec![0.0; n];
-        for time in times {
-            let (x, xdot) = curve.at(*time);
-            let (q, v) = x.as_slice().split_at(n);
-            let a = &xdot.as_slice()[n..];
-            rnea(model, data, q, v, a, &mut tau).map_err(raised)?;
-            for (all, own) in all.iter_mut().zip([q, v, a, &tau]) {
-                all.extend_from_slice(own);
-            }
-        }
-        let shape = [t.shape(), &[n]].concat();
-        let mut arrays = Vec::with_capacity(4);
-        for values in all {
-            arrays.push(PyArray1::from_vec(py, values).reshape(shape.clone())?);
-        }
-        arrays
-            .try_into()
-            .map_err(|_| PyValueError::new_err("results were lost"))
+        evaluate(py, (&self.scenario.model, &self.report.curve), &t)
     }
 
     /// The self-contained HTML page of the motion.

@@ -2,6 +2,7 @@
 
 use crate::batch::{Array, Numbers};
 use crate::error::raised;
+use crate::motion::evaluate;
 use crate::signals::until_signalled;
 use crate::solve::{json, read_scenario};
 use aghf::Error;
@@ -97,6 +98,17 @@ impl PyTracker {
     fn set_goal(&mut self, q: Numbers<'_>, horizon: f64) -> PyResult<()> {
         let q = self.numbers("q", &q)?.to_vec();
         self.0.set_goal(&q, horizon).map_err(raised)
+    }
+
+    /// The number of seconds that are left of the plan.
+    fn left(&self) -> PyResult<f64> {
+        Ok(self.0.rest().map_err(raised)?.horizon())
+    }
+
+    /// The rest of the plan at times from now, as `Solution.evaluate` has it.
+    fn evaluate<'py>(&self, py: Python<'py>, t: Numbers<'py>) -> PyResult<[Array<'py>; 4]> {
+        let rest = self.0.rest().map_err(raised)?;
+        evaluate(py, (&self.0.scenario().model, &rest), &t)
     }
 
     /// Changes the deadline, s.

@@ -33,7 +33,7 @@ def test_an_example_tells_of_a_small_difference(name, arguments, largest, tmp_pa
     [
         ("pinocchio_viser.py", ["kinova_free_01", "--once"], "61 frames shown"),
         ("ray_solve.py", ["4"], "4 of 4 solved"),
-        ("tracker_mujoco.py", ["--seconds", "1"], "panda: 500 steps"),
+        ("tracker_mujoco.py", ["--seconds", "1", "--page", "loops.html"], "wrote loops.html"),
     ],
 )
 def test_an_example_runs_to_its_end(name, arguments, words, tmp_path):

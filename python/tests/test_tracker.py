@@ -56,6 +56,44 @@ def test_an_obstacle_on_the_plan_is_named():
     assert tracker.step([0.0, 0.0], [0.0, 0.0], 0.0).safety == "kept"
 
 
+def test_the_rest_of_a_plan_is_a_motion_for_the_judge():
+    tracker = aghf.Tracker(SWING, search={"degree": 9})
+    q, v, now = np.zeros(2), np.zeros(2), 0.0
+    for now in (0.0, 0.25, 0.5):
+        command = tracker.step(q, v, now).command
+        q, v = command.q, command.v
+    rest = tracker.rest()
+    assert rest.t[0] == 0.0 and rest.t[-1] == pytest.approx(SWING["horizon_s"] - now)
+    assert np.allclose(rest.q[0], q) and np.allclose(rest.v[0], v) and np.allclose(rest.tau[0], command.tau)
+    own = {**SWING, "horizon_s": rest.t[-1], "q_start": q, "v_start": v}
+    found = aghf.judge(own, *rest)
+    assert found["valid"] and found["verdict"] == "valid" and found["derived"] == []
+    assert {"velocity limits", "torque limits"} <= {check["check"].replace("_", " ") for check in found["checks"]}
+    assert not aghf.judge(SWING, *rest)["valid"]
+
+
+def test_samples_from_any_source_are_judged():
+    solution = aghf.solve(SWING)
+    t, q, v, a, tau = solution.sample(400)
+    assert aghf.judge(SWING, t, q)["valid"]
+    assert len(aghf.judge(SWING, t, q)["derived"]) == 3
+    wrong = aghf.judge(SWING, t, q, v, a, 1.1 * tau)
+    assert [check["check"] for check in wrong["checks"] if check["outcome"] == "fail"] != []
+    assert aghf.judge(SWING, t, q, v, a, 1.1 * tau, tolerance=1.0)["valid"]
+    with pytest.raises(ValueError, match=r"q: its shape is \[399, 2\], \(400, 2\) is needed"):
+        aghf.judge(SWING, t, q[1:])
+    with pytest.raises(aghf.InputError, match="does not come after"):
+        aghf.judge(SWING, t[::-1], q)
+    with pytest.raises(aghf.InputError, match="tau.*NaN is no finite number"):
+        aghf.judge(SWING, t, q, v, a, np.nan * tau)
+    with pytest.raises(aghf.InputError, match="t.*inf is no finite number"):
+        aghf.judge(SWING, np.append(t[:-1], np.inf), q)
+    with pytest.raises(aghf.InputError, match="at least 2"):
+        aghf.judge(SWING, t[:1], q[:1])
+    with pytest.raises(aghf.InputError, match="tolerance"):
+        aghf.judge(SWING, t, q, tolerance=-1.0)
+
+
 def test_a_deadline_may_change():
     tracker = aghf.Tracker(SWING, search={"degree": 9})
     assert not tracker.step([0.0, 0.0], [0.0, 0.0], 0.0).cut_off

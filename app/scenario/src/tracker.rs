@@ -3,6 +3,7 @@
 use super::own_terms::ScenarioCost;
 use super::{DirectOptions, Obstacle, Preset, Scenario};
 use aghf::constraint::{AnyConstraint, RowLabel};
+use aghf::curve::Curve;
 use aghf::direct::{Step, Tracker, TrackerOptions};
 use aghf::error::{Error, Result};
 use aghf::motion::Interrupt;
@@ -87,6 +88,14 @@ impl ScenarioTracker {
     pub fn step(&mut self, state: &[f64], now: f64) -> Result<Step<'_>> {
         self.0
             .with_dependent_mut(|_, tracker| tracker.step(state, now))
+    }
+
+    /// The rest of the plan; see [`Tracker::rest`].
+    ///
+    /// # Errors
+    /// Those of [`Tracker::rest`].
+    pub fn rest(&self) -> Result<Curve> {
+        self.0.with_dependent(|_, tracker| tracker.rest())
     }
 
     /// Changes the [goal](Tracker::set_goal).

@@ -9,6 +9,10 @@ use crate::motion::Problem;
 use crate::nlp::{Iterate, Nlp, Options, Row, State, iterate, measures};
 use nalgebra::DVector;
 
+/// The factor by which margins shrink at most from one call to the next. Exact ones swing where a maximum is between
+/// two points: a row that is violated gets one, keeps its bound, loses it and is violated again.
+const SHRINK: f64 = 0.9;
+
 /// The result of a few iterations.
 pub(in crate::direct) struct Iterations {
     /// The number of iterations.
@@ -30,6 +34,8 @@ pub(in crate::direct) struct RealTime<'a, K, P> {
     tolerance: f64,
     known: Vec<f64>,
     other: Other,
+    /// The margins of the call before.
+    margins: Vec<f64>,
 }
 
 /// A motion with which others are compared.
@@ -90,16 +96,17 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
             tolerance: settings.tolerance,
             known: Vec::with_capacity(rows),
             other,
+            margins: Vec::with_capacity(rows),
         })
     }
 
     /// Takes iterations from a candidate as long as `goes_on` returns true for their number so far. The reference is a
-    /// motion between the same ends.
+    /// motion between the same ends. If the candidate is the same as in the call before, its margins shrink slowly.
     pub fn improve(
         &mut self,
         problem: &Problem<'a>,
         candidate: &mut Candidate,
-        reference: &Candidate,
+        (reference, is_same): (&Candidate, bool),
         goes_on: &mut dyn FnMut(usize) -> bool,
     ) -> Result<Iterations> {
         let Self {
@@ -108,12 +115,19 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
             options,
             known,
             other,
+            margins,
             ..
         } = self;
+        margins.clone_from(&program.margins);
         program.restart(problem, candidate);
         program.restart_kkt(&mut state.kkt);
         program.unknowns_in(candidate, &mut state.x);
         program.tighten(&state.x, &mut state.h, 0)?;
+        if is_same {
+            for (margin, before) in program.margins.iter_mut().zip(margins) {
+                *margin = margin.max(SHRINK * *before);
+            }
+        }
         let known = program.known_multipliers(candidate, known);
         state.begin(program, known, options)?;
         program.unknowns_in(reference, &mut other.x);

@@ -237,6 +237,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
             self.attempted = None;
         }
         (self.constraints, self.unseen) = (constraints, true);
+        self.pace.is_first = true;
         Ok(())
     }
 

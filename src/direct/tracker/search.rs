@@ -30,10 +30,8 @@ pub(super) struct Searched {
 impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
     /// Improves a plan that begins at a state now, if there is time, and follows it if it is safe and better.
     pub(super) fn search(&mut self, begin: &[f64], now: f64, is_current: bool) -> Result<Searched> {
-        if !self
-            .pace
-            .fits(self.pace.preparation + self.pace.iteration + self.pace.look)
-        {
+        let times = *self.pace.times();
+        if !(self.pace).fits(times.preparation + times.iteration + times.look) {
             self.pace.forget();
             return Ok(Searched {
                 cut_off: true,
@@ -44,6 +42,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
         let [reference, tried, attempt] = &mut self.others;
         self.plan
             .rest_in(now, shortest, &mut self.memory, reference);
+        let is_same = self.attempted == Some(is_current);
         if self.attempted.take() == Some(is_current) {
             attempt.rest_in(now, shortest, &mut self.memory, tried);
             if !is_current {
@@ -56,13 +55,14 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
             tried.motion.horizons.set(0, horizon);
         }
         let most = self.options.iterations_per_step;
-        let found = self.improve(begin, most)?;
+        let found = self.improve(begin, most, is_same)?;
         let mut replaced = !is_current || found.gain >= self.options.least_gain;
         if replaced {
             let began = Instant::now();
             replaced = self.look(Which::Tried)?.is_none();
-            learn(&mut self.pace.look, began.elapsed().as_secs_f64());
+            learn(&mut self.pace.times().look, began.elapsed().as_secs_f64());
         }
+        self.pace.is_first = false;
         let [_, tried, attempt] = &mut self.others;
         if replaced {
             std::mem::swap(&mut self.plan, tried);
@@ -80,7 +80,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
     }
 
     /// Takes iterations on the plan that is tried, from a state, up to `most` and as many as there is time for.
-    fn improve(&mut self, begin: &[f64], most: usize) -> Result<Iterations> {
+    fn improve(&mut self, begin: &[f64], most: usize, is_same: bool) -> Result<Iterations> {
         let mut since = Instant::now();
         let [reference, tried, _] = &mut self.others;
         let motion = &mut tried.motion;
@@ -89,16 +89,19 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
         motion.path.set_ends(&self.problem);
         let pace = &mut self.pace;
         let mut goes_on = |count: usize| {
+            let times = pace.times();
             let estimate = match count {
-                0 => &mut pace.preparation,
-                _ => &mut pace.iteration,
+                0 => &mut times.preparation,
+                _ => &mut times.iteration,
             };
             learn(estimate, since.elapsed().as_secs_f64());
             since = Instant::now();
-            count < most && (count == 0 || pace.fits(pace.iteration + pace.look))
+            let next = times.iteration + times.look;
+            count < most && (count == 0 || pace.fits(next))
         };
         let workspace = &mut self.workspace.search;
-        workspace.improve(&self.problem, motion, &reference.motion, &mut goes_on)
+        let reference = (&reference.motion, is_same);
+        workspace.improve(&self.problem, motion, reference, &mut goes_on)
     }
 
     /// The motion of a plan.
@@ -128,19 +131,20 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
 
     /// Improves the first plan to the barrier parameter of the later ones, and measures the parts of a step.
     pub(super) fn centre(&mut self) -> Result<()> {
+        self.pace = Pace::unknown();
         for most in [self.options.settings.iterations, 1] {
-            // The first time makes the tables.
-            self.pace = Pace::unknown();
             let [reference, tried, _] = &mut self.others;
             reference.set(tried);
             let [q, v, _] = tried.at(tried.began);
-            self.improve(&[q, v].concat(), most)?;
+            self.improve(&[q, v].concat(), most, false)?;
             let began = Instant::now();
             if self.look(Which::Tried)?.is_none() {
                 let [_, tried, _] = &self.others;
                 self.plan.set(tried);
             }
-            learn(&mut self.pace.look, began.elapsed().as_secs_f64());
+            learn(&mut self.pace.times().look, began.elapsed().as_secs_f64());
+            // The next one does not make the tables.
+            self.pace.is_first = false;
         }
         Ok(())
     }

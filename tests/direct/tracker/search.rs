@@ -2,9 +2,9 @@
 
 use super::*;
 
-/// A goal that moves by about 1 cm at the tool has a safe plan after a seventh of the iterations of a new search.
+/// A goal that moves by about 1 cm at the tool has a safe plan after an eighth of the iterations of a new search.
 #[test]
-fn a_moved_goal_takes_a_seventh_of_the_iterations() {
+fn a_moved_goal_takes_an_eighth_of_the_iterations() {
     let model = robot("kinova_gen3");
     let mut rng = ChaCha8Rng::seed_from_u64(39);
     let mut counts = Vec::new();
@@ -56,7 +56,7 @@ fn a_moved_goal_takes_a_seventh_of_the_iterations() {
         counts.iter().map(|(warm, _)| warm).sum::<usize>(),
         counts.iter().map(|(_, cold)| cold).sum(),
     ];
-    assert!(7 * warm <= cold, "{counts:?}");
+    assert!(8 * warm <= cold, "{counts:?}");
 }
 
 /// The limits of a robot, balls around its joints that keep clear of each other, and three obstacles that they and

@@ -216,7 +216,7 @@ fn direct_rows(summary: &Summary, d: &DirectDetails) -> (String, Vec<(&'static s
         rows.push(("effort by degree", efforts_by_degree(adapted)));
     }
     rows.extend([
-        ("error of an interval by nodes alone", replay),
+        ("error of an interval, torques of the nodes alone", replay),
         (
             "gradient norm, relative",
             format!("{:.1e}", d.gradient_norm),

@@ -70,6 +70,38 @@ fn the_commands_of_the_pages_run() {
     }
 }
 
+/// The page of the commands explains each row of the summary of a solve by its name.
+#[test]
+fn the_rows_of_summaries_are_explained() {
+    let folder = empty_folder("rows_of_summaries");
+    let page = include_str!("../../src/guide/command_line.md");
+    let mut known = vec!["scenario", "method", "solve time"];
+    let rows = page.lines().filter_map(|line| line.strip_prefix("| "));
+    for names in rows.filter_map(|row| row.split(" | ").next()) {
+        known.extend(names.split("; ").flat_map(|some| some.split(", ")));
+        known.push(names);
+    }
+    for arguments in [
+        &["kinova_free_01"][..],
+        &["kinova_table_01"],
+        &["pendulum_1_swingup", "--method", "flow"],
+        &["kinova_free_01", "--method", "rest"],
+    ] {
+        let words = [&["solve"], arguments, &["--no-report", "--force"]].concat();
+        let output = aghf(&folder, &words);
+        let table = output.stdout.lines().filter(|line| line.contains("  "));
+        let names: Vec<_> = table
+            .filter_map(|line| line.trim().split("  ").next())
+            .collect();
+        assert!(names.len() > 8, "{}{}", output.stdout, output.stderr);
+        for name in names {
+            let short = name.split(" (").next().unwrap_or(name);
+            let parts = short.split(", ").next().unwrap_or(short);
+            assert!(known.contains(&short) || known.contains(&parts), "{name}");
+        }
+    }
+}
+
 /// Blocks that show some keys of a scenario, with the others that it needs.
 #[test]
 fn the_keys_of_the_pages_are_those_of_a_scenario() {

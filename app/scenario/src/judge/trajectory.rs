@@ -120,6 +120,42 @@ impl Trajectory {
         Ok(Self::of_tables(times, tables))
     }
 
+    /// The motion with `q` and, if they are given, `v`, `a` and `u` at ascending times; see the fields.
+    ///
+    /// # Errors
+    /// Names the argument and its fault: there are fewer than two times, they do not ascend, a table is missing or has
+    /// another number of rows, or a number is not finite.
+    pub fn new(times: Vec<f64>, tables: [Option<Vec<Vec<f64>>>; 4]) -> Result<Self> {
+        let refuse = |what: &str, condition| Err(Error::input("motion", what, condition));
+        let count = times.len();
+        if count < 2 {
+            let condition = format!("{count} samples are given, at least 2 are needed");
+            return refuse("t", condition);
+        }
+        if tables[0].is_none() {
+            return refuse("q", "it is missing".to_owned());
+        }
+        let infinite = |numbers: &[f64]| numbers.iter().copied().find(|x| !x.is_finite());
+        if let Some(x) = infinite(&times) {
+            return refuse("t", format!("{x} is no finite number"));
+        }
+        if let Some(k) = (1..count).find(|k| times[*k - 1] >= times[*k]) {
+            let condition = format!("{} does not come after {}", times[k], times[k - 1]);
+            return refuse("t", condition);
+        }
+        for (name, table) in ["q", "v", "a", "tau"].into_iter().zip(&tables) {
+            let Some(table) = table else { continue };
+            if table.len() != count {
+                let condition = format!("it has {} samples, t has {count}", table.len());
+                return refuse(name, condition);
+            }
+            if let Some(x) = table.iter().find_map(|row| infinite(row)) {
+                return refuse(name, format!("{x} is no finite number"));
+            }
+        }
+        Ok(Self::of_tables(times, tables))
+    }
+
     /// The motion with these `q, v, a, u` at the times; velocities and accelerations that are not given are derived.
     pub(super) fn of_tables(times: Vec<f64>, [q, v, a, u]: [Option<Vec<Vec<f64>>>; 4]) -> Self {
         let (has_velocities, has_accelerations) = (v.is_some(), a.is_some());

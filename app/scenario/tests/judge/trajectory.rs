@@ -84,3 +84,39 @@ fn errors_name_line_and_column() {
         assert!(error.starts_with("t.csv: ") && all, "{error}, want {words}");
     }
 }
+
+/// The error of samples that are given as numbers.
+fn refused(times: &[f64], q: &[f64]) -> String {
+    let rows = |numbers: &[f64]| Some(numbers.iter().map(|x| vec![*x; 3]).collect());
+    let found = Trajectory::new(times.to_vec(), [rows(q), None, None, rows(q)]);
+    found.map_or_else(|error| error.to_string(), |_| String::new())
+}
+
+#[test]
+fn samples_in_numbers_are_checked() {
+    assert_eq!(refused(&[0.0, 0.5, 1.0], &[1.0, 2.0, 3.0]), "");
+    for (times, q, words) in [
+        (&[0.0][..], &[1.0][..], "t: 1 samples are given"),
+        (
+            &[0.0, 0.5, 0.5],
+            &[1.0, 2.0, 3.0],
+            "t: 0.5 does not come after 0.5",
+        ),
+        (&[0.0, f64::NAN], &[1.0, 2.0], "t: NaN is no finite number"),
+        (
+            &[0.0, 0.5],
+            &[1.0, 2.0, 3.0],
+            "q: it has 3 samples, t has 2",
+        ),
+        (
+            &[0.0, 0.5],
+            &[1.0, f64::INFINITY],
+            "q: inf is no finite number",
+        ),
+    ] {
+        let error = refused(times, q);
+        assert!(error.contains(words), "{error}");
+    }
+    let error = Trajectory::new(vec![0.0, 1.0], [const { None }; 4]);
+    assert!(error.is_err_and(|error| error.to_string().contains("q: it is missing")));
+}
