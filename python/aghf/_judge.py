@@ -27,8 +27,8 @@ def judge(
     """Judges whether samples from any source are a motion of a scenario, as ``aghf judge`` does.
 
     The judge shares model, dynamics and distances with the optimiser, and nothing else; between the samples a motion is
-    the cubic Hermite curve of ``q`` and ``v``, and clearances are proved there too. ``judge(scenario, *samples)`` judges
-    `Samples`.
+    the cubic Hermite curve of ``q`` and ``v``, and clearances are proved there too. ``judge(scenario, *samples)``
+    judges `Samples`.
 
     Parameters
     ----------
@@ -56,5 +56,6 @@ def judge(
     InputError, ValueError
         Names the scenario or the argument, and its fault.
     """
-    tables = [None if x is None else array(x, name) for name, x in zip(("q", "v", "a", "tau"), (q, v, a, tau), strict=True)]
+    given = {"q": q, "v": v, "a": a, "tau": tau}
+    tables = [None if x is None else array(x, name) for name, x in given.items()]
     return read(_aghf.judge(named(scenario), array(t, "t"), tables, [tolerance, overlap_m]))

@@ -125,8 +125,8 @@ fn steps_allocate_nothing() {
     assert!(replaced > 3, "{replaced}");
 }
 
-/// Takes 400 steps, and asserts that those after the first 100 allocate nothing; returns the numbers of their iterations
-/// and of plans that took the place of others.
+/// Takes 400 steps, and asserts that those after the first 100 allocate nothing; returns the numbers of their
+/// iterations and of plans that took the place of others.
 fn allocating_steps(model: &Model, kept: Kept) -> (usize, usize) {
     let problem = reach(model);
     let mut tracker = tracker(&problem, kept, options(12));
