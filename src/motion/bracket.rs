@@ -60,10 +60,11 @@ impl Bracket {
         }
     }
 
-    /// Returns true if the vertex is hardly above the middle value, as that of a smooth maximum is once it is refined.
+    /// Returns true if the vertex is hardly above the middle value, as that of a smooth maximum is once it is refined,
+    /// and not a violation where the middle is none: beside a step no value would confirm it.
     pub fn is_settled(&self) -> bool {
-        let [a, b, c] = self.values;
-        self.vertex().1 - b <= SETTLED * (b - a.min(c))
+        let ([a, b, c], (_, height)) = (self.values, self.vertex());
+        height - b <= SETTLED * (b - a.min(c)) && (b > 0.0 || height <= 0.0)
     }
 
     /// The maximum: time and height. It is the vertex if that [is settled](Self::is_settled), otherwise the middle: a

@@ -88,20 +88,6 @@ fn a_peak_between_two_times_is_found() {
     assert_eq!(found.at_s, 2.0);
 }
 
-/// Of two bumps of nearly the same height either may be the highest one, and neither may be between the times alone.
-#[test]
-fn each_of_two_bumps_is_refined() {
-    for step in -20..=20 {
-        let tilt = 1e-3 * f64::from(step);
-        let q = |t: f64| tilt * t - ((t - 0.93).powi(2) - 0.36).powi(2);
-        let highest = (0..=200_000).map(|k| q(1e-5 * f64::from(k)));
-        let highest = highest.fold(f64::NEG_INFINITY, f64::max);
-        let bumps = of_state(Bounds(vec![upper(0, highest - 1e-3)]));
-        let found = first(&at_rest(q), &bumps, 10);
-        assert_close_to(found.by, 1e-3, 1e-5);
-    }
-}
-
 #[test]
 fn an_equality_is_violated_by_its_absolute_value() {
     let held = of_state(Held(0.2));

@@ -2,6 +2,7 @@
 
 use super::upgrade::instead_of;
 use aghf::error::{Error, Result};
+use aghf::names::instead;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{DeserializeOwned, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -32,7 +33,7 @@ pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str)
             let name = path.rsplit('.').next().unwrap_or_default();
             condition = format!("it has keys of its own: {{\"{name}\": {{...}}}} is needed");
         }
-        if let Some(needed) = instead_of(&path) {
+        if let Some(needed) = instead_of(&path).or_else(|| with_nearest(&condition)) {
             condition = needed;
         }
         refuse(key, condition)
@@ -45,6 +46,18 @@ pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str)
         Some(path) => Err(refuse(path.trim_start_matches('.'), NO_OBJECT.to_owned())),
         None => Ok(value),
     }
+}
+
+/// The message of serde about an unknown key, with the nearest known ones in place of all if they are many.
+fn with_nearest(condition: &str) -> Option<String> {
+    let of_key = condition.strip_prefix("unknown field `")?;
+    let (key, rest) = of_key.split_once("`, expected one of `")?;
+    let (known, place) = rest.rsplit_once('`')?;
+    let known = known.split("`, `");
+    Some(format!(
+        "unknown field `{key}`{}{place}",
+        instead(key, known)
+    ))
 }
 
 /// Reads a value from the keys of an object; an error names the faulty key. `file` names the object.
