@@ -3,19 +3,14 @@
 
 use crate::scalar::Scalar;
 use faer::dyn_stack::MemStack;
-use faer::linalg::cholesky::llt::factor::{self, LltParams, LltRegularization};
-use faer::{MatMut, Par, Spec};
+use faer::linalg::cholesky::llt::factor::{self, LltRegularization};
+use faer::{MatMut, Par};
 use nalgebra::{DMatrix, DVector};
 use std::mem::MaybeUninit;
 
 /// Memory of a factorisation, which it keeps for the next.
 #[derive(Default)]
-pub struct Scratch {
-    memory: Vec<MaybeUninit<u8>>,
-    /// True for a kernel without products of blocks, which allocate: it takes 15 us in place of 13 for a block of 70
-    /// rows, and 77 in place of 40 for one of 126.
-    pub is_fixed: bool,
-}
+pub struct Scratch(Vec<MaybeUninit<u8>>);
 
 /// A symmetric matrix of diagonal blocks, each coupled with the next only by its last few columns. Lower triangles are
 /// stored.
@@ -171,24 +166,20 @@ impl BlockTridiagonal<f64> {
 }
 
 /// Replaces the lower triangle of a symmetric matrix by its Cholesky factor; returns true if it is positive definite.
-fn cholesky(a: &mut DMatrix<f64>, Scratch { memory, is_fixed }: &mut Scratch) -> bool {
+fn cholesky(a: &mut DMatrix<f64>, Scratch(scratch): &mut Scratch) -> bool {
     let n = a.nrows();
-    let mut parameters = Spec::<LltParams, f64>::default();
-    if *is_fixed {
-        parameters.config.recursion_threshold = usize::MAX;
-    }
-    let needed = factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, parameters);
+    let needed = factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default());
     let needed = needed.unaligned_bytes_required();
-    if memory.len() < needed {
-        memory.resize(needed, MaybeUninit::uninit());
+    if scratch.len() < needed {
+        scratch.resize(needed, MaybeUninit::uninit());
     }
     let columns = MatMut::from_column_major_slice_mut(a.as_mut_slice(), n, n);
     let factored = factor::cholesky_in_place(
         columns,
         LltRegularization::default(),
         Par::Seq,
-        MemStack::new(memory),
-        parameters,
+        MemStack::new(scratch),
+        Default::default(),
     );
     // An infinite pivot is not reported as an error.
     factored.is_ok() && (0..n).all(|i| a[(i, i)].is_finite())

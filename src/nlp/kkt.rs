@@ -164,11 +164,6 @@ impl Kkt {
         })
     }
 
-    /// Lets factorisations allocate nothing but their memory, at the first time.
-    pub(crate) fn allocate(&mut self) {
-        self.memory.scratch.is_fixed = true;
-    }
-
     /// Begins anew after `change` of the corner of the norm, which remains positive definite.
     pub(crate) fn restart(&mut self, change: impl FnOnce(&mut DMatrix<f64>)) {
         change(&mut self.norm.corner);

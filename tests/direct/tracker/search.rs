@@ -129,7 +129,7 @@ fn steps_allocate_nothing() {
 /// iterations and of plans that took the place of others.
 fn allocating_steps(model: &Model, kept: Kept) -> (usize, usize) {
     let problem = reach(model);
-    let mut tracker = tracker(&problem, kept, options(12));
+    let mut tracker = tracker(&problem, kept, options(16));
     let mut x = problem.start().to_vec();
     let mut goal = problem.goal()[..7].to_vec();
     let mut steps = |from: u32| {
