@@ -18,6 +18,12 @@ use std::ops::Range;
 /// Numbers from Python.
 pub type Numbers<'py> = PyReadonlyArrayDyn<'py, f64>;
 
+/// The numbers of an argument.
+pub fn numbers<'n>(name: &str, given: &'n Numbers<'_>) -> PyResult<&'n [f64]> {
+    let refuse = |_| PyValueError::new_err(format!("{name}: it is not contiguous"));
+    given.as_slice().map_err(refuse)
+}
+
 /// An array for Python.
 pub type Array<'py> = Bound<'py, PyArrayDyn<f64>>;
 
@@ -123,8 +129,7 @@ impl<'a, const I: usize> States<'a, I> {
         let batch = batch_of(&names, &arguments, &widths)?;
         let mut read: [&[f64]; I] = [&[]; I];
         for (read, (name, array)) in read.iter_mut().zip(names.iter().zip(arguments)) {
-            let refuse = |_| PyValueError::new_err(format!("{name}: it is not contiguous"));
-            *read = array.as_slice().map_err(refuse)?;
+            *read = numbers(name, array)?;
         }
         Ok(Self {
             arguments: read,

@@ -1,6 +1,6 @@
 //! Motions at times, and their judgement.
 
-use crate::batch::{Array, Numbers};
+use crate::batch::{Array, Numbers, numbers};
 use crate::error::raised;
 use crate::solve::read_scenario;
 use aghf::curve::Curve;
@@ -87,10 +87,4 @@ pub fn judge(
     });
     let text = serde_json::to_string(&found.map_err(raised)?);
     text.map_err(|error| PyValueError::new_err(error.to_string()))
-}
-
-/// The numbers of an argument.
-fn numbers<'n>(name: &str, given: &'n Numbers<'_>) -> PyResult<&'n [f64]> {
-    let refuse = |error| PyValueError::new_err(format!("{name}: {error}"));
-    given.as_slice().map_err(refuse)
 }

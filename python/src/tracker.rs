@@ -1,6 +1,6 @@
 //! A motion that is followed and replanned.
 
-use crate::batch::{Array, Numbers};
+use crate::batch::{Array, Numbers, numbers};
 use crate::error::raised;
 use crate::motion::evaluate;
 use crate::signals::until_signalled;
@@ -10,7 +10,6 @@ use aghf::direct::{Command, Outcome, Safety};
 use aghf::motion::Interrupt;
 use aghf_scenario::{Obstacle, ScenarioTracker, ScenarioTrackerOptions};
 use numpy::{PyArray1, PyArrayMethods};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// A tracker with its scenario.
@@ -126,8 +125,7 @@ impl PyTracker {
 impl PyTracker {
     /// The numbers of an argument, one per joint.
     fn numbers<'n>(&self, name: &'static str, given: &'n Numbers<'_>) -> PyResult<&'n [f64]> {
-        let refuse = |error| PyValueError::new_err(format!("{name}: {error}"));
-        let numbers = given.as_slice().map_err(refuse)?;
+        let numbers = numbers(name, given)?;
         let (expected, found) = (self.0.scenario().model.dof(), numbers.len());
         match found == expected {
             true => Ok(numbers),

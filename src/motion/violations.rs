@@ -120,8 +120,8 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
 
     /// The same with times that are dense near the ends of each segment, $T (1 - \cos \pi k / K) / 2$. In `k` a
     /// polynomial in time is a sum of cosines with as many half-waves as its degree at most, so that a few times the
-    /// degree resolve it, near an end at which the state is fixed too. Rows that cannot exceed
-    /// zero remain at their least value.
+    /// degree resolve it, near an end at which the state is fixed too. Rows that cannot exceed zero remain at their
+    /// least value.
     ///
     /// # Errors
     /// Those of [`violations`].

@@ -23,8 +23,9 @@ pub struct TrackerOptions {
     /// replaces the former, by default 1e-3: each replacement may make a jump of the acceleration.
     pub least_gain: f64,
     /// The number of intervals of the look at a plan per degree of its polynomial, by default 10: for `K` in all, the
-    /// times are $T (1 - \cos \pi k / K) / 2$. The state at which a plan begins is fixed, and may be at a bound already:
-    /// with equal intervals it takes 1000 of them not to miss violations of 1e-4 within the first milliseconds.
+    /// times are $T (1 - \cos \pi k / K) / 2$. The state at which a plan begins is fixed, and may be at a bound
+    /// already: with equal intervals it takes 1000 of them not to miss violations of 1e-4 within the first
+    /// milliseconds.
     pub look: usize,
     /// The time within which a step returns; see [`Tracker::step`](super::Tracker::step). By default there is none.
     pub deadline: Option<Duration>,

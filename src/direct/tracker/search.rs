@@ -42,8 +42,8 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
         let [reference, tried, attempt] = &mut self.others;
         self.plan
             .rest_in(now, shortest, &mut self.memory, reference);
-        let is_same = self.attempted == Some(is_current);
-        if self.attempted.take() == Some(is_current) {
+        let is_same = self.attempted.take() == Some(is_current);
+        if is_same {
             attempt.rest_in(now, shortest, &mut self.memory, tried);
             if !is_current {
                 // The horizon begins when the plan does.
