@@ -63,8 +63,9 @@ fn with_nearest(condition: &str) -> Option<String> {
 /// Reads a value from the keys of an object; an error names the faulty key. `file` names the object.
 pub(crate) fn read_keys<T: DeserializeOwned>(keys: Map<String, Value>, file: &str) -> Result<T> {
     serde_path_to_error::deserialize(Value::Object(keys)).map_err(|error| {
-        let key = error.path().to_string();
-        Error::input(file, key, error.inner().to_string())
+        let (key, condition) = (error.path().to_string(), error.inner().to_string());
+        let condition = with_nearest(&condition).unwrap_or(condition);
+        Error::input(file, key, condition)
     })
 }
 

@@ -305,9 +305,9 @@ impl Conclusion {
             notes.extend(outcome.missed.map(controlled));
             notes.extend(match (failure, outcome.stopped) {
                 (Some(failure), _) => Some(format!("not optimal: {failure}")),
-                (None, Some(stopped)) => {
-                    Some(format!("{stopped}: the motion is the best until then"))
-                }
+                (None, Some(stopped)) => Some(format!(
+                    "{stopped}: the motion is the best minimum until then"
+                )),
                 (None, None) => None,
             });
         } else {

@@ -30,7 +30,7 @@ pub(super) struct Benchmark {
     #[command(flatten)]
     packages: PackageArgs,
     /// The folder for results.csv and table.md.
-    #[arg(long, default_value = "out/benchmark")]
+    #[arg(long, short, default_value = "out/benchmark")]
     out: PathBuf,
 }
 

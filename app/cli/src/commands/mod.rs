@@ -73,6 +73,7 @@ enum Command {
     Tradeoff(tradeoff::TradeoffArgs),
     Doctor(doctor::Doctor),
     Robots(robots::Robots),
+    #[command(visible_alias = "scenario")]
     Scenarios(scenarios::Scenarios),
     Import(import::Import),
     Judge(judge::Judge),

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 pub(super) struct OutArgs {
     /// Folder for the files [default: a new one below out/ with the name of the command or scenario, with a number if
     /// necessary].
-    #[arg(long)]
+    #[arg(long, short)]
     out: Option<PathBuf>,
     /// Replaces files that exist.
     #[arg(long)]

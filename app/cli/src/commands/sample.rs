@@ -22,7 +22,7 @@ pub(super) struct Sample {
     #[command(flatten)]
     sampling: SamplingArgs,
     /// File for the table [default: the standard output].
-    #[arg(long)]
+    #[arg(long, short)]
     out: Option<PathBuf>,
     /// Replaces the file if it exists.
     #[arg(long, requires = "out")]

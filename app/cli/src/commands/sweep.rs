@@ -40,7 +40,7 @@ pub(super) struct Sweep {
     #[arg(requires = "merge")]
     files: Vec<PathBuf>,
     /// Folder for results.csv, results.json, ranking.csv and report.html, a page with them [default: out/sweeps/NAME].
-    #[arg(long)]
+    #[arg(long, short)]
     out: Option<PathBuf>,
 }
 

@@ -60,7 +60,7 @@ fn ctrl_c_keeps_the_best_motion_and_says_so() {
         let (code, stdout) = interrupted(&folder, signal, "start 4");
         assert_eq!(code, Some(0), "{signal}: {stdout}");
         assert!(
-            stdout.contains("interrupted: the motion is the best until then"),
+            stdout.contains("interrupted: the motion is the best minimum until then"),
             "{stdout}"
         );
         let out = "out/pendulum_2_swingup";
