@@ -12,7 +12,7 @@ pub struct GoalSet {
     /// [`Constraint`](crate::constraint::Constraint), at zero velocity.
     pub alternatives: Vec<Vec<AnyConstraint>>,
     /// The first guesses of the final configuration, at least one: start `k` ends at entry `k` modulo their number, and
-    /// those beyond their number are bent. They need not be in the set.
+    /// starts beyond that number are bent. The guesses need not be in the set.
     pub ends: Vec<GoalEnd>,
 }
 

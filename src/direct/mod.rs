@@ -1,4 +1,4 @@
-//! The direct method: minimisation of the control effort over polynomials within constraints, to the limit of the flow.
+//! The direct method: minimisation of the control effort, or another cost, over polynomials within constraints.
 //!
 //! On the manifold $v = \dot q$, which is the limit $k \to \infty$ of the penalty, the action is the control effort
 //! $\int |u|^2 dt$ with $u = ID(q, \dot q, \ddot q)$. Neither `k` nor `s_max` appears: `q(t)` is a polynomial that
@@ -8,7 +8,7 @@
 //! [`Direct::solve`] is the whole algorithm:
 //!
 //! 1. `strategy/multistart.rs`: several starts, the cubic between the ends and the same with random bends, are
-//!    minimised at a low degree. Those that cost hardly more than the best one before them go on to the next degree,
+//!    minimised at a low degree. Those that cost little more than the best one before them go on to the next degree,
 //!    from their previous end, and so on up to the degree and the segments of the settings. While none of them ends
 //!    within the constraints, more starts are tried, every other one along a path that [`plan`](crate::plan) finds
 //!    around the obstacles. If the first start is planned, it satisfies all constraints, and so does the final motion,
@@ -135,7 +135,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
         }
     }
 
-    /// Refuses phases that are not those of the cost, or that segments do not share.
+    /// Refuses phases that differ from those of the cost, or that do not consist of whole segments.
     fn check_phases(&self, phases: usize) -> Result<()> {
         let refuse = |what: &str, condition: String| Err(Error::input("settings", what, condition));
         let stage = &self.constraints.stage;

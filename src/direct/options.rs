@@ -5,14 +5,14 @@ use super::minimise::Stage;
 use crate::curve::Continuity;
 use crate::error::{Error, Result, check_count, check_positive};
 
-/// The constants of the search around the [interior-point method](crate::nlp), each with its reason. No motion depends
-/// on them beyond its tolerances, but which minimum is found, and how fast, may.
+/// The constants of the search around the [interior-point method](crate::nlp), each with its reason. A minimum does not
+/// depend on them beyond its tolerances, but they may influence which minimum is found, and in what time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SearchOptions {
     /// The initial number of quadrature points per degree, on one segment.
     pub points: f64,
-    /// The same on several segments, which are shorter: the same costs in two thirds of the time on planned starts and
-    /// underactuated swing-ups.
+    /// The same on several segments, which are shorter: it leads to the same costs in two thirds of the time on planned
+    /// starts and underactuated swing-ups.
     pub points_of_segments: f64,
     /// The largest number of points per degree: beyond it the curve has corners that no quadrature of this kind
     /// resolves.
@@ -26,30 +26,30 @@ pub struct SearchOptions {
     /// The distance from its bound, relative to its scale, beyond which a scan ignores a row.
     pub scan_depth: f64,
     /// The number of times that margins are set anew at the last barrier parameter before they only grow, so that the
-    /// search ends: where a maximum moves from one side of a point to the other, new margins swing.
+    /// search ends: where a maximum moves from one side of a point to the other, new margins oscillate.
     pub exact_margins: usize,
     /// The distance that rows keep from their bounds, relative to their scale, against rounding at the end.
     pub reserve: f64,
     /// The distance from its bound up to which a clearance is in the working set, relative to the reach of the problem:
-    /// a few steps near the end are shorter.
+    /// more than a few steps near the end of a search.
     pub near: f64,
-    /// The same relative to the distance from which on a row is constant, beyond which a step should not end.
+    /// The same relative to the distance beyond which a row is constant, where a step should not end.
     pub share_of_cutoff: f64,
     /// The distance by which balls may move before clearances that are far are evaluated again, relative to the reach
     /// of the problem; no motion depends on it. With a larger one more of them are evaluated each time (balanced
     /// motions of a Panda among obstacles: 15 % more instructions with 0.06, 20 to 45 % more with 0.02).
     pub moved: f64,
-    /// The last barrier parameter, relative to the cost, if only the horizon has bounds, which are cheap to approach.
+    /// The last barrier parameter, relative to the cost, if only the horizon has bounds, which are easy to approach.
     pub last_barrier_of_bounds: f64,
-    /// The first penalty of the torque of a passive joint, that of a motor, whose torque costs its square: no other
+    /// The first penalty of the torque of a passive joint: that of a motor, whose torque costs its square, as no other
     /// start is as easy.
     pub motor_penalty: f64,
     /// The first penalty of other equalities, relative to the cost per second.
     pub equality_penalty: f64,
     /// The first penalty of an equality of a waypoint or a goal, relative to the mean running cost. With 10 a search on
     /// a free horizon may leave the goal, or stay at its start for no time at all; a larger one forces it along the
-    /// curved set of motions that pass exactly (tuned: 14 balanced motions of a Panda to poses among obstacles take
-    /// 21 573, 7107 and 7359 iterations with 10, 100 and 1000).
+    /// curved set of motions that satisfy the equality exactly (tuned: 14 balanced motions of a Panda to poses among
+    /// obstacles take 21 573, 7107 and 7359 iterations with 10, 100 and 1000).
     pub point_penalty: f64,
     /// The accepted torque of a passive joint between the collocated points, relative to the largest torque.
     pub passive_share: f64,
@@ -59,9 +59,9 @@ pub struct SearchOptions {
     pub largest_passive_size: usize,
     /// The number of starts that are processed in parallel.
     pub batch: usize,
-    /// The fraction of a time limit spent on starts if a horizon or a degree is searched after them.
+    /// The fraction of a time limit for the starts if a search for a horizon or a degree follows them.
     pub share_of_starts: f64,
-    /// The relative excess over the cost of the best start before it beyond which a start is dropped, on the last basis
+    /// The relative excess over the cost of the best earlier start beyond which a start is dropped, on the last basis
     /// but one and on lower ones: low degrees are a poor indicator.
     pub hopeless: [f64; 2],
     /// The number of starts of a batch that go on to the next basis if the goal is a set.
@@ -94,8 +94,8 @@ pub struct SearchOptions {
     /// The factor of that penalty from one planned start to the next: the larger it is, the closer a motion stays to
     /// its planned path, in narrow places too.
     pub planned_penalty_factor: f64,
-    /// The largest such penalty, after which the first one follows again. With 10 000 steps are so short that searches
-    /// do not end, and with 1000 from every later start some do not either.
+    /// The largest such penalty, after which the first one follows again. With 10 000, steps are so short that searches
+    /// do not end, and with 1000 from every later start some do not end either.
     pub largest_planned_penalty: f64,
     /// The number of checked configurations after which a path no longer keeps a margin.
     pub margin_checks: usize,
@@ -212,7 +212,7 @@ impl SearchOptions {
             let condition = format!("it is {points}, at most {most} is needed");
             return Err(Error::input("search", "points", condition));
         }
-        // Otherwise horizons would not grow.
+        // Otherwise the horizons would not grow.
         if !(self.horizon_growth.is_finite() && self.horizon_growth > 1.0) {
             let condition = format!("it is {}, more than 1 is needed", self.horizon_growth);
             return Err(Error::input("search", "horizon_growth", condition));

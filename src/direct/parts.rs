@@ -8,7 +8,7 @@ use crate::transcription::Horizons;
 /// Checks the parts of settings.
 ///
 /// # Errors
-/// Names the part or the setting that does not go with them.
+/// Names the part or the setting that is incompatible with them.
 pub(super) fn check(settings: &DirectSettings) -> Result<()> {
     let (parts, segments) = (&settings.parts, settings.segments);
     let refuse = |element: &str, condition: &str| Err(Error::input("settings", element, condition));

@@ -26,7 +26,7 @@ impl Period {
         all.map(|(joint, sign)| sign * start[*joint]).collect()
     }
 
-    /// Refuses another relation than that of a permutation with signs, and settings that a periodic motion cannot have.
+    /// Refuses a relation that is not a permutation with signs, and settings that a periodic motion cannot have.
     pub(super) fn check(&self, settings: &DirectSettings, problem: &Problem<'_>) -> Result<()> {
         let n = problem.model().dof();
         check_length("joints of the period", n, self.joints.len())?;

@@ -42,7 +42,7 @@ pub struct DirectSettings {
     /// The amplitude of the bent starts, rad or m.
     pub start_amplitude: f64,
     /// The degree of the first polynomial of a start, unless the degree is lower; by default 6, as smooth curves lead
-    /// to better minima, and with constraints 9, as within limits none of a lower degree may be feasible.
+    /// to better minima, and 9 with constraints, as no curve of a lower degree may be feasible within limits.
     pub lowest_degree: usize,
     /// The starts for which a planner finds paths around obstacles; see [`plan`](crate::plan). It has no effect if only
     /// joints have bounds. A [first](PlannedStarts::First) planned start may lengthen the horizon up to
@@ -55,7 +55,7 @@ pub struct DirectSettings {
     /// An initial curve, used directly at this degree; its shape is fitted to the boundary states and the horizon of
     /// the problem, or to its own horizon if that is free.
     pub start: Option<Curve>,
-    /// The multipliers of the rows at the initial curve, with which the barrier parameter begins smaller.
+    /// The multipliers of the rows at the initial curve; with these the first barrier parameter is smaller.
     pub multipliers: Option<Multipliers>,
     /// True if the final velocity is free. That of the goal then serves only as the first guess.
     pub free_final_velocity: bool,
@@ -65,8 +65,8 @@ pub struct DirectSettings {
     /// The bounds and the weight of a free horizon; the search then starts from that of the problem.
     pub free_horizon: Option<FreeHorizon>,
     /// The shortest and the longest length of each of at least two parts of the motion with equal numbers of segments,
-    /// s. If the horizon is free, each length is an unknown and the horizon their sum; otherwise each is as near as it
-    /// may be to that of equal parts. Without any, all are alike.
+    /// s. If the horizon is free, each length is an unknown and the horizon their sum; otherwise each is as close as
+    /// its bounds allow to that of equal parts. If empty, the motion has no parts with lengths of their own.
     pub parts: Vec<[f64; 2]>,
     /// A goal that is a set: the final configuration is an unknown within it, and that of the problem has no effect.
     pub goal: Option<GoalSet>,
@@ -78,7 +78,7 @@ pub struct DirectSettings {
     /// The constants of the search.
     pub search: SearchOptions,
     /// Those of the interior-point method, with the rule of its barrier parameter. [`tolerance`](Self::tolerance) and
-    /// [`iterations`](Self::iterations) take the place of its own.
+    /// [`iterations`](Self::iterations) replace its own.
     pub nlp: nlp::Options,
 }
 
@@ -130,7 +130,7 @@ impl Default for DirectSettings {
 impl DirectSettings {
     /// The largest degree: beyond it the tables of a single polynomial no longer fit into memory.
     pub const LARGEST_DEGREE: usize = 64;
-    /// The largest degree times the number of segments: beyond it the Hessians of a large robot do not.
+    /// The largest degree times the number of segments: beyond it the Hessians of a large robot do not fit into memory.
     pub const LARGEST_SIZE: usize = 256;
     /// The largest number of starts: the record of each, a cost and about fifty iterations, is up to 4 kB, all 400 MB.
     pub const LARGEST_STARTS: usize = 100_000;
@@ -188,7 +188,7 @@ impl DirectSettings {
             stage: fewer_segments,
         }));
         levels.retain(|level| level.basis.segments().is_multiple_of(parts));
-        // A low degree on one segment is the first level already.
+        // A low degree on one segment is already the first level.
         levels.dedup_by(|b, a| a.basis == b.basis);
         if passive {
             levels.retain(|level| 2 * level.basis.segments() >= self.segments);

@@ -21,8 +21,8 @@ pub struct Waypoint {
     pub stop: bool,
     /// True if a foot lands there: the rates of all equalities of the constraints are zero.
     pub lands: bool,
-    /// The time as a share of the horizon, between those of its neighbours; an unknown by default. One, the end, where
-    /// a periodic motion has such a point.
+    /// The time as a share of the horizon, between those of its neighbours; an unknown by default. At one, the end,
+    /// only a periodic motion has such a point.
     pub share: Option<f64>,
 }
 

@@ -103,7 +103,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         self.time_rows().chain(of_horizons).chain(of_whole)
     }
 
-    /// The largest fraction of a step that halves neither a horizon nor the time between two waypoints.
+    /// The largest fraction of a step that leaves at least half of each horizon and of the time between two waypoints.
     pub(super) fn longest_on_border(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64 {
         let own = self.own();
         let mut most: f64 = 1.0;

@@ -75,7 +75,7 @@ fn in_parts(path: &Path, horizons: &Horizons<f64>, basis: Basis) -> Path {
     path
 }
 
-/// Divides the slopes at breakpoints, in normalised time, by the factors of their parts: then they are those in the
+/// Divides the slopes at breakpoints, in normalised time, by the factors of their parts, so that they are slopes in the
 /// time of the reference.
 fn unstretch(path: &mut Path, horizons: &Horizons<f64>) {
     let segments = path.basis.segments();
@@ -173,7 +173,7 @@ impl Multipliers {
     /// those of waypoints and of a goal.
     ///
     /// # Errors
-    /// An entry is at no time or row, or it or a time is not finite, or the times do not ascend.
+    /// An entry has no such time or row, an entry or a time is not finite, or the times do not ascend.
     pub fn of_entries(
         times: Vec<f64>,
         rows: usize,
@@ -227,8 +227,8 @@ impl Multipliers {
     }
 
     /// Takes over the multipliers of rows, row by row for each point of a grid, but not those of waypoints and a goal.
-    /// The multiplier of a row that is not enforced at a point is interpolated between the neighbouring points at which
-    /// it is.
+    /// The multiplier of a row at a point where it is not enforced is interpolated between the neighbouring points
+    /// where it is.
     pub(crate) fn put<K: Constraint, P: CostWithControl>(
         &mut self,
         grid: &Grid<f64>,

@@ -24,10 +24,10 @@ struct AtBound {
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// Adds rows for each row of the state that is at its bound at a fixed end, where the robot is at rest.
     ///
-    /// Near such an end a row is of the order of a power of the time to it, whatever the motion: with a margin at the
-    /// point beside the end the search changes a higher derivative in place of the lowest one, whose sign decides
+    /// Near such an end a row is of the order of a power of the time to the end, for any motion: with a margin at the
+    /// point beside the end the search would change a higher derivative instead of the lowest one, whose sign decides
     /// whether the bound is kept. So there are rows at times between that point and the end, to first order in the
-    /// configuration, divided by the power.
+    /// configuration, divided by that power.
     pub(super) fn add_rows_of_ends(&mut self) -> Result<()> {
         let (ends, fixed) = (self.basis.continuity(), self.fixed_ends());
         let is_zero = |(slope, _)| self.rates.column(slope).iter().all(|rate| *rate == 0.0);
@@ -65,7 +65,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             || (maximum.time > times[times.len() - 2] && last.contains(&maximum.row))
     }
 
-    /// The rows of the state that are within the reserve of their bounds at an end, or beyond by no more than is
+    /// The rows of the state that are within the reserve of their bounds at an end, or exceed them by no more than is
     /// accepted.
     fn rows_at_bound(&self, end: usize) -> Result<Vec<AtBound>> {
         let integrand = self.objective.cost();

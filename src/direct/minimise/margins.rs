@@ -21,8 +21,8 @@ fn beside(grid: &Grid<f64>, maximum: &Maximum) -> [Option<usize>; 2] {
 }
 
 /// The share of the reserve of a row that is kept in one of several phases, at a time from 0 to 1. A foot that lands is
-/// at the ground and at rest there, so it vanishes with its derivative at both ends of a phase; it is whole a hundredth
-/// from there.
+/// on the ground and at rest, so the share vanishes with its derivative at both ends of a phase; from a hundredth of
+/// the phase on it is one.
 fn share_in_phase(phases: usize, time: f64) -> f64 {
     let of_phase = (phases as f64 * time).fract();
     (of_phase * (1.0 - of_phase) / 0.01).powi(2).min(1.0)
@@ -106,8 +106,9 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         [!ends.free_start, !free]
     }
 
-    /// Sets the margin of each row against rounding: not more than the distance of a fixed start or end from its bound,
-    /// which no motion can keep just beside it. A larger margin would be a violation that no penalty removes.
+    /// Sets the margin of each row against rounding: at most the distance of a fixed start or end from the bound, as no
+    /// motion has a larger distance right beside that start or end. A larger margin would be a violation that no
+    /// penalty removes.
     fn set_reserves(&mut self) {
         let (fixed, integrand) = (self.fixed_ends(), self.objective.cost());
         let rows = &integrand.rows;
@@ -161,8 +162,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 
     /// Sets margins from the [local maxima](Self::maxima) of the rows between the points.
     ///
-    /// They raise the rows at the two points of the segment next to a maximum to its height, or only `grow`, by twice
-    /// the excess of a maximum.
+    /// They raise the rows at the two points of the segment next to a maximum to the height of the maximum, or only
+    /// `grow`, by twice the excess of the maximum.
     pub(super) fn set_margins(&mut self, grow: bool) {
         match grow {
             true => self.set_reserves(),
@@ -177,8 +178,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let phases = integrand.rows.cost.phases();
         let changes = |time: f64| is_at(phases as f64 * time, (phases as f64 * time).round());
         for maximum in &self.look.found {
-            // Margins do not change the state at a fixed end, nor the place of a foot that lands. Beside an end at its
-            // bound they would ask for another derivative than the one that decides.
+            // Margins change neither the state at a fixed end nor the place of a foot that lands. Beside an end at its
+            // bound they would act on another derivative than the decisive one.
             let at_ends = is_fixed(maximum.time) || self.has_rows_of_ends(maximum);
             let of_phase = integrand.rows.is_of_phase(maximum.row);
             if maximum.row < states && (at_ends || (of_phase && changes(maximum.time))) {

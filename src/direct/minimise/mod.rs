@@ -125,7 +125,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     } = context;
     let (basis, points) = (candidate.path.basis.clone(), candidate.points);
     let grid = grid(context, &basis, points);
-    // Not a multiple, so that it sees between the points.
+    // Not a multiple, so that it evaluates between the points.
     let finer = grids.get(&basis, points * 3 / 2 + 7);
     let refinable = points < settings.search.most_points * basis.degree();
     let both = (grid, Some(finer));
@@ -203,7 +203,7 @@ fn take_end<K: Constraint, P: CostWithControl>(
     candidate.complementarity = end.progress.complementarity;
     if stage.last {
         candidate.stationarity = program.stationarity(&x, &end.iterate)?;
-        // Elsewhere the gradient does not vanish, and curvature tells nothing of a minimum.
+        // Elsewhere the gradient does not vanish, and curvature does not show a minimum.
         candidate.smallest_curvature = match candidate.converged {
             true => program.smallest_curvature(&end.x, &end.iterate)?,
             false => f64::NAN,
@@ -258,7 +258,7 @@ fn iteration_of(progress: &Progress, basis: &Basis, points: usize) -> Iteration 
 
 /// The number of points per segment at which equalities are collocated: `degree - 1`, as of a second-order equation,
 /// the torque of a passive joint, and fewer where equalities of the state would leave less than a quarter of the
-/// unknowns free. With half as many again searches take twice the iterations, more than those in more segments.
+/// unknowns free. With half as many again, searches take twice as many iterations, more than with more segments.
 fn collocated_points<K: Constraint, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     basis: &Basis,

@@ -182,7 +182,8 @@ impl<'g> PointRows<'g> {
         self.rates.evaluate(place, rates)
     }
 
-    /// The largest violation, in m or rad, but of linear rows, which are multiples of what is seen between the points.
+    /// The largest violation, in m or rad, except of linear rows, which are multiples of rows that are scanned between
+    /// the points.
     pub fn violation(&self) -> f64 {
         let rows = self.h.iter().zip(&self.equalities);
         let rows = rows.take(self.h.len() - self.linear.len());

@@ -59,7 +59,7 @@ pub(in crate::direct) struct Program<'g, 'a, K, P> {
     pub(super) margins: Vec<f64>,
     /// The margin of each row against rounding.
     pub(super) reserves: Vec<f64>,
-    /// The last look between the points.
+    /// The last check between the points.
     pub(super) look: Look,
     /// The multipliers of all rows.
     pub(super) multipliers: Vec<f64>,
@@ -195,7 +195,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         self.margins = vec![0.0; rows];
     }
 
-    /// Returns true if cost and rows were evaluated at the coefficients last.
+    /// Returns true if cost and rows were last evaluated at these coefficients.
     fn is_evaluated(&self) -> bool {
         let (coefficients, horizons) = &self.evaluated_at;
         (coefficients, horizons) == (&self.coefficients, &self.horizons)

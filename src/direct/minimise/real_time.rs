@@ -9,8 +9,8 @@ use crate::motion::Problem;
 use crate::nlp::{Iterate, Nlp, Options, Row, State, iterate, measures};
 use nalgebra::DVector;
 
-/// The factor by which margins shrink at most from one call to the next. Exact ones swing where a maximum is between
-/// two points: a row that is violated gets one, keeps its bound, loses it and is violated again.
+/// The factor by which margins shrink at most from one call to the next. Exact margins oscillate where a maximum is
+/// between two points: a row that is violated gets a margin, keeps its bound, loses the margin and is violated again.
 const SHRINK: f64 = 0.9;
 
 /// The result of a few iterations.
@@ -131,7 +131,7 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
         let known = program.known_multipliers(candidate, known);
         state.begin(program, known, options)?;
         program.unknowns_in(reference, &mut other.x);
-        // A search often begins at the reference, where all is known.
+        // A search often begins at the reference, where everything is known.
         let is_known = other.x == state.x;
         if is_known {
             other.f = state.f;

@@ -75,7 +75,7 @@ impl WorkingSet {
         rows.near.begin(state, &far, moved, (times, grid.segments));
     }
 
-    /// Begins without any rows, for another problem; returns true if others are near now.
+    /// Begins without any rows, for another problem; returns true if other rows are near now.
     pub fn restart<K: Constraint, P: CostWithControl>(
         &mut self,
         problem: &Problem<'_>,
@@ -158,7 +158,8 @@ impl WorkingSet {
         rows.near.set_working(listed);
     }
 
-    /// Returns true if a clearance outside the working set is violated: a step into something that was far away.
+    /// Returns true if a clearance outside the working set is violated: the step leads into an obstacle or link that
+    /// was far away.
     pub fn is_left<K: Constraint, P: CostWithControl>(
         &self,
         rows: &Rows<'_, K, P>,

@@ -6,7 +6,7 @@ use crate::direct::minimise::Candidate;
 use crate::error::Result;
 use serde::{Deserialize, Serialize};
 
-/// The degrees of an adaptive direct.
+/// The degrees of a solve with an adaptive degree.
 ///
 /// Only the cost decides. The open-loop error over the whole motion is no criterion: in an unstable motion it grows
 /// exponentially in time at any degree, because the control is exactly that of the polynomial. The error over one

@@ -63,12 +63,12 @@ struct Multistart<'s, 'c, 'a, K, P> {
 /// Continues as many starts as requested through all bases, and further ones while none of them succeeds.
 ///
 /// Starts are processed in batches, whose members run in parallel. Whether a start is continued depends only on those
-/// before it, in the order of their numbers: its cost must be hardly more than the best of theirs. Therefore additional
+/// before it, in the order of their numbers: its cost must be little more than the best of theirs. Therefore additional
 /// starts do not change the results of the others, on any number of cores, and more starts never give a worse result if
-/// one of fewer ends within the constraints. Of the starts beyond the requested ones, the first of which is tried by
-/// itself, every other one is planned if there are obstacles, or the first one if requested, until one succeeds. If
-/// none of them satisfies the constraints, the reserve of the planned starts is the last one, whether or not there is
-/// time left.
+/// one of fewer ends within the constraints. The first start beyond the requested ones is tried by itself. If there are
+/// obstacles, every other one of these starts is planned, or the first start of all if requested, until one succeeds.
+/// If none of them satisfies the constraints, the reserve of the planned starts is the last one, whether or not there
+/// is time left.
 pub(crate) fn multistart<'c, K: Constraint + Send + Sync, P: CostWithControl>(
     context: Context<'c, '_, K, P>,
     levels: &[Level],
@@ -84,7 +84,7 @@ pub(crate) fn multistart<'c, K: Constraint + Send + Sync, P: CostWithControl>(
         first_costs: Vec::new(),
         ends: Vec::new(),
     };
-    // What comes after the starts needs its part of the time.
+    // The stages after the starts need their part of the time.
     let goes_on = settings.free_horizon.is_some() || settings.degree_tolerance.is_some();
     let share = match goes_on {
         true => settings.search.share_of_starts,
@@ -118,8 +118,8 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
         self.context.watch.stopped().is_some()
     }
 
-    /// Returns true if a start has led to a motion. With a planned first start, which keeps the constraints, that need
-    /// not be a minimum.
+    /// Returns true if a start has led to a motion. With a planned first start, which keeps the constraints, the motion
+    /// need not be a minimum.
     fn is_found(&self) -> bool {
         let content = self.context.settings.planned_starts == PlannedStarts::First;
         let mut ends = self.ends.iter().map(|end| &end.candidate);
@@ -143,7 +143,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
     fn start(&self, number: usize) -> Result<Run> {
         let (context, settings) = (&self.context, self.context.settings);
         let problem = self.planned.problem(number)?;
-        // A path is for what is not found; bent starts lead to more minima in the same time.
+        // Paths are for motions that are not found otherwise; bent starts lead to more minima in the same time.
         let planned = match self.is_found() {
             true => None,
             false => self.planned.start(number, &problem)?,
@@ -152,7 +152,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
         let (first, mut candidate) = match planned {
             Some(candidate) => (self.levels.len() - 1, candidate),
             None => {
-                // A start is a single polynomial, whatever it is to become.
+                // A start is a single polynomial, whatever its later basis.
                 let basis = &self.levels[0].basis;
                 let one = Basis::new(1, basis.degree(), basis.continuity());
                 let line = Path::line(&problem, one);
@@ -182,7 +182,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
     ) -> Result<()> {
         let found_before = self.is_found();
         for (index, level) in self.levels.iter().enumerate() {
-            // Those that come in at the top wait.
+            // Starts that enter at the highest level wait.
             let (waiting, here) = runs.into_iter().partition(|run| run.first > index);
             runs = waiting;
             let work = |run| self.minimised(run, index);
@@ -213,8 +213,9 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
     /// Minimises a start at a level, with its iterations; `None` if there is no time for it.
     fn minimised(&self, mut run: Run, index: usize) -> Result<Option<(Run, Vec<Iteration>)>> {
         let level = &self.levels[index];
-        // After the end one candidate is needed: the reserve if there is one, or else the first start. A first look at
-        // the others would go on for long, and so would a last one at those that the reserve is better than.
+        // After the end of the time one candidate is needed: the reserve if there is one, otherwise the first start.
+        // First solves of the others would take long, and so would last solves of those that are worse than the
+        // reserve.
         let is_needed = match self.planned.reserve {
             Some(_) => index > run.first && run.candidate.violation <= level.stage.feasible,
             None => index > run.first || run.number == 0,
@@ -236,12 +237,12 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
         Ok(Some((run, iterations)))
     }
 
-    /// Returns true if the cost of a start at a level is hardly more than the least one before it.
+    /// Returns true if the cost of a start at a level is little more than the least one before it.
     fn is_promising(&self, run: &Run, index: usize) -> bool {
         let (least, hopeless) = (self.least[index], &self.context.settings.search.hopeless);
         let passive = self.context.rows.constraints.torque.has_passive();
-        // The first one has nothing to be compared with, and at the top all have come to their end. What a passive
-        // joint is given at a low level says nothing of what the motion costs without.
+        // The first one has nothing to be compared with, and at the highest level all have ended. With torques of
+        // passive joints at a low level the cost says nothing about the cost without them.
         match (self.levels.len() - 1 - index).checked_sub(1) {
             Some(left) if least.is_finite() && !passive => {
                 let hopeless = hopeless[left.min(hopeless.len() - 1)];
@@ -306,8 +307,8 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
     }
 }
 
-/// Drops all but the best `kept` of the runs at this level, for a goal that is a set: they differ in their ends, of
-/// which the order of the costs at a low degree is a good sign, and each of them takes a whole search at the next one.
+/// Drops all but the best `kept` of the runs at this level, for a goal that is a set: they differ in their ends, which
+/// the costs at a low degree rank well, and each run takes a whole search at the next degree.
 fn keep_best(runs: &mut Vec<Run>, index: usize, feasible: f64, kept: usize) {
     let (mut here, waiting): (Vec<_>, Vec<_>) = runs.drain(..).partition(|run| run.first <= index);
     let order = |run: &Run| {

@@ -6,9 +6,9 @@ use crate::direct::Iteration;
 use crate::direct::minimise::{Candidate, Context, Stage, minimise};
 use crate::error::Result;
 
-/// Minimises in the last basis, then with more segments and then higher degrees while a passive joint has more residual
-/// torque, or an equality a larger deviation, than is accepted and the motion costs less than `least` by more than the
-/// tolerance for equal minima.
+/// Minimises in the last basis, then with more segments and then with higher degrees, as long as a passive joint has
+/// more residual torque, or an equality a larger deviation, than is accepted, and the motion costs less than `least` by
+/// more than the tolerance for equal minima.
 pub(crate) fn minimise_to_the_end<K: Constraint, P: CostWithControl>(
     context: Context<'_, '_, K, P>,
     candidate: Candidate,

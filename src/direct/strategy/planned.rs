@@ -19,7 +19,7 @@ pub(crate) struct Planned<'c, 'a, K, P> {
     wanted: bool,
     /// The curve of the first start, if it is planned.
     first: Option<Path>,
-    /// The first planned start of a search that may be cut off: the motion until a better one is found.
+    /// The first planned start of a search that may be cut off: the result until a better motion is found.
     pub reserve: Option<Candidate>,
 }
 
@@ -105,7 +105,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         let horizon = match self.context.free_horizon {
             Some(free) => {
                 let horizon = self.horizon(&path, problem, free.longest)?;
-                // Rows may be larger between the points, and no iteration follows in a search that is cut off.
+                // Rows may be larger between the points, and a search that is cut off has no further iteration.
                 let growth = match self.context.settings.time_limit {
                     Some(_) => self.context.settings.search.horizon_growth,
                     None => 1.0,
@@ -180,7 +180,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         let stopped = || watch.stopped().is_some();
         let mut found = plan(problem, constraint, &plans, &stopped)?;
         if matches!(found, Plan::OutOfBudget { .. }) {
-            // Links next to each other may be closer than the margin wherever they are.
+            // Neighbouring links may be closer than the margin in all configurations.
             (plans.margin, plans.most_checks) = (0.0, budget);
             found = plan(problem, constraint, &plans, &stopped)?;
         }

@@ -5,7 +5,7 @@ use crate::motion::{Path, Problem};
 use crate::plan::distance;
 use nalgebra::{DMatrix, DVector};
 
-/// The number of times per leg at which the nearest one of a curve to a waypoint is looked for.
+/// The number of times per leg among which the time is searched at which a curve is nearest to a waypoint.
 const LOOKS: usize = 64;
 
 /// The number of Gauss-Newton steps from there, each of which doubles the number of digits.
@@ -23,7 +23,7 @@ pub(crate) fn times_by_length(
     let (mut lengths, mut length) = (Vec::new(), 0.0);
     let points = waypoints.iter().map(|waypoint| waypoint.guess(start));
     for q in points.chain([&problem.goal()[..n]]) {
-        // A waypoint where the one before is has a time of its own.
+        // A waypoint at the place of the one before has a time of its own.
         length += distance(before, q).max(f64::EPSILON.sqrt());
         lengths.push(length);
         before = q;
@@ -59,7 +59,7 @@ pub(crate) fn nearest_times(
         .iter()
         .map(|time| path.basis.evaluate(&path.coefficients, *time));
     let places: Vec<_> = places.map(|[q, ..]| q).collect();
-    // The least sum up to a waypoint if it is at most at a time, and where it is then.
+    // The least sum up to a waypoint that is passed at a time or earlier, and the time at which it is passed then.
     let mut least = vec![0.0; times.len() + 1];
     let mut chosen = Vec::new();
     for waypoint in waypoints {
@@ -144,7 +144,7 @@ impl Path {
                 row += 1;
             }
         }
-        // Fewer functions than conditions meet them as nearly as they can.
+        // If there are fewer functions than conditions, these are met as closely as possible.
         let svd = values.svd(true, true);
         let small = f64::EPSILON.sqrt() * svd.singular_values.max();
         if let Ok(change) = svd.solve(&off, small) {

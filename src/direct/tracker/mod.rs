@@ -27,7 +27,8 @@ use std::sync::Arc;
 use std::time::Duration;
 use workspace::{OnPlan, Workspace};
 
-/// The number of intervals per quadrature point at which rows are scanned after the first search: the look is finer.
+/// The number of intervals per quadrature point at which rows are scanned after the first search: the check of a plan
+/// is finer.
 const SCAN: usize = 3;
 
 /// A motion to a goal that is followed and replanned at the same time, as the goal and the obstacles move.
@@ -36,29 +37,30 @@ const SCAN: usize = 3;
 /// one or a few iterations of the [interior-point method](crate::nlp) per step, from the rest of the last one with its
 /// multipliers (the real-time iteration of Diehl, Bock and Schlöder, *A real-time iteration scheme for nonlinear
 /// optimization in optimal feedback control*, 2005), with a [fixed barrier parameter](TrackerOptions::barrier). The
-/// rest of a polynomial is a polynomial of the same degree, so that it is exact. Plans begin on the plan before, at the
-/// state that it has at the time, and feedback keeps the robot near them; only a robot that is
-/// [far](TrackerOptions::largest_deviation) from its plan gets one from where it is, within the time that is left.
+/// rest of a polynomial is a polynomial of the same degree, so it is exact. A plan begins on the plan before it, at the
+/// state of that at the current time, and feedback keeps the robot near it; only a robot that is
+/// [far](TrackerOptions::largest_deviation) from its plan gets a plan from its measured state, within the time that is
+/// left.
 ///
 /// A plan replaces the one that is followed if it is *safe*: it begins there, ends at rest at the goal, and violates no
-/// row by more than [`FEASIBLE`](super::DirectSettings::FEASIBLE) at the times of a [look](TrackerOptions::look), with
-/// refined maxima as in [`violations`](crate::motion::violations); and if it costs
-/// [less](TrackerOptions::least_gain), or the goal or the constraints have changed so that the former is not what is
-/// asked for. Otherwise the former is followed, to its end at rest.
+/// row by more than [`FEASIBLE`](super::DirectSettings::FEASIBLE) at the times of a [check](TrackerOptions::look), with
+/// refined maxima as in [`violations`](crate::motion::violations); and if it costs [less](TrackerOptions::least_gain),
+/// or the goal or the constraints have changed so that the old plan does not fulfil them. Otherwise the old plan is
+/// followed, to its end at rest.
 ///
 /// **Promises.** While [`Step::safety`] is [`Safety::Kept`], the rest of the plan keeps all current rows in the sense
-/// above, so that following it to its end, with no further step, does too. After
-/// [`set_constraints`](Self::set_constraints) the next step looks at the plan before anything else; if it violates a
-/// row now, each step says so until there is a safe plan, and the former is followed meanwhile: a caller that cannot
-/// wait has to brake. Obstacles are taken to stand still where they were last set. The promises are about plans of this
-/// model: a robot beside its plan, delays and torques of the feedback are beyond them.
+/// above, and so does a robot that follows it to its end without a further step. After
+/// [`set_constraints`](Self::set_constraints) the next step checks the plan before anything else; if the plan now
+/// violates a row, each step reports it until there is a safe plan, and the old plan is followed meanwhile: a caller
+/// that cannot wait has to brake. Obstacles are assumed to stand still where they were last set. The promises are about
+/// plans for this model: they do not cover deviations of the robot from its plan, delays, or torques of the feedback.
 ///
 /// Accelerations and torques may jump from one plan to the next. The time of running costs and rows that depend on it
 /// begins anew with each plan.
 ///
 /// **Memory.** It is allocated by [`new`](Self::new), [`set_constraints`](Self::set_constraints) and the first steps.
 /// A later step allocates nothing, unless a function of the user does, there are equalities, or more maxima of rows
-/// come near than in all steps before.
+/// come near their bounds than in all steps before.
 ///
 /// ```
 /// use aghf::constraint::{Bounds, Constraints, TorqueLimits};
@@ -87,16 +89,16 @@ pub struct Tracker<'a, K, P> {
     /// The problem of the last search.
     problem: Problem<'a>,
     plan: Plan,
-    /// The rest of that, the plan that is tried, and one that is not safe yet, or not better.
+    /// The rest of that plan, the plan that is tried, and one that is not safe yet, or not better.
     others: [Plan; 3],
     /// Whether the plan was for the same goal and constraints as the last one, if there is one.
     attempted: Option<bool>,
-    /// The horizon that was asked for with a goal.
+    /// The requested horizon for a goal.
     asked: Option<f64>,
     /// True if the plan ends at the goal.
     aims: bool,
     violated: Option<Violation>,
-    /// True if the constraints have changed since the last look at the plan.
+    /// True if the constraints have changed since the last check of the plan.
     unseen: bool,
     now: Option<f64>,
     pace: Pace,
@@ -189,7 +191,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
     /// Changes the goal to a configuration at rest, `N` entries, rad or m, to be reached within `horizon`, s; a free
     /// horizon begins there.
     ///
-    /// The plan is followed to the former goal until one to the new goal is safe; its horizon begins when it is found.
+    /// The old plan is followed until one to the new goal is safe; the horizon of that begins when it is found.
     ///
     /// # Errors
     /// `q` does not have `N` finite entries, or the horizon is shorter than the [shortest
@@ -219,7 +221,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
     /// Replaces the constraints, such as obstacles that have moved, from the next step on.
     ///
     /// # Errors
-    /// They are for another robot, or a joint is passive; the former ones remain.
+    /// They are for another robot, or a joint is passive; the old ones then remain.
     pub fn set_constraints(&mut self, constraints: Constraints<K>) -> Result<()> {
         constraints.check(self.model)?;
         if constraints.torque.has_passive() {
@@ -273,9 +275,9 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
     /// * `state`: the measured state $[q; v]$, `2 N` entries; rad or m, per s
     /// * `now`: the time, s; the first plan begins at that of the first step
     ///
-    /// With a [deadline](TrackerOptions::deadline) an iteration begins only if it and the look at its result are
-    /// expected to end before it, by the times of the last ones. The look at a plan after a change of the constraints
-    /// and the command are never left out.
+    /// With a [deadline](TrackerOptions::deadline) an iteration begins only if it and the check of its result are
+    /// expected to end before the deadline, by the times of the last ones. The check of a plan after a change of the
+    /// constraints and the command are never left out.
     ///
     /// # Errors
     /// `state` does not have `2 N` finite entries, or `now` is not finite or before that of the last step.

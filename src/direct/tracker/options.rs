@@ -15,28 +15,27 @@ pub struct TrackerOptions {
     /// default 1e-2: the excess of the objective over its minimum. Multipliers that are smooth in time remain good for
     /// a goal that has moved; with 1e-4 a search takes several times as many iterations.
     pub barrier: f64,
-    /// The largest number of interior-point iterations per step, by default 1: a second one would be for an older state
-    /// than the first one of the next step. For a polynomial of degree 12 of an arm of seven joints one takes 0.3 ms,
-    /// and all around it 0.6 ms.
+    /// The largest number of interior-point iterations per step, by default 1: a second one would use an older state
+    /// than the first one of the next step. For a polynomial of degree 12 of an arm with seven joints an iteration
+    /// takes 0.3 ms, and the rest of a step 0.6 ms.
     pub iterations_per_step: usize,
-    /// The decrease of the objective with its barrier, relative to the objective, from which on a plan to the same goal
-    /// replaces the former, by default 1e-3: each replacement may make a jump of the acceleration.
+    /// The least decrease of the objective with its barrier, relative to the objective, for which a plan to the same
+    /// goal replaces the old one, by default 1e-3: each replacement may make the acceleration jump.
     pub least_gain: f64,
-    /// The number of intervals of the look at a plan per degree of its polynomial, by default 10: for `K` in all, the
-    /// times are $T (1 - \cos \pi k / K) / 2$. The state at which a plan begins is fixed, and may be at a bound
-    /// already: with equal intervals it takes 1000 of them not to miss violations of 1e-4 within the first
-    /// milliseconds.
+    /// The number of intervals of the check of a plan per degree of its polynomial, by default 10: for `K` in all, the
+    /// times are $T (1 - \cos \pi k / K) / 2$. The state at which a plan begins is fixed, and may already be at a
+    /// bound: it would take 1000 equal intervals not to miss violations of 1e-4 within the first milliseconds.
     pub look: usize,
     /// The time within which a step returns; see [`Tracker::step`](super::Tracker::step). By default there is none.
     pub deadline: Option<Duration>,
-    /// The bandwidth $\omega$ of the feedback, rad/s, by default 30: at 500 Hz the delay of a period and a half costs
-    /// ten degrees of phase at $2 \omega$.
+    /// The bandwidth $\omega$ of the feedback, rad/s, by default 30: at 500 Hz the delay of one and a half periods
+    /// takes ten degrees of phase at $2 \omega$.
     pub bandwidth: f64,
     /// The shortest remaining time for which a plan is changed, s, by default 0.1: closer to the end the accelerations
     /// that correct a plan grow with the inverse square of that time.
     pub shortest_horizon: f64,
     /// The distance of a joint from the plan, rad or m, beyond which a new plan begins at the measured state instead,
-    /// by default 0.1: more than wrong masses cause with the default bandwidth.
+    /// by default 0.1: more than the deviation that wrong masses cause with the default bandwidth.
     pub largest_deviation: f64,
 }
 
@@ -63,7 +62,7 @@ impl TrackerOptions {
     ///
     /// # Errors
     /// An option is out of range; the motion does not end at rest at a given configuration; or it has more than one
-    /// segment, the rest of which is not in their basis.
+    /// segment: the rest of several segments is not in their basis.
     pub fn check(&self, problem: &Problem<'_>) -> Result<()> {
         let refuse = |what, condition| Err(Error::input("tracker", what, condition));
         self.settings.check(problem)?;

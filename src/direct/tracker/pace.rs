@@ -2,10 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-/// The shares of the latest time in an estimate, if it is shorter and if it is longer: a late step is worse than one
-/// without an iteration.
+/// The shares of the latest time in an estimate, if that time is shorter and if it is longer: a late step is worse than
+/// one without an iteration.
 const SHARES: [f64; 2] = [0.05, 0.5];
-/// The largest factor by which a time counts above its estimate, so that one interruption by the system is no rule.
+/// The largest factor by which a time counts above its estimate, so that a single interruption by the system has a
+/// small effect.
 const MOST: f64 = 2.0;
 /// The time that has to be left relative to an estimate: one in a hundred steps takes 1.5 times as long as its estimate
 /// on a virtual machine.
@@ -25,13 +26,13 @@ pub(super) struct Times {
 pub(super) struct Pace {
     /// Those of a step in known constraints, and of the first one in others.
     times: [Times; 2],
-    /// True until the first iteration with new constraints, which finds out which rows are near.
+    /// True until the first iteration with new constraints, which determines the rows that are near.
     pub is_first: bool,
     end: Option<Instant>,
 }
 
 impl Pace {
-    /// Without estimates and without an end.
+    /// No estimates and no end.
     pub fn unknown() -> Self {
         let unknown = Times {
             preparation: f64::NAN,

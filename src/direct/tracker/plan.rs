@@ -22,8 +22,8 @@ impl Plan {
         (self.began + self.motion.horizons.whole() - now).max(0.0)
     }
 
-    /// Sets `rest` to the rest of the motion with its multipliers, the same polynomial; of the last `shortest` seconds
-    /// all of them.
+    /// Sets `rest` to the rest of the motion with its multipliers, the same polynomial; near the end to all of the last
+    /// `shortest` seconds.
     pub fn rest_in(&self, now: f64, shortest: f64, memory: &mut Memory, rest: &mut Self) {
         let (from, to) = (&self.motion, &mut rest.motion);
         let left = self.left(now).max(shortest).min(from.horizons.whole());

@@ -1,4 +1,4 @@
-//! The search of a step, and the look at its result.
+//! The search of a step, and the check of its result.
 
 use super::Tracker;
 use super::pace::{Pace, learn};
@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::motion::{Problem, Violation, curve_of};
 use std::time::Instant;
 
-/// A plan beside the one that is followed: the one that is tried, or the rest of that which is followed.
+/// A plan beside the one that is followed: the plan that is tried, or the rest of the plan that is followed.
 pub(super) enum Which {
     Tried,
     Reference,
@@ -79,7 +79,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
         })
     }
 
-    /// Takes iterations on the plan that is tried, from a state, up to `most` and as many as there is time for.
+    /// Takes iterations on the plan that is tried, from a state: up to `most`, as many as time allows.
     fn improve(&mut self, begin: &[f64], most: usize, is_same: bool) -> Result<Iterations> {
         let mut since = Instant::now();
         let [reference, tried, _] = &mut self.others;

@@ -26,7 +26,7 @@ pub struct Step<'t> {
 /// The outcome of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// The motion goes on, or has no plan to the goal yet.
+    /// The motion continues, or has no plan to the goal yet.
     Working,
     /// The plan has ended at the goal; the command holds it there.
     Finished,
@@ -35,9 +35,9 @@ pub enum Outcome {
 /// The safety of the rest of a plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Safety {
-    /// It keeps all current rows, to its end.
+    /// The rest keeps all current rows, to its end.
     Kept,
-    /// It violates a row.
+    /// The rest violates a row.
     Violated {
         /// The row that is violated most, as in [`Violation::row`](crate::motion::Violation).
         row: usize,

@@ -1,4 +1,4 @@
-//! The memory of the searches of a tracker, and of the looks at their results.
+//! The memory of the searches of a tracker, and of the checks of their results.
 
 use super::TrackerOptions;
 use super::plan::Plan;
@@ -14,7 +14,7 @@ use crate::transcription::{Grids, Rows};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
-/// The memory of the searches of a tracker and of the looks at their results, for given constraints.
+/// The memory of the searches of a tracker and of the checks of their results, for given constraints.
 pub(super) struct Workspace<'a, K, P> {
     pub search: RealTime<'a, K, P>,
     pub rows: LargestRows<'a, K>,
