@@ -16,7 +16,7 @@
 //!
 //! 1. [Two methods](guide::methods), and which to use when.
 //! 2. [The notation](guide::notation) of the paper, the code and Pinocchio.
-//! 3. [Verification](verify) of every derivative, and what each witness cannot see.
+//! 3. [Verification](verify) of every derivative, and the errors that each witness cannot detect.
 //! 4. Extensions: a [constraint](guide::constraint), a [running cost](guide::running_cost), a
 //!    [Jacobian](guide::jacobian), a [Lagrangian, metric or drift](guide::lagrangian), a [scalar](guide::scalar), an
 //!    [integrator](guide::integrator), a [joint](guide::joint).
@@ -24,7 +24,7 @@
 //!    keep the code fast.
 //! 6. [The limits of the library](guide::limitations).
 //!
-//! First motions, the keys of a scenario and the command line are told in the packages `aghf-scenario` and `aghf-cli`.
+//! The packages `aghf-scenario` and `aghf-cli` describe first motions, the keys of a scenario and the command line.
 //!
 //! # The modules
 //!
@@ -85,5 +85,5 @@ pub mod verify;
 
 pub use error::{Error, Result};
 
-// Their types are in what is public here: whoever takes them from here has the versions that fit.
+// Their types are part of the public interface: these exports have the versions that fit.
 pub use {nalgebra, num_dual, urdf_rs};

@@ -2,7 +2,7 @@
 
 use super::Polynomial;
 
-/// The largest number of halvings of the interval, and of parts that are looked at.
+/// The largest number of halvings of the interval, and of parts that are examined.
 const MOST_PARTS: usize = 256;
 
 /// The Bernstein basis of one degree `n` on `[-1, 1]`.
@@ -88,7 +88,7 @@ impl Bernstein {
     }
 }
 
-/// A bound on the largest value of a polynomial by its Bernstein coefficients, a value, and the place of that.
+/// A bound on the largest value of a polynomial by its Bernstein coefficients, a value, and the place of that value.
 fn largest(b: &[f64], accuracy: f64) -> (f64, f64, f64) {
     let n = b.len() - 1;
     let end = |b: &[f64], [from, to]: [f64; 2]| {
@@ -109,7 +109,7 @@ fn largest(b: &[f64], accuracy: f64) -> (f64, f64, f64) {
             bound = if top <= bound { bound } else { top };
             continue;
         }
-        // The first averages of each level are the left half, what remains is the right one.
+        // The first averages of each level are the left half, the remaining ones the right half.
         let mut left = vec![right[0]];
         for level in 1..=n {
             for i in 0..=n - level {

@@ -134,7 +134,7 @@ impl Motion {
     /// The motion of a curve: its positions. Cost O(N p^2) per segment.
     ///
     /// # Errors
-    /// The curve has parts of different lengths, of which each has a certificate of its own.
+    /// The curve has parts of different lengths, each of which has a certificate of its own.
     pub fn of_curve(curve: &Curve) -> Result<Self> {
         if curve.parts() > 1 {
             let condition = format!("it has {} parts, one is certified at a time", curve.parts());
@@ -270,8 +270,8 @@ fn derivative(of: &[Ball], k: usize) -> Vec<Ball> {
     found.iter().map(|c| c.divided_by(k as f64)).collect()
 }
 
-/// The Chebyshev polynomials up to degree `n` at `x`, by the formulas for products, in which errors grow with the
-/// square of the degree only.
+/// The Chebyshev polynomials up to degree `n` at `x`, by the formulas for products, whose errors grow only with the
+/// square of the degree.
 fn chebyshev(x: f64, n: usize) -> Vec<Ball> {
     let x = Ball::constant(x);
     let one = Ball::constant(1.0);

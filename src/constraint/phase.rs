@@ -7,7 +7,7 @@ use crate::scalar::{Scalar, Wide};
 use nalgebra::DMatrix;
 use std::ops::Range;
 
-/// A phase of a motion: the robot hangs on the foot on which it stands, as the root of its tree.
+/// A phase of a motion: the foot on which the robot stands is the root of its tree.
 ///
 /// Another root changes neither the joints nor their positions, only their order
 /// ([`reroot`](crate::urdf::reroot())), so phases share positions and velocities. A phase has as many segments as any

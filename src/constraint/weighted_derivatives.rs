@@ -160,7 +160,7 @@ impl<S: Scalar> WeightedDerivatives<S> {
     /// Adds a row that is linear in the positions `p` of points of the first body as seen from the second one: `force`
     /// is the sum of its gradients `f` in them, in the base frame, and `virial` the sum of $p f^T$. `w` is the weight
     /// of the row, `c` that of the product of its gradients, `None` if only the gradient is needed. Without a body the
-    /// points, or what they are seen from, are fixed.
+    /// points, or their references, are fixed.
     ///
     /// # Errors
     /// The robot has no such body.

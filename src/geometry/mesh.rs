@@ -24,7 +24,7 @@ const ALIKE: f64 = 0.3;
 /// meshes of a UR5 need a quarter fewer balls, and more than twice the time.
 const NEARBY: f64 = 0.25;
 
-/// The number of points of a surface by which a ball is shrunk before all triangles near it are looked at.
+/// The number of points of a surface by which a ball is shrunk before all triangles near it are examined.
 const SOME: usize = 500;
 
 /// The share of its radius by which a ball may contain the surface: rounding.

@@ -1,10 +1,10 @@
 //! A maximum over time between three values.
 
-/// The fraction of a bracket within which a vertex is too near to the middle to narrow it.
+/// The fraction of a bracket within which a vertex is too close to the middle to narrow the bracket.
 const NEARLY: f64 = 0.05;
 
-/// The height of a settled vertex above the middle value, relative to that of the middle above the lower end. With the
-/// vertex within [`NEARLY`] of the middle that of a parabola is a hundredth at most.
+/// The height of a settled vertex above the middle value, relative to the height of the middle above the lower end. For
+/// a parabola whose vertex is within [`NEARLY`] of the middle it is at most a hundredth.
 const SETTLED: f64 = 0.02;
 
 /// Three times of which the middle one has the largest value of a row.
@@ -15,12 +15,12 @@ pub(crate) struct Bracket {
 }
 
 impl Bracket {
-    /// The number of further values by which a maximum is refined: enough for the corner of an obstacle that is passed
-    /// in a tenth of an interval.
+    /// The number of further values by which a maximum is refined: enough for passing the corner of an obstacle in a
+    /// tenth of an interval.
     pub const REFINEMENTS: usize = 4;
 
-    /// The largest number of further values where the vertex does not settle, as beside a step: they halve the bracket
-    /// ten times or so.
+    /// The largest number of further values if the vertex does not settle, as beside a step: they halve the bracket
+    /// about ten times.
     pub const MOST_REFINEMENTS: usize = 24;
 
     /// Returns true if a function that is concave between the times may exceed a bound there.
@@ -60,15 +60,15 @@ impl Bracket {
         }
     }
 
-    /// Returns true if the vertex is hardly above the middle value, as that of a smooth maximum is once it is refined,
-    /// and not a violation where the middle is none: beside a step no value would confirm it.
+    /// Returns true if the vertex is only slightly above the middle value, as it is for a smooth maximum once that is
+    /// refined, and is not a violation unless the middle is one: beside a step no value would confirm it.
     pub fn is_settled(&self) -> bool {
         let ([a, b, c], (_, height)) = (self.values, self.vertex());
         height - b <= SETTLED * (b - a.min(c)) && (b > 0.0 || height <= 0.0)
     }
 
     /// The maximum: time and height. It is the vertex if that [is settled](Self::is_settled), otherwise the middle: a
-    /// row which is the largest of several functions may have a step between the times, and all its values are then far
+    /// row that is the largest of several functions may have a step between the times, and all its values are then far
     /// below the parabola.
     pub fn maximum(&self) -> (f64, f64) {
         if self.is_settled() {

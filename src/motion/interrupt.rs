@@ -9,12 +9,12 @@ use std::time::{Duration, Instant};
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt {
     raised: Arc<AtomicBool>,
-    /// The time at which the search has to stop anyway, and how long it may take until then.
+    /// The time at which the search has to stop in any case, and the duration until then.
     limit: Option<(Instant, Duration)>,
 }
 
 impl Interrupt {
-    /// A request that is a time limit too, counted from now.
+    /// A request with a time limit as well, counted from now.
     #[must_use]
     pub fn after(time: Duration) -> Self {
         Self {

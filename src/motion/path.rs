@@ -169,13 +169,14 @@ impl Path {
         }
     }
 
-    /// The same shape between the boundary states of a problem, on its horizon. A free final position is kept.
+    /// The same shape between the boundary states of a problem, on the horizon of the problem. A free final position is
+    /// kept.
     pub fn between_ends_of(mut self, problem: &Problem<'_>) -> Self {
         self.set_ends(problem);
         self
     }
 
-    /// Moves the ends to the boundary states of a problem, on its horizon, but for those that are free.
+    /// Moves the ends to the boundary states of a problem, on the horizon of the problem, except those that are free.
     pub fn set_ends(&mut self, problem: &Problem<'_>) {
         let n = self.coefficients.nrows();
         let ends = [problem.start(), problem.goal()];

@@ -50,7 +50,7 @@ impl<'m> Problem<'m> {
     /// Changes the states and the horizon.
     ///
     /// # Errors
-    /// Those of [`new`](Self::new); the former ones remain.
+    /// Those of [`new`](Self::new); the old ones then remain.
     pub(crate) fn set(&mut self, start: &[f64], goal: &[f64], horizon: f64) -> Result<()> {
         Self::check(self.model, [start, goal], horizon)?;
         self.start.copy_from_slice(start);

@@ -21,8 +21,8 @@ pub(super) struct Rows<'a, K> {
     u: Vec<Wide>,
     g: Vec<Wide>,
     rates: Vec<RateLimit>,
-    /// The active pieces at the last times if they are known, memory for others, and the value of a row from which on
-    /// these are searched.
+    /// The active pieces at the last times if they are known, memory for others, and the value of a row above which
+    /// active pieces are searched.
     pieces: Vec<Piece>,
     pub are_known: bool,
     active: Vec<Piece>,

@@ -36,7 +36,7 @@ impl Feedback {
 pub struct Simulation {
     /// The last state, $[q; v]$.
     pub state: Vec<f64>,
-    /// The reason if this is not the state at the end of the horizon: the integrator failed before.
+    /// The reason if this is not the state at the end of the horizon, because the integrator failed before.
     pub failure: Option<String>,
     /// The largest absolute difference from the end of the curve, over positions and velocities; infinite if the
     /// simulation failed.
@@ -61,7 +61,7 @@ pub fn simulate(
     simulate_with(model, curve, feedback, passive, &mut Bdf)
 }
 
-/// Simulates with any integrator, otherwise as [`simulate`].
+/// Simulates like [`simulate`], but with any integrator.
 ///
 /// # Errors
 /// Those of [`simulate`].

@@ -29,8 +29,8 @@ pub struct Violation {
 ///
 /// On each segment of the curve the rows are evaluated at `intervals + 1` equally spaced times, both ends included,
 /// because the control may jump between segments. A maximum between the times is that of the parabola through three
-/// neighbours, with an error of O(h^3) for a spacing of `h`; if it may be a violation, of parabolas through further
-/// values of the row until it is settled. Each entry depends on its row alone. Cost per time: O(N p)
+/// neighbours, with an error of O(h^3) for a spacing of `h`; if it may be a violation, it is refined by parabolas
+/// through further values of the row until it is settled. Each entry depends on its row alone. Cost per time: O(N p)
 /// for the curve, O(N) for the dynamics, and that of the rows.
 ///
 /// # Errors
@@ -73,7 +73,7 @@ pub(crate) struct LargestRows<'a, K> {
     rows: Rows<'a, K>,
     scales: Vec<f64>,
     equalities: Vec<bool>,
-    /// Takes equal parts of a segment to those at which it is evaluated, this number of intervals of them.
+    /// A function from equal parts of a segment to the parts at which it is evaluated, and the number of intervals.
     part: fn(f64) -> f64,
     intervals: usize,
     /// Rows that cannot exceed this remain at their least value.
@@ -86,7 +86,7 @@ pub(crate) struct LargestRows<'a, K> {
 }
 
 impl<'a, K: Constraint> LargestRows<'a, K> {
-    /// The search at the times to which `part` takes equal parts of a segment.
+    /// The search at the times to which `part` maps equal parts of a segment.
     ///
     /// # Errors
     /// Those of [`violations`].
@@ -375,7 +375,7 @@ fn maxima(values: &[f64], equality: bool) -> [(f64, f64); 2] {
         let sign = if equality { window[1].signum() } else { 1.0 };
         let [a, b, c] = [window[0], window[1], window[2]].map(|value| sign * value);
         let (slope, bend) = (0.5 * (c - a), 2.0 * b - a - c);
-        // Within an interval from the middle a parabola is higher by half its bend at most.
+        // Within an interval from the middle a parabola is higher by at most half its second difference.
         if b + 0.5 * bend <= largest {
             continue;
         }

@@ -61,7 +61,7 @@ impl BarrierState {
 
 /// A rule by which the barrier parameter changes.
 pub trait BarrierUpdate: Debug + Send + Sync {
-    /// Returns true if the barrier problem is solved well enough after a step. It also counts as solved where no step
+    /// Returns true if the barrier problem is solved well enough after a step. It also counts as solved if no step
     /// decreases the barrier function.
     fn is_solved(&self, state: &BarrierState) -> bool;
 
@@ -78,13 +78,14 @@ pub struct Monotone {
     pub factor: f64,
     /// The exponent $\theta$ of a superlinear reduction: 1.5 as in WB.
     pub power: f64,
-    /// The predicted decrease, relative to the barrier parameter summed over all rows, below which that is reduced,
-    /// without and with equalities: updates of their multipliers need a more accurate minimum (NW, framework 17.3).
+    /// The predicted decrease, relative to the barrier parameter summed over all rows, below which that parameter is
+    /// reduced, without and with equalities: updates of their multipliers need a more accurate minimum (NW, framework
+    /// 17.3).
     pub done: [f64; 2],
-    /// The number of iterations without a decrease by more than that parameter after which it is reduced too, without
-    /// equalities. Rows with kinks, such as the distance of two covers, keep the predicted decrease large where steps
-    /// across them are short (tuned on 53 problems of Fetch, UR5, Baxter and Panda: 5 or 15 gain half as much or less;
-    /// 18 of a UR5 with its meshes take a fifth fewer iterations).
+    /// The number of iterations without a decrease by more than that parameter after which it is also reduced, if there
+    /// are no equalities. Rows with kinks, such as the distance of two covers, keep the predicted decrease large where
+    /// steps across them are short (tuned on 53 problems of Fetch, UR5, Baxter and Panda: 5 or 15 gain half as much or
+    /// less; 18 of a UR5 with its meshes take a fifth fewer iterations).
     pub stalled: usize,
 }
 

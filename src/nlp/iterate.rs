@@ -9,8 +9,8 @@ const PROGRESS: f64 = 0.25;
 /// The inequalities of the working set and the equalities, with their multipliers. Equalities have the terms
 /// $\lambda h + \tfrac12 \rho h^2$ of an augmented Lagrangian (NW 17.3), and steps are those of the primal-dual
 /// equations $\nabla f + y \nabla h = 0$, $y = \lambda + \rho h$ (Gill and Robinson, *A primal-dual augmented
-/// Lagrangian*, 2012): second derivatives have the weight $y$. With $\lambda + \rho h$ a row that curves would make the
-/// Hessian indefinite, and $\lambda$ is out of date until the barrier parameter changes.
+/// Lagrangian*, 2012): second derivatives have the weight $y$. With the weight $\lambda + \rho h$ a curved row would
+/// make the Hessian indefinite, and $\lambda$ is out of date until the barrier parameter changes.
 #[derive(Debug)]
 pub struct Iterate {
     /// The inequalities of the working set, by their indices.
@@ -21,7 +21,8 @@ pub struct Iterate {
     /// The largest equality at the last update of their multipliers.
     before: f64,
     pub barrier: Barrier,
-    /// The share of second derivatives, from 0 to 1, that the Hessian has of inequalities that make it indefinite.
+    /// The share, from 0 to 1, that the Hessian includes of the second derivatives of inequalities that make it
+    /// indefinite.
     pub share: f64,
     /// The number of successive steps with a multiple of the norm and without any of these derivatives.
     without_share: usize,
@@ -187,8 +188,8 @@ impl Iterate {
     }
 
     /// Updates the multipliers of equalities, $\lambda \leftarrow \lambda + \rho h$, and multiplies their penalties by
-    /// `factor`, at most to `largest`, if the largest equality is beyond what is accepted and more than a quarter of
-    /// that before (NW, framework 17.3).
+    /// `factor`, at most to `largest`, if the largest equality exceeds its tolerance and is more than a quarter of the
+    /// one before (NW, framework 17.3).
     pub fn update_equalities(&mut self, h: &[f64], factor: f64, largest: f64, feasible: f64) {
         let mut most = 0.0_f64;
         for equality in &mut self.equalities {
@@ -200,7 +201,7 @@ impl Iterate {
         if most > feasible && most > PROGRESS * self.before {
             for equality in &mut self.equalities {
                 let now = equality.penalty;
-                // The objective may have been far smaller when they were first set.
+                // The objective may have been far smaller when the penalties were first set.
                 equality.penalty = (factor * now).min(largest.max(now));
             }
         }
@@ -239,7 +240,7 @@ impl Iterate {
         }
     }
 
-    /// Moves each multiplier to the one that the condensed equations predict for the value of its row, with which the
+    /// Moves each multiplier to the value that the condensed equations predict for the value of its row: then the
     /// gradient of the Lagrangian is that of these equations.
     pub fn update_multipliers(&mut self, h: &[f64], range: f64) {
         let mu = self.barrier.mu;

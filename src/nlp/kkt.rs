@@ -186,8 +186,8 @@ impl Kkt {
         }
     }
 
-    /// A direction of length 1 along which the condensed matrix has negative curvature; `None` at a minimum. By inverse
-    /// iteration, shifted beyond the smallest eigenvalue.
+    /// A direction of length 1 along which the condensed matrix has negative curvature, by inverse iteration, shifted
+    /// beyond the smallest eigenvalue; `None` at a minimum.
     pub fn negative_curvature(&mut self, scale: f64) -> Option<DVector<f64>> {
         self.factor.set_sum(&self.hessian, 0.0, &self.norm);
         if self.factor.factorise(&mut self.memory) {
@@ -233,7 +233,7 @@ impl Kkt {
     }
 
     /// The Newton step with the smallest tried multiple of the norm for which the matrix is positive definite (WB,
-    /// algorithm IC); `None` if there is none. It is to be [returned](Self::reuse), so that the next one needs no
+    /// algorithm IC); `None` if there is none. It should be [returned](Self::reuse), so that the next step needs no new
     /// memory.
     pub fn step(&mut self, scale: f64, progress: &mut Progress, options: &Options) -> Option<Step> {
         let [first, later, less] = options.regularisation_factors;

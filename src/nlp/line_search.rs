@@ -11,7 +11,7 @@ use nalgebra::DVector;
 const ROUNDING: f64 = 1e-13;
 
 /// Takes a fraction of a step that decreases the barrier function sufficiently (NW 3.4) below the largest of its last
-/// values. Returns the predicted decrease of the whole step, or `None` if no fraction does.
+/// values. Returns the predicted decrease of the whole step, or `None` if no fraction decreases it sufficiently.
 ///
 /// The change of a row along the step is that to the end of the tried fraction, relative to the fraction, so that
 /// slacks follow the rows to second order. Multipliers take the Newton step of the linearised rows.
@@ -73,7 +73,8 @@ struct End {
 
 impl End {
     /// Doubles the fraction of a whole step along negative curvature while that decreases the barrier function, up to
-    /// the longest step if there is one: such a step is as short as the multiple of the norm makes it.
+    /// the longest step if there is one: the length of such a step is arbitrary, as the multiple of the norm determines
+    /// it.
     fn extend<P: Nlp>(
         &mut self,
         problem: &mut P,
@@ -176,8 +177,8 @@ impl Trial {
         for ((before, after), tangent) in rows.zip(&self.tangent) {
             let at = before.row.at;
             let change = (self.h[at] - state.h[at]) / alpha;
-            // With the change of the row itself, one that curves beyond its bound would get the multiplier of a
-            // violation, and with its second derivative a Hessian that makes the next steps short.
+            // With the change of the row itself, a row that curves beyond its bound would get the multiplier of a
+            // violation, and with its second derivative the Hessian would make the next steps short.
             let step = RowStep {
                 multiplier: from.step(before, state.h[at], *tangent).multiplier,
                 ..from.step(before, state.h[at], change)

@@ -9,10 +9,10 @@
 //! $$ \min_{x, s, t} f(x) + \sum_j w_j (\nu_j t_j - \mu \log s_j - \mu \log t_j)
 //!    \quad \text{subject to} \quad h_j(x) + s_j = t_j , $$
 //!
-//! and equalities have the terms of an augmented Lagrangian. It has feasible points whatever `x` is, so no start has to
-//! keep the rows and no restoration phase is needed; rows with elastic variables that do not vanish are those that
-//! cannot be kept. The loop of [`solve`] is that of Nocedal and Wright, *Numerical Optimization*, algorithm 19.2, and
-//! of Wächter and Biegler, *On the implementation of an interior-point filter line-search algorithm*, 2006 (WB):
+//! and equalities have the terms of an augmented Lagrangian. It has feasible points for any `x`, so a start may violate
+//! the rows and no restoration phase is needed; rows with elastic variables that do not vanish are those that cannot be
+//! kept. The loop of [`solve`] is that of Nocedal and Wright, *Numerical Optimization*, algorithm 19.2, and of Wächter
+//! and Biegler, *On the implementation of an interior-point filter line-search algorithm*, 2006 (WB):
 //!
 //! 1. `kkt`: the Newton step of the primal-dual equations, condensed to `x`; multiples of a norm are added to the
 //!    Hessian until the condensed matrix is positive definite (WB 3.1).
@@ -20,8 +20,8 @@
 //!    slack and each multiplier keeps a part of its distance from its bounds, row by row (WB 2.2). Slacks follow the
 //!    rows themselves, multipliers the linearised ones (NW 19.12). Along negative curvature a step is doubled while
 //!    that decreases the barrier function further.
-//! 3. `barrier`: the barrier parameter is reduced when the predicted decrease of its problem is small, or that of some
-//!    iterations was ([`BarrierUpdate`]).
+//! 3. `barrier`: the barrier parameter is reduced when the predicted decrease of its problem is small, or after some
+//!    iterations with a small decrease ([`BarrierUpdate`]).
 //! 4. [`Nlp::tighten`]: after each reduction the rows are evaluated between the points of the quadrature, and violated
 //!    rows at their penalties get larger ones (NW 18.36).
 
@@ -47,16 +47,16 @@ pub(crate) use state::State;
 
 /// A nonlinear program.
 pub trait Nlp {
-    /// Evaluates the objective at `x`, and the rows into `h`, as many in each evaluation; those that are neither in the
-    /// working set nor may enter it are not read. The objective is infinite where a row outside the working set is
-    /// violated.
+    /// Evaluates the objective at `x`, and the rows into `h`, the same number in each evaluation; those that are
+    /// neither in the working set nor may enter it are not read. The objective is infinite where a row outside the
+    /// working set is violated.
     ///
     /// # Errors
     /// Those of the functions of the user.
     fn value(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64>;
 
-    /// Evaluates like [`value`](Self::value) so near to the last evaluated point that rows which are maxima of many
-    /// functions may be computed from the active ones alone.
+    /// Evaluates like [`value`](Self::value), but so close to the last evaluated point that rows which are maxima of
+    /// many functions may be computed from the active ones alone.
     ///
     /// # Errors
     /// Those of [`value`](Self::value).
@@ -124,7 +124,7 @@ pub(crate) fn measures<P: Nlp>(problem: &P, x: &DVector<f64>) -> impl Fn(usize) 
     move |row| all.unwrap_or_else(|| problem.measure_of(x, row))
 }
 
-/// The result of a look at the rows between the points.
+/// The result of an evaluation of the rows between the points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tightened {
     /// The largest violation of a row, in its unit.
@@ -225,7 +225,7 @@ pub(crate) fn iterate<P: Nlp>(
     let step = state.kkt.step(state.scale(), &mut state.progress, options);
     let is_part = state.iterate.share < 1.0;
     if is_part && state.is_within_tolerance(options) {
-        // A minimum is one with all second derivatives.
+        // A minimum counts only with all second derivatives.
         state.iterate.share = 1.0;
         if let Some(step) = step {
             state.kkt.reuse(step);
@@ -261,7 +261,7 @@ pub(crate) fn iterate<P: Nlp>(
             state.iterate.recentre(&state.h, barrier);
         }
         state.iterate.set_barrier(barrier, options.multiplier_range);
-        // At most so large that it goes on decreasing.
+        // At most so large that it continues to decrease.
         if state.tighten(problem, 0.5 * before, options)? == Tightened::Coarse {
             return Ok(Some(Status::Coarse));
         }

@@ -24,28 +24,28 @@ pub struct Options {
     /// The longest step, in the norm of steps: a radian in the mean, beyond which a robot has other minima. It may be
     /// infinite.
     pub longest_step: f64,
-    /// The length, in the norm of steps, over which the change of a row counts as linear: bends change it by about 1e-6
-    /// of the step, rounding by less, and both are below slacks at small barrier parameters.
+    /// The length, in the norm of steps, over which the change of a row counts as linear: curvature changes it by about
+    /// 1e-6 of the step, rounding by less, and both are below slacks at small barrier parameters.
     pub tangent: f64,
     /// The fraction of its distance from zero by which a slack or multiplier shrinks at most in a step. WB take 0.99 or
-    /// more for the smallest of all; here each row is cut by itself, and 0.9 keeps the rows central (tuned on seven
+    /// more for the smallest of all; here each row is limited by itself, and 0.9 keeps the rows central (tuned on seven
     /// problems of a seven-joint arm in clutter: 0.7 and 0.99 solve four and five of them in the time in which 0.9
     /// solves six).
     pub fraction_to_boundary: f64,
     /// The first penalty of a violation, relative to the objective: small, so that a motion may pass through an
-    /// obstacle while the barrier parameter is large, and finds the better side.
+    /// obstacle while the barrier parameter is large, and the search finds the better side.
     pub penalty: f64,
     /// The least first penalty relative to the largest known multiplier: a row whose multiplier is larger than the
-    /// penalty is violated (NW 18.36), which a start that keeps its rows is not to be. Zero where that may be. Direct
-    /// searches raise penalties later, so that they use the multiple per row in its place; the tracker and flows to
-    /// rest use both.
+    /// penalty is violated (NW 18.36), which should not happen from a start that keeps its rows. Zero if that is
+    /// acceptable. Direct searches raise penalties later, so that they use the multiple per row instead; the tracker
+    /// and flows to rest use both.
     pub penalty_of_multipliers: f64,
     /// The least first penalty of a row relative to its own known multiplier.
     pub row_penalty_of_multipliers: f64,
     /// The factor of the penalty of a violated row whose multiplier has reached it, and that of all penalties if the
     /// violations have hardly decreased since the last raise. A large penalty of a row with a small multiplier makes
-    /// steps along it short, so that only those rows have one that need it (tuned on 103 problems of Panda and
-    /// Fetch: with 1 or 10 for all penalties fewer searches end at minima).
+    /// steps along it short, so only rows that need a large penalty have one (tuned on 103 problems of Panda and Fetch:
+    /// with 1 or 10 for all penalties fewer searches end at minima).
     pub row_penalty_factor: f64,
     pub penalty_factor: f64,
     /// The factor of the penalties of equalities that decrease too little: 10 as in NW (17.4).
@@ -54,19 +54,18 @@ pub struct Options {
     pub largest_penalty: f64,
     /// The cost of all violations with the penalty, relative to the objective, and the fraction of them that is left
     /// since the penalty was last raised, above which the search is at a local minimum of the violation: other starts
-    /// promise more than a motion that costs that much more (tuned: starts in clutter end after fewer iterations than
-    /// with 1, and with 0.1 some are given up that are only about to touch an obstacle in one point).
+    /// are more promising than a motion that costs that much more (tuned: starts in clutter end after fewer iterations
+    /// than with 1, and with 0.1 some are given up that only touch an obstacle in one point).
     pub infeasible_cost: f64,
     pub infeasible_progress: f64,
     /// The fraction of the predicted decrease that a step achieves: 1e-4 as in NW (3.4).
     pub sufficient_decrease: f64,
-    /// The number of iterates of which the largest barrier function counts as the one before a step (Grippo,
-    /// Lampariello and Lucidi, 1986): full steps along curved rows increase it for a while (the Maratos effect, NW
-    /// 15.4).
+    /// The number of iterates whose largest barrier function counts as the one before a step (Grippo, Lampariello and
+    /// Lucidi, 1986): full steps along curved rows increase it for a while (the Maratos effect, NW 15.4).
     pub memory: usize,
     /// The factor of backtracking: 0.5 as in WB.
     pub backtracking: f64,
-    /// The largest number of cuts of a step.
+    /// The largest number of reductions of a step.
     pub cuts: usize,
     /// The largest slack to which a row moves away from its bound with known multipliers, relative to its scale.
     pub largest_warm_slack: f64,
@@ -77,7 +76,7 @@ pub struct Options {
     /// The factors of that multiple after a failed factorisation, the first time and later, and after a success: 100, 8
     /// and 1/3 as in WB.
     pub regularisation_factors: [f64; 3],
-    /// The smallest multiple but zero, from which it grows after short fractions of steps.
+    /// The smallest multiple except zero, from which it grows after short fractions of steps.
     pub smallest_regularisation: f64,
     /// The fractions of a step below and above which the multiple grows and shrinks.
     pub short_fraction: f64,
@@ -85,16 +84,16 @@ pub struct Options {
     /// The largest multiple.
     pub largest_regularisation: f64,
     /// The factors of the [share](super::Iterate::share) of second derivatives after a step with a multiple of the norm
-    /// and after one without, and the smallest share but zero. A body that passes around another one has negative
+    /// and after one without, and the smallest share except zero. A body that passes around another one has negative
     /// curvature across the line between them, which makes the Hessian indefinite while multipliers are large; without
-    /// it, as in Gauss and Newton's method, steps are as long as the objective allows, where a multiple of the norm
+    /// it, as in the Gauss-Newton method, steps are as long as the objective allows, whereas a multiple of the norm
     /// makes all of them short (tuned on 67 problems of Fetch, UR5, Baxter and Panda: with 0.5 and 2, 0.25 and 2, or 0
     /// and 10 the gain is half as large; 57 others take a sixth fewer iterations than with all second derivatives).
     pub share_factors: [f64; 2],
     pub smallest_share: f64,
     /// The number of successive steps with a multiple of the norm and a share of zero after which the share is one
-    /// again: it is not these derivatives alone that make the Hessian indefinite, and without them steps are those of
-    /// Gauss and Newton, which may take hundreds of iterations along a curved row (108 problems of Fetch, UR5, Baxter
+    /// again: then these derivatives are not the only ones that make the Hessian indefinite, and without them steps are
+    /// Gauss-Newton steps, which may take hundreds of iterations along a curved row (108 problems of Fetch, UR5, Baxter
     /// and Panda take 8 % less time than without this rule; after 5 steps they take 4 % less than after 10, but 35 of
     /// the Panda a quarter more, the slowest four times as much).
     pub steps_without_share: usize,
@@ -174,7 +173,7 @@ impl Options {
         ] {
             check_positive("nlp", what, value)?;
         }
-        // In some norms no length means too much.
+        // In some norms no length is too large.
         if self.longest_step != f64::INFINITY {
             check_positive("nlp", "longest_step", self.longest_step)?;
         }
@@ -222,7 +221,7 @@ impl Options {
     }
 }
 
-/// Refuses a value that is not good.
+/// Refuses a value that is not acceptable.
 fn needs(what: &str, value: f64, good: bool, condition: &str, which: &str) -> Result<()> {
     if good {
         return Ok(());

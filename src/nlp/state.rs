@@ -99,7 +99,7 @@ impl State {
         let largest = known.fold(0.0_f64, |most, z| most.max(z.abs()));
         let penalty = options.penalty * scale / measure;
         let barrier = Barrier {
-            // Without rows any will do.
+            // Without rows any value is sufficient.
             mu: first.max(options.last_barrier) * scale / if weight > 0.0 { weight } else { 1.0 },
             nu: penalty.max(options.penalty_of_multipliers * largest),
         };
@@ -178,7 +178,7 @@ impl State {
         self.is_last_barrier(options) && self.progress.stationarity <= options.tolerance
     }
 
-    /// Returns true if the search may go on after no fraction of a step decreased the barrier function: to the end,
+    /// Returns true if the search may continue after no fraction of a step decreased the barrier function: to the end,
     /// within the tolerance, where rounding hides the decrease.
     pub(super) fn accepts_rounding(&mut self, options: &Options) -> bool {
         self.residual = 0.0;
@@ -247,7 +247,7 @@ impl State {
         self.iterate.raise_penalties(&self.h, options, most) || raised
     }
 
-    /// Looks at the rows between the points at a stationary point. Returns the status if the search is over; otherwise
+    /// Evaluates the rows between the points at a stationary point. Returns the status if the search is over; otherwise
     /// margins or the penalty have changed.
     pub(super) fn tighten_end<P: Nlp>(
         &mut self,
@@ -294,12 +294,12 @@ impl State {
     }
 
     /// Evaluates the rows again after a change of margins, and raises the barrier parameter to the change of the
-    /// objective that this makes to first order, at most to `most`: with less the rows cannot follow.
+    /// objective that this makes to first order, at most to `most`: with a smaller one the rows cannot follow.
     fn follow<P: Nlp>(&mut self, problem: &mut P, most: f64, options: &Options) -> Result<()> {
         let mut before = std::mem::take(&mut self.before);
         before.clone_from(&self.h);
         self.reset(problem, options)?;
-        // Rows at the penalty are violated with any margin.
+        // Rows at their penalty are violated with any margin.
         let change = |of: &RowState| match of.is_at_penalty() {
             true => 0.0,
             false => {
@@ -351,7 +351,7 @@ impl State {
         })
     }
 
-    /// The size of the objective, in which gradients and barriers are measured.
+    /// The size of the objective, relative to which gradients and barriers are measured.
     pub fn scale(&self) -> f64 {
         self.f.abs().max(f64::EPSILON)
     }

@@ -188,7 +188,7 @@ fn read_joint(joint: Node<'_, '_>, name: &str) -> Read<Joint> {
     Ok(read)
 }
 
-/// A number that need not be one where nobody asks for it: NaN is noted or refused where it is used.
+/// A text that need not be a number if it is not used: NaN is noted or refused where it is used.
 fn lenient(node: Node<'_, '_>, attribute: &str, default: f64) -> f64 {
     let text = node.attribute(attribute);
     text.map_or(default, |text| text.trim().parse().unwrap_or(f64::NAN))

@@ -222,5 +222,5 @@ pub fn summarised(report: &[LoadNote]) -> Vec<String> {
     kinds.into_iter().map(in_words).collect()
 }
 
-/// The notes on what was accepted during loading, in the order in which the tree is visited.
+/// The notes on irregularities that were accepted during loading, in the order in which the tree is visited.
 pub type LoadReport = Vec<LoadNote>;

@@ -362,7 +362,7 @@ impl<'a, K: Constraint, P: CostWithControl> FlowToRest<'a, K, P> {
 }
 
 impl RestSolution {
-    /// A curve that has not been looked at.
+    /// A curve that has not been checked.
     fn new(curve: Curve, guess: usize) -> Self {
         Self {
             curve,

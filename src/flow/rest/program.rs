@@ -28,7 +28,7 @@ pub(super) struct Program<'g, 'a, K, P> {
     pub exact: f64,
     /// True if the slip has multipliers.
     duals: bool,
-    /// The largest slip at the last look.
+    /// The largest slip at the last check.
     pub slip: f64,
     /// The number of updates of the multipliers.
     pub updates: usize,
