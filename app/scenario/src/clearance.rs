@@ -116,7 +116,7 @@ impl Margins<'_> {
     /// The scene with these distances. The pairs of links in `overlapping` keep none.
     ///
     /// # Errors
-    /// A pair of links that the robot lacks, that keeps no distance, or that is given twice.
+    /// A pair has a link that the robot lacks, keeps no distance, or is given twice.
     pub(super) fn of_scene(
         &self,
         scene: Scene,

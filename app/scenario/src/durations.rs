@@ -4,7 +4,7 @@ use super::{ScenarioFile, WalkPhase};
 use aghf::error::{Error, Result};
 use aghf::motion::Problem;
 
-/// Refuses durations of phases that are no interval, or that do not add up to the horizon.
+/// Refuses durations of phases that are not an interval, or that do not add up to the horizon.
 pub(super) fn check_durations(file: &ScenarioFile, path: &str) -> Result<()> {
     for (k, phase) in file.phases.iter().enumerate() {
         let refuse = |key: &str, condition: String| {

@@ -25,7 +25,7 @@ pub struct Feasibility {
     /// The smallest distance of the robot's shape from an obstacle at 2001 times, m; negative in a collision, `None`
     /// without obstacles. The constraints act on balls that cover the shape, so they are stricter.
     pub smallest_clearance_m: Option<f64>,
-    /// The two that it is between, and its time; `None` without obstacles or pairs of links.
+    /// The two objects with that distance, and its time; `None` without obstacles or pairs of links.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nearest: Option<Nearest>,
     /// The violations, however small, of everything that the scenario enforces and of all limits of the robot: the
@@ -269,7 +269,7 @@ impl Feasibility {
     }
 
     /// The enforced limits that are violated by more than `tolerance`, in words, the worst first, each compared with
-    /// what is allowed for it; `None` if [all are satisfied](Self::holds).
+    /// the allowed violation; `None` if [all are satisfied](Self::holds).
     #[must_use]
     pub fn reason(&self, tolerance: f64) -> Option<String> {
         let in_words = |violation: &LimitViolation| match violation.limit {
@@ -294,7 +294,7 @@ impl Feasibility {
         (!first.is_empty()).then(|| format!("violated: {}{more}", first.join("; ")))
     }
 
-    /// The violations of enforced rows beyond what is allowed for them.
+    /// The violations of enforced rows beyond the allowed ones.
     fn beyond(&self, tolerance: f64) -> impl Iterator<Item = &LimitViolation> {
         let all = self.limit_violations.iter().filter(|each| each.enforced);
         all.filter(move |each| each.by > self.allowed(each.limit, tolerance))

@@ -71,7 +71,7 @@ impl Goal {
             Error::input(path, format!("{key}.{key_of_goal}"), condition)
         };
         let frame = model.frames().iter().find(|frame| frame.name == self.frame);
-        // The base moves against another frame.
+        // The base moves relative to another frame.
         let moves = |frame: &&Frame<f64>| frame.body.is_some() || self.relative_to.is_some();
         let Some(frame) = frame.filter(moves) else {
             return Err(refuse("frame", model.no_moving_link(&self.frame)));

@@ -15,9 +15,9 @@ use nalgebra::{DMatrix, Vector3};
 
 /// The number of first guesses for each alternative.
 const GUESSES: usize = 64;
-/// The number of ends of an alternative after which no further one is looked for.
+/// The number of ends of an alternative after which the search for further ones stops.
 const ENOUGH: usize = 12;
-/// The difference of some joint from which on two configurations are different ends, rad or m.
+/// The least difference of some joint by which two configurations are different ends, rad or m.
 const DIFFERENT: f64 = 0.2;
 /// The degree of the polynomials by which the effort of first motions is compared.
 const DEGREE: usize = 16;
@@ -60,8 +60,8 @@ impl Scenario {
         Ok(Some(goal))
     }
 
-    /// Different configurations in a set of poses with these rows, looked for from a first guess and by whole turns as
-    /// near as possible to another configuration, or the reason why there is none. They are those of the end, or of the
+    /// Different configurations in a set of poses with these rows, searched from a first guess and by whole turns as
+    /// close as possible to another configuration, or the reason why there is none. They are for the end, or for the
     /// waypoint with this key.
     pub(super) fn ends_of(
         &self,
@@ -76,7 +76,7 @@ impl Scenario {
         }
         let all = [f64::NEG_INFINITY, f64::INFINITY];
         let bounds = (0..model.dof()).map(|i| self.bound(Limit::Position, i).unwrap_or(all));
-        // The end also keeps what is kept throughout.
+        // The end also keeps the conditions that hold throughout.
         let rows = &[rows, self.own.constraints.as_slice()].concat()[..];
         let mut search = InverseKinematics::new(model, rows, bounds.collect())?;
         let mut found = Vec::<Vec<f64>>::new();

@@ -12,9 +12,9 @@ use std::path::Path;
 /// `self_collision` is given, and takes the group and the SRDF out of the file, so that the scenario depends on no
 /// other.
 ///
-/// A joint is held where `locked_joints` has it, otherwise in the named state, otherwise, a mimic joint, where its
-/// master takes it, otherwise at the position that is nearest to zero. `robot` has all joints that move, mimic joints
-/// among them; `folder` is that of the scenario, called `path`.
+/// A joint is held where `locked_joints` has it, otherwise in the named state, otherwise, for a mimic joint, at the
+/// position that its master gives it, otherwise at the position that is closest to zero. `robot` has all joints that
+/// move, mimic joints among them; `folder` is that of the scenario, called `path`.
 ///
 /// # Errors
 /// A key without the others, a group or a state that is not there or does not fit the robot, or a mimic joint that
@@ -76,7 +76,7 @@ pub(super) fn hold_others(
     let positions = held_positions(robot, &held, &followers, known);
     file.locked_joints.extend(positions);
     if !followers.is_empty() {
-        // None of them is left that follows another joint.
+        // No joint that follows another one is left among them.
         file.mimic = Mimic::Independent;
     }
     Ok(())

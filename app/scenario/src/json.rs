@@ -20,7 +20,7 @@ pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str)
             "it is XML, such as a URDF, and no JSON".to_owned(),
         ));
     }
-    // Said first, as the first entry would be blamed.
+    // Checked first, because otherwise the message would name the first entry.
     if text.trim_start().starts_with('[') {
         return Err(refuse("scenario", NO_OBJECT.to_owned()));
     }
@@ -48,7 +48,7 @@ pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str)
     }
 }
 
-/// The message of serde about an unknown key, with the nearest known ones in place of all if they are many.
+/// The message of serde about an unknown key, with the nearest known keys instead of all if there are many.
 fn with_nearest(condition: &str) -> Option<String> {
     let of_key = condition.strip_prefix("unknown field `")?;
     let (key, rest) = of_key.split_once("`, expected one of `")?;

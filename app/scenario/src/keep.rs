@@ -40,7 +40,7 @@ pub struct PointSpeed {
     pub most_m_s: f64,
 }
 
-/// The rows of what is kept: those that hold throughout, and those between given times.
+/// The rows of all conditions: those that hold throughout, and those between given times.
 pub(super) type KeptRows = (Vec<AnyConstraint>, Vec<Arc<dyn StageConstraint>>);
 
 impl Scenario {
@@ -51,7 +51,7 @@ impl Scenario {
     }
 }
 
-/// The rows of all that is kept; `path` names the scenario in errors.
+/// The rows of all conditions; `path` names the scenario in errors.
 pub(super) fn kept_rows(file: &ScenarioFile, model: &Model, path: &str) -> Result<KeptRows> {
     let (mut state, mut stage) = KeptRows::default();
     for (i, kept) in file.keep.iter().enumerate() {

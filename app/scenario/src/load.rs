@@ -11,7 +11,7 @@ use aghf::urdf::Mimic;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf, absolute};
 
-/// What is given beside a scenario, in place of what it says.
+/// Values beside a scenario, which replace those of its keys.
 #[derive(Clone, Debug, Default)]
 pub struct LoadOptions {
     /// The robot of a generated scenario that accepts any: a built-in name or the path of a URDF file.

@@ -304,12 +304,12 @@ pub(super) fn check_objective(file: &ScenarioFile, model: &Model, path: &str) ->
 }
 
 impl Scenario {
-    /// Refuses an objective that does not go with the other keys.
+    /// Refuses an objective that is incompatible with the other keys.
     pub(super) fn check_objective(&self) -> Result<()> {
         check_objective(&self.file, &self.model, &self.name)
     }
 
-    /// The keys of this scenario that the method ignores, and what keeps clear of what though no key says so, in words.
+    /// The keys of this scenario that the method ignores, and the bodies that keep clear by default, in words.
     pub(super) fn notes(&self, method: Method) -> Vec<String> {
         let unnamed = |IgnoredPair {
                            links: [a, b],
@@ -329,7 +329,7 @@ impl Scenario {
         notes
     }
 
-    /// The note on what keeps clear of what by default.
+    /// The note on the bodies that keep clear of each other by default.
     fn kept_clear(&self) -> Option<&'static str> {
         let file = &self.file;
         match (self.robot_shape(), &file.robot_shape, &file.self_collision) {

@@ -40,8 +40,7 @@ pub(super) fn worst_row(
 /// A running cost of any type.
 pub type SharedCost = Arc<dyn RunningCost + Send + Sync>;
 
-/// The constraints of what is kept along the way, a standing foot, user-defined constraints and a user-defined running
-/// cost.
+/// The conditions along the way, a standing foot, user-defined constraints and a user-defined running cost.
 #[derive(Clone, Default)]
 pub(super) struct OwnTerms {
     pub constraints: Vec<AnyConstraint>,

@@ -8,8 +8,8 @@ use std::path::Path;
 
 impl Scenario {
     /// The same scenario with other values for some keys, with dots before the keys of inner objects, such as
-    /// `objective.velocity`. As in a merge patch (RFC 7396), what is no object becomes one where an inner key is
-    /// set.
+    /// `objective.velocity`. As in a merge patch (RFC 7396), a value that is not an object becomes one if an inner key
+    /// is set.
     ///
     /// # Errors
     /// Those of [`new`](Self::new); they name the scenario.

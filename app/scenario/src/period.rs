@@ -13,7 +13,7 @@ use std::path::Path;
 /// The accepted difference of two mirrored joints, m and rad: that of numbers in files, far below a joint's size.
 const MIRRORED: f64 = 1e-3;
 
-/// The accepted relative difference of the torques on both sides of a robot: inertias are hardly known better.
+/// The accepted relative difference of the torques on both sides of a robot: inertias are rarely known better.
 const ALIKE: f64 = 0.05;
 
 /// A joint at zero positions: the kind, a point of its axis, and the axis, in the frame of the foot.
@@ -78,7 +78,7 @@ pub(super) fn period_of(
         ("v_goal", &file.v_start, &mut file.v_goal),
     ] {
         if start.len() != n {
-            // The length of the start is refused by its own name.
+            // A start of the wrong length is refused elsewhere, by its own key.
             return Ok(None);
         }
         let follows = period.end_of(start);
@@ -164,7 +164,7 @@ fn asymmetry(
     Ok((squares / norm.max(f64::MIN_POSITIVE)).sqrt())
 }
 
-/// The mirror image of a vector in the plane between the sides of a robot that looks along `x`.
+/// The mirror image of a vector in the plane between the sides of a robot that faces along `x`.
 fn reflected(of: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(of.x, -of.y, of.z)
 }

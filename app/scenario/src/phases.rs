@@ -96,7 +96,7 @@ pub(super) struct PhaseTerms {
     /// The joint of the walk for each joint of this robot.
     pub order: Vec<usize>,
     foot: StandingFoot,
-    /// The rows of what is kept, on the robot of the walk.
+    /// The rows of the conditions, on the robot of the walk.
     pub kept: Vec<AnyConstraint>,
 }
 

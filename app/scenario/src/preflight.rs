@@ -237,7 +237,8 @@ impl Scenario {
             return Ok(());
         };
         let [_, most] = self.bound(limit, i).unwrap_or([f64::INFINITY; 2]);
-        // A limit may be exceeded by the tolerance, and no time is proportional to less than its cube root.
+        // A limit may be exceeded by the tolerance. Times are proportional to its inverse, or to the square or cube
+        // root of that.
         if least * most <= (most + TOLERANCE) * horizon {
             return Ok(());
         }

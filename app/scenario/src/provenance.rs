@@ -77,7 +77,7 @@ impl Solved {
         Self::parse(&text, path, &LoadOptions::default())
     }
 
-    /// Parses the summary of a solve, with what is given beside it; `path` names it in errors.
+    /// Parses the summary of a solve, with the values beside it; `path` names it in errors.
     ///
     /// # Errors
     /// Those of [`load`](Self::load).

@@ -24,7 +24,7 @@ const EXCESS: [f64; 2] = [0.005, 0.02];
 const SHARE: f64 = 0.1;
 
 /// Covers the shapes of the links of a robot by balls, in [sets](CollisionGeometry::with_sets) unless all shapes are
-/// spheres: these as they are, others by [`cover_shape`]. Meshes are looked for from `folder`, that of the URDF.
+/// spheres: these as they are, others by [`cover_shape`]. Meshes are looked up from `folder`, that of the URDF.
 ///
 /// # Errors
 /// The robot has no shapes, a mesh cannot be read, or too many balls are needed; the error names the link.
@@ -38,7 +38,7 @@ pub fn cover_links(
 
 /// Covers a shape in its own frame by balls that stick out by `excess` at most, m, with
 /// [`Shape::cover`] or [`cover_triangles`]; by default by 5 mm, of a solid by a tenth of its smallest extent, from 5 to
-/// 20 mm. A mesh is looked for from `folder`, that of the URDF.
+/// 20 mm. A mesh is looked up from `folder`, that of the URDF.
 ///
 /// # Errors
 /// A mesh cannot be read, or too many balls are needed.
@@ -116,7 +116,7 @@ fn balls(
 }
 
 /// Builds the collision geometry of a scenario's robot and of the load that it carries; `path` names the scenario in
-/// errors. Meshes are looked for from `folder`. If joints of the robot are locked, `bodies` has per body of `model` the
+/// errors. Meshes are looked up from `folder`. If joints of the robot are locked, `bodies` has per body of `model` the
 /// one of the reduced robot that contains it, and its placement there.
 pub(super) fn collision_geometry(
     (model, load): (&Model, Option<&Collision>),
@@ -135,7 +135,7 @@ pub(super) fn collision_geometry(
                 ends: [ball.centre; 2],
                 radius: ball.radius,
             };
-            // Any spacing will do for points.
+            // Any spacing is sufficient for points.
             (points.into_iter().map(point).collect::<Vec<_>>(), 1.0)
         }
         RobotShape::SweptLinks {

@@ -246,7 +246,7 @@ impl ScenarioFile {
         Err(Error::input(path, *key, condition))
     }
 
-    /// Refuses parameters of the flow and of the simulation, horizons and degrees that make no sense.
+    /// Refuses invalid parameters of the flow and of the simulation, horizons and degrees.
     pub(super) fn check_numbers(&self, path: &str) -> Result<()> {
         let positive = [
             ("flow.k", self.flow.k),

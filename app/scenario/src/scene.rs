@@ -19,15 +19,15 @@ use std::path::Path;
 /// The largest number of rows of the constraints: each takes about 10 kB at degree 16.
 const MOST_ROWS: usize = 50_000;
 
-/// The distance of an obstacle, as a multiple of the robot's reach, beyond which it is in no way of it.
+/// The distance of an obstacle, as a multiple of the robot's reach, beyond which the obstacle has no effect.
 pub(super) const FAR: f64 = 100.0;
 
-/// The question about lengths that are so large.
+/// The question about such large lengths.
 pub(super) const MILLIMETRES: &str = "lengths are in metres, are these millimetres?";
 
 /// Builds the scene of a scenario, in which the robot may carry a load, and finds the pairs of links that are not
 /// ignored but [always overlap](always_overlapping), which are ignored too, as are those that never meet; `path` names
-/// the scenario in errors. Meshes are looked for from `folder`. If joints of the robot are locked, `reduced` is the
+/// the scenario in errors. Meshes are looked up from `folder`. If joints of the robot are locked, `reduced` is the
 /// robot without them.
 pub(super) fn scene(
     (robot, load): (&Model, Option<&Collision>),
@@ -101,7 +101,7 @@ fn check_rows(scene: &Scene, path: &str) -> Result<()> {
     Ok(())
 }
 
-/// The error of a shape of the robot, with the way out if nobody asked for the shape.
+/// The error of a shape of the robot, with the remedy if no key asks for the shape.
 fn by_default(error: Error, is_default: bool) -> Error {
     match error {
         Error::Input {

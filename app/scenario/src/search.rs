@@ -16,15 +16,15 @@ const SHARE: f64 = 1000.0;
 /// The weight below which a search that leads to no faster motion gives up.
 const LEAST_SHARE: f64 = 2.0;
 
-/// The same at the end, of the last motion: a hundredth at most is left to the effort, without which a joint that is
-/// not in a hurry has no best motion.
+/// The same at the end, of the last motion: the effort is at most a hundredth of the objective; without it the motion
+/// of joints that do not determine the duration would be arbitrary.
 const LAST_SHARE: f64 = 100.0;
 
-/// The largest number of weights. Where nothing but inertia costs effort, each of them divides the duration by four.
+/// The largest number of weights. If only inertia costs effort, each of them divides the duration by four.
 const STEPS: usize = 8;
 
-/// The longest duration of a balanced motion, as a multiple of the least one, and that from which its search starts at
-/// least.
+/// The longest duration of a balanced motion, and the least one from which its search starts, as multiples of the least
+/// duration.
 const BALANCED: f64 = 1.25;
 const SLOWED: f64 = 1.2;
 
@@ -40,11 +40,11 @@ const SAME: f64 = 1.001;
 const POINT_PENALTY: f64 = 1000.0;
 
 /// The factor of the first penalty with which a search that leads to no better minimum is done again, and the largest
-/// number of times: from a motion that keeps its rows a search with a larger penalty leaves them less.
+/// number of times: with a larger penalty a search from a motion that keeps its rows violates them less.
 const AGAIN: f64 = 10.0;
 const TIMES: i32 = 2;
 
-/// The part of a time limit for the starts of a search that goes on from the best one.
+/// The part of a time limit for the starts of a search that continues from the best one.
 const PART_OF_STARTS: f64 = 0.5;
 
 /// A search for the motion of a scenario.
@@ -87,8 +87,8 @@ impl<'s, 'o> Search<'s, 'o> {
         }
     }
 
-    /// The first solve. A walk on a free horizon is first solved on the given one: from the longest one the search
-    /// makes it short at once, while feet are not yet at their places.
+    /// The first solve. A walk on a free horizon is first solved on the given one: from the longest horizon the search
+    /// would shorten it at once, while feet are not yet at their places.
     fn first(&mut self, settings: DirectSettings) -> Result<DirectSolution> {
         let problem = self.scenario.problem()?;
         let is_walk = !self.scenario.file.phases.is_empty();
@@ -153,7 +153,7 @@ impl<'s, 'o> Search<'s, 'o> {
             let later = next.curve.horizon() / horizon;
             let last = weight * next.curve.horizon() >= LAST_SHARE * next.cost;
             let is_faster = is_valid(&next) && later <= NOT_LONGER;
-            // A search that fails may come back with the motion that it began with.
+            // A search that fails may return the motion with which it began.
             let is_better = is_faster && (next.converged || later * SAME <= 1.0);
             self.complete = next.converged && is_valid(&next) && later <= SAME;
             let ends = if self.complete { last } else { is_better };
@@ -173,7 +173,7 @@ impl<'s, 'o> Search<'s, 'o> {
                 _ if ends => break,
                 _ if again > 0 => share,
                 (true, _) => SHARE,
-                // Half the way there on a logarithmic scale.
+                // Half of the way there on a logarithmic scale.
                 (false, true) if share > LEAST_SHARE => share.sqrt(),
                 (false, false) if share > LAST_SHARE => LAST_SHARE,
                 _ => break,
@@ -218,7 +218,7 @@ impl<'s, 'o> Search<'s, 'o> {
         }
     }
 
-    /// Returns true if a search goes on from this motion: it is valid, and there is time.
+    /// Returns true if a search continues from this motion: it is valid, and there is time.
     fn goes_on(&self, found: &DirectSolution) -> bool {
         let limit = self.settings.time_limit;
         let late = limit.is_some_and(|limit| self.started.elapsed() >= limit);
@@ -244,8 +244,8 @@ impl<'s, 'o> Search<'s, 'o> {
         self.repeated(from, horizon, None)
     }
 
-    /// One solve from a motion without known multipliers, and while that leads to no minimum others with larger
-    /// penalties.
+    /// One solve from a motion without known multipliers, and further ones with larger penalties until one leads to a
+    /// minimum.
     fn repeated(
         &mut self,
         from: &DirectSolution,
@@ -346,8 +346,8 @@ fn is_valid(found: &DirectSolution) -> bool {
     found.largest_violation <= DirectSettings::FEASIBLE
 }
 
-/// A motion that was found from another one, with the starts of that and the iterations of both. The minima of another
-/// objective are no minima.
+/// A motion that was found from another one, with the starts of the other one and the iterations of both. The minima of
+/// another objective are not minima here.
 fn joined(before: DirectSolution, mut found: DirectSolution) -> DirectSolution {
     let mut iterations = before.iterations;
     iterations.append(&mut found.iterations);

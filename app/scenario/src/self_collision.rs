@@ -59,7 +59,7 @@ impl IgnoredPairs {
     }
 
     /// Finds the pairs by sampling: neighbours, links separated by a single moving joint, and links that
-    /// [always overlap](always_overlapping). Pairs on one body are not listed, because they never move against each
+    /// [always overlap](always_overlapping). Pairs on one body are not listed, because they never move relative to each
     /// other.
     ///
     /// # Errors

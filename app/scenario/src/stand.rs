@@ -112,7 +112,7 @@ pub(super) fn standing_foot(
 }
 
 impl Scenario {
-    /// The foot on which the robot stands; `None` for a base that holds anything.
+    /// The foot on which the robot stands; `None` for a base that withstands any force.
     #[must_use]
     pub fn foot(&self) -> Option<&StandingFoot> {
         self.own.foot.as_ref()

@@ -140,8 +140,8 @@ impl Scenario {
     }
 
     /// The bounds of the horizon if it is an unknown: those of `free_horizon`, or the sums of those of the phases of a
-    /// walk. Without, if the objective weighs time,
-    /// from the least horizon, or `horizon_s` if that is shorter, to ten times the longer one of both.
+    /// walk. Without these, if the objective weighs time, it is from the least horizon, or `horizon_s` if that is
+    /// shorter, to ten times the longer one of the two.
     #[must_use]
     pub fn horizon_bounds(&self) -> Option<HorizonBounds> {
         let file = &self.file;

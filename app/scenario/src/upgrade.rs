@@ -1,4 +1,4 @@
-//! Scenario files of version 0.2: the keys that are no more, the form that took the place of each, and the translation.
+//! Scenario files of version 0.2: the keys that were removed, the form that replaced each, and the translation.
 
 use super::ScenarioFile;
 use super::json::{by_name, read_json};
@@ -41,7 +41,7 @@ const DEFAULTS: [(&str, &str); 3] = [
 /// The keys whose words had hyphens.
 const HYPHENS: [&str; 2] = ["robot_shape", "flow.guess"];
 
-/// The keys of version 0.2 that are no more, with dots before those of inner objects.
+/// The keys of version 0.2 that were removed, with dots before those of inner objects.
 const FORMER: [(&str, Form); 9] = [
     (
         "sphere_obstacles",
@@ -77,7 +77,7 @@ const FORMER: [(&str, Form); 9] = [
 /// 0.2 was the longest edge.
 const EXCESS: f64 = 0.366_025_403_784_438_6;
 
-/// The form that took the place of a key.
+/// The form that replaced a key.
 #[derive(Clone, Copy)]
 enum Form {
     /// An obstacle in one list, by its shape, the keys of it that moved there, and an example of all.
@@ -90,7 +90,7 @@ enum Form {
     Degree,
 }
 
-/// The key that took the place of the one at `path` of a file, in words, if that is one of version 0.2.
+/// The key that replaced the one at `path` of a file, in words, if that is one of version 0.2.
 pub(super) fn instead_of(path: &str) -> Option<String> {
     let is_at = |key: &str| {
         path.strip_suffix(key)
@@ -331,7 +331,7 @@ fn pose(position: Vector3<f64>, z: &Vector3<f64>, at: &Place<'_>) -> Result<Valu
     if *z == Vector3::zeros() {
         return at.refuse("the direction has length zero");
     }
-    // Against the axis any half turn will do.
+    // Opposite to the axis any half turn is right.
     let turn = UnitQuaternion::rotation_between(&Vector3::z(), z)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
     // A zero without a sign.

@@ -17,7 +17,8 @@ use std::path::Path;
 /// The solve of a walk.
 #[derive(Debug)]
 pub struct Walk {
-    /// The phases: ordinary scenarios, whose ends are those of the motion, with their parts of it.
+    /// The phases: ordinary scenarios, whose ends are those of the motion, each with the report of its part of the
+    /// motion.
     pub phases: Vec<(Scenario, SolveReport)>,
     /// The landings between them.
     pub landings: Vec<Landing>,

@@ -38,8 +38,8 @@ impl MultipliersFile {
     }
 }
 
-/// Makes a search begin with the motion of another solve, and with its multipliers if the rows are as many. Returns
-/// a note on what was kept.
+/// Makes a search begin with the motion of another solve, and with its multipliers if the number of rows is the same.
+/// Returns a note that says whether the multipliers were kept.
 ///
 /// # Errors
 /// The motion is that of other joints, or a multiplier is wrong.

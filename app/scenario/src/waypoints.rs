@@ -112,8 +112,8 @@ impl Scenario {
         known.next().unwrap_or(&self.file.q_goal)
     }
 
-    /// The sum of the ways of a joint from the start through all waypoints that are configurations to the goal, unless
-    /// that is a set, rad or m.
+    /// The distance that a joint covers from the start through all waypoints that are configurations to the goal,
+    /// unless that is a set, rad or m.
     pub(super) fn way_of(&self, joint: usize) -> f64 {
         let file = &self.file;
         let points = file.waypoints.iter().filter_map(|point| point.q.as_ref());

@@ -24,7 +24,7 @@ pub(super) fn read_yaml<T: DeserializeOwned>(text: &str, file: &str, what: &str)
     })
 }
 
-/// An unfinished list or mapping.
+/// A list or mapping that is not complete yet.
 enum Open {
     List(Vec<Value>),
     /// A mapping and the key whose value comes next.

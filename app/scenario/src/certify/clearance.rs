@@ -8,23 +8,23 @@ use aghf::scalar::{AlgebraOver, TaylorModel};
 use aghf::spatial::Placement;
 use nalgebra::Vector3;
 
-/// A larger reserve is claimed as this, m: far pairs need no accurate bound.
+/// The largest reserve that is claimed, m: distant pairs need no accurate bound.
 pub(super) const ENOUGH: f64 = 0.05;
 
-/// The accuracy of squared distances, m^2, and what a claim leaves to another arithmetic, m.
+/// The accuracy of squared distances, m^2, and the allowance of a claim for another arithmetic, m.
 const ACCURACY: f64 = 1e-12;
 pub(super) const LEFT: f64 = 1e-10;
 
 pub(super) type Model = TaylorModel<ORDER>;
 
-/// Something that a ball or a shape of the robot keeps clear of.
+/// An object of which a ball or a shape of the robot keeps clear.
 #[derive(Clone, Copy)]
 pub(super) enum Beside {
     Obstacle(usize),
     Part(usize),
 }
 
-/// A ball or a shape, what it keeps clear of, and the distance that is kept, m.
+/// A ball or a shape, the object of which it keeps clear, and the distance that is kept, m.
 #[derive(Clone, Copy)]
 pub(super) struct Pair {
     pub(super) part: usize,
@@ -156,7 +156,7 @@ impl<'a> Balls<'a> {
                 nearest = Some((middle, pair));
             }
             let fine = self.bound(pair) - LEFT;
-            // A claim that is not a number stays one.
+            // A claim that is not a number stays NaN.
             claim = if fine >= claim { claim } else { fine };
         }
         Least {
@@ -194,7 +194,7 @@ impl<'a> Balls<'a> {
     fn length(&self, of: &[Model]) -> f64 {
         let square = of.iter().map(|x| *x * *x).reduce(|a, b| a + b);
         let square = square.map_or(0.0, |square| lower(self.basis, self.left, square));
-        // Of a number that is not one, not a number.
+        // NaN for a vector with NaN.
         if square < 0.0 {
             0.0
         } else {
@@ -288,7 +288,7 @@ impl<'a> Balls<'a> {
     }
 }
 
-/// A lower bound on the values of a model, less what another arithmetic may add.
+/// A lower bound on the values of a model, less the allowance for another arithmetic.
 pub(super) fn lower(basis: &Bernstein, left: f64, x: Model) -> f64 {
     basis.range(&Polynomial::from(x), ACCURACY).lower - left * x.radius()
 }

@@ -22,7 +22,7 @@ pub struct Certificate {
     pub tracking_error: f64,
     /// The limits of the joints.
     pub limits: Vec<LimitRow>,
-    /// Pairs of links that may overlap: nothing is claimed of them.
+    /// Pairs of links that may overlap, about which nothing is claimed.
     pub may_overlap: Vec<[String; 2]>,
     /// Bounds on deviations at the ends and between segments.
     pub deviations: Deviations,
@@ -30,7 +30,7 @@ pub struct Certificate {
     pub goal: Option<f64>,
     /// The places at which the motion passes the waypoints, in their order.
     pub waypoints: Vec<Passage>,
-    /// The promises of which each interval has a reserve.
+    /// The promises for which each interval has a reserve.
     pub promises: Vec<Promise>,
     /// The intervals, which cover each segment from -1 to 1 in order.
     pub intervals: Vec<Interval>,
@@ -67,7 +67,7 @@ pub enum Promise {
 }
 
 impl Promise {
-    /// The name for people.
+    /// The name for readers.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -120,7 +120,7 @@ pub struct Deviations {
     pub goal_position: Option<f64>,
     /// Of the last velocities.
     pub goal_velocity: Option<f64>,
-    /// Jumps of positions between segments, which rounding of the coefficients leaves.
+    /// Jumps of positions between segments, due to rounding of the coefficients.
     pub jump_position: Option<f64>,
     /// Jumps of velocities.
     pub jump_velocity: Option<f64>,

@@ -5,11 +5,11 @@
 //! mathematics is in [`aghf::certify`], its assumptions are in `proofs/certificate.md` of the repository.
 //!
 //! A [`Certificate`] lists intervals that cover the horizon. On each, for each promise, it claims the least reserve of
-//! all rows: of a limit the distance from its bound relative to the [scale](LimitRow::scale) of the row, of a condition
-//! along the way that in m, rad or m/s, of a foot that in its unit, of a clearance the distance beyond the one that is
-//! kept, in m. The checkers (the program `aghf-check` and `python -m
-//! aghf.check_certificate`) share no code with this library, read robot, scenario and motion by themselves and prove
-//! each claim once more.
+//! all rows: for a limit the distance from its bound relative to the [scale](LimitRow::scale) of the row, for a
+//! condition along the way that distance in m, rad or m/s, for a foot that distance in its unit, for a clearance the
+//! distance beyond the one that is kept, in m. The checkers (the program `aghf-check` and
+//! `python -m aghf.check_certificate`) share no code with this library, read robot, scenario and motion independently
+//! and prove each claim once more.
 
 mod clearance;
 mod document;
@@ -31,8 +31,8 @@ use aghf::error::{Error, Result, check_length};
 /// The accepted shortfall of a reserve: a motion may begin on a limit, where only rounding decides.
 pub const TOLERANCE: f64 = 1e-9;
 
-/// Proves that a motion keeps what a scenario promises. The parts of the scenario that cannot be certified are
-/// listed in the certificate with their reasons. The times at which it passes the waypoints, s, are those of the solve.
+/// Proves that a motion keeps the promises of a scenario. The parts of the scenario that cannot be certified are listed
+/// in the certificate with their reasons. The times at which it passes the waypoints, s, are those of the solve.
 ///
 /// Cost per interval: O(N p^2), the dynamics with polynomials of degree eight for numbers, and a distance per ball of
 /// the robot and obstacle or other ball.

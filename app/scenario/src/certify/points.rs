@@ -126,7 +126,7 @@ impl Points<'_> {
             let nearest = self.rows.nearest_of(&row, &value);
             (row, nearest)
         });
-        // A claim that is not a number is the worst.
+        // A claim of NaN is the worst.
         Ok(nearest.reduce(|a, b| {
             if a.1.claim <= b.1.claim || a.1.claim.is_nan() {
                 a
@@ -137,7 +137,7 @@ impl Points<'_> {
     }
 }
 
-/// The states at the ends and between segments that are not those of a scenario, and the horizon if it is not.
+/// The states at the ends and between segments that differ from those of a scenario, and the horizon if it differs.
 pub(super) fn broken(scenario: &Scenario, horizon: f64, found: &Deviations) -> Vec<Failure> {
     let mut failures = Vec::new();
     let states = [

@@ -15,7 +15,7 @@ const NEAR: f64 = 0.05;
 const COARSE: f64 = 0.02;
 const FINE: f64 = 1e-10;
 
-/// The multiple of the bound on the errors that a claim leaves to the arithmetic of another checker.
+/// The multiple of the bound on the errors by which a claim allows for the arithmetic of another checker.
 pub(super) const OTHER_ERRORS: f64 = 3.0;
 
 /// The largest error, relative to the scale of a row, with which claims are made.
@@ -129,7 +129,7 @@ pub(super) fn values_of<const N: usize>(
 pub(super) struct Nearest {
     /// The bound on the error of the values, relative to the scale of the row.
     error: f64,
-    /// The proved reserve relative to that scale, less what is left to another arithmetic.
+    /// The proved reserve relative to that scale, less the allowance for another arithmetic.
     pub(super) claim: f64,
     /// True if the error is small enough for a claim.
     pub(super) is_known: bool,
@@ -149,7 +149,7 @@ impl Nearest {
         }
     }
 
-    /// The value that is not excluded, where the claim is none that is accepted.
+    /// The value that is not excluded, if the claim is not accepted.
     pub(super) fn not_excluded(&self, row: &Row) -> f64 {
         match self.bound == row.bounds[1] {
             true => self.bound - self.claim * row.scale,
@@ -162,7 +162,7 @@ impl Nearest {
         self.claim >= -TOLERANCE && self.is_known
     }
 
-    /// True if the value is beyond the bound by more than what is accepted.
+    /// True if the value exceeds the bound by more than is accepted.
     pub(super) fn is_beyond(&self, row: &Row) -> bool {
         let beyond = (self.value - self.bound).abs();
         let out = match self.bound == row.bounds[1] {
@@ -280,7 +280,7 @@ impl<'a> Rows<'a> {
                 most,
                 range.places[1],
             );
-            // A reserve that is not a number is none.
+            // A reserve of NaN is none.
             if below.0 <= above.0 || below.0.is_nan() {
                 below
             } else {

@@ -23,7 +23,8 @@ const FEWEST: usize = 16;
 const MOST: usize = 4000;
 const SMALLEST: f64 = 1.0 / (1 << 24) as f64;
 
-/// The share of a proved reserve that is claimed: the checkers' arithmetic makes up to some 1e-4 less of it.
+/// The share of a proved reserve that is claimed: with the arithmetic of the checkers the reserve is smaller by up to
+/// about 1e-4 of it.
 const CLAIMED: f64 = 0.99;
 
 /// The number of decimals of a claimed reserve.
@@ -35,7 +36,7 @@ const LARGEST_ERROR: f64 = 1e-4;
 /// The half width of the parts on which the motion hardly moves but rounding is still small.
 const NARROW: f64 = 1.0 / (1 << 10) as f64;
 
-/// A larger reserve of a row is claimed as this.
+/// The largest reserve of a row that is claimed.
 const ENOUGH: f64 = 1.0;
 
 /// The share of a segment by which intervals reach beyond the times of a condition, more than rounding of times.
@@ -61,7 +62,7 @@ type Claims = (Vec<f64>, Vec<Direction>);
 /// The least reserve of the pairs of a promise and the directions that separate shapes.
 type Reserve = (Least, Vec<Direction>);
 
-/// Proves what a scenario promises of a motion that passes the waypoints at these times, s.
+/// Proves the promises of a scenario for a motion that passes the waypoints at these times, s.
 pub(super) fn certification(
     scenario: &Scenario,
     curve: &Curve,
@@ -259,7 +260,7 @@ impl<'a> Search<'a> {
         Ok(found)
     }
 
-    /// A claim as it is written. No reserve beside a tube is claimed: other arithmetic makes more or less of it.
+    /// A claim as it is written. No reserve beside a tube is claimed, because it depends on the arithmetic.
     fn claimed(&self, claim: f64) -> f64 {
         match self.tracking_error > 0.0 && claim > 0.0 {
             true => 0.0,
@@ -387,7 +388,7 @@ impl<'a> Search<'a> {
                 .collect()
         };
         let radii = bodies.iter().flat_map(|at| -> Vec<f64> { entries(at) });
-        // An error that is not a number stays one.
+        // An error of NaN stays NaN.
         let most = radii.fold(
             f64::MIN_POSITIVE,
             |most, r| if r <= most { most } else { r },

@@ -14,8 +14,8 @@ use nalgebra::Vector3;
 /// The number of projections from one shape onto the other.
 const PROJECTIONS: usize = 200;
 
-/// The steps from zero to one of the coordinates of a direction: an error of one changes the gap beside a long edge by
-/// a small share of what motions leave.
+/// The steps from zero to one of the coordinates of a direction: an error of one step changes the gap beside a long
+/// edge by a small share of the gaps of motions.
 const DECIMALS: f64 = 1e7;
 
 /// A shape of a link.
@@ -180,7 +180,7 @@ impl<'a> Shapes<'a> {
                     directions.push((bound, Direction(of[0], of[1], n.into())));
                 }
             }
-            // A claim that is not a number stays one.
+            // A claim that is not a number stays NaN.
             claim = if fine >= claim { claim } else { fine };
         }
         directions.retain(|(bound, _)| *bound < claim);
@@ -222,8 +222,8 @@ impl<'a> Shapes<'a> {
         self.placed[of].middle.placement.translation
     }
 
-    /// A lower bound on the distance between two shapes in a direction from one to the other, less the margin and what
-    /// is left to another arithmetic.
+    /// A lower bound on the distance between two shapes in a direction from one to the other, less the margin and the
+    /// allowance for another arithmetic.
     fn bound(&self, of: [usize; 2], n: &Vector3<Model>, margin: f64) -> f64 {
         let [a, b] = of.map(|i| &self.placed[i]);
         let off = b.at.translation - a.at.translation;

@@ -106,7 +106,7 @@ pub(super) fn floor(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candid
         return Ok(None);
     };
     let height = round_down(paths.bent.lowest()? - CLEAR);
-    // Not above the base, nor so low that it is no floor of this arm.
+    // Not above the base, nor too low for a floor of this arm.
     let sensible = (-0.5..=0.05).contains(&height);
     if !sensible || paths.line.lowest()? > height - 2.0 * HIT {
         return Ok(None);

@@ -84,7 +84,7 @@ fn reach(model: &Model) -> f64 {
     let mut reaches: Vec<f64> = Vec::new();
     for joint in model.joints() {
         let before = joint.parent().map_or(0.0, |p| reaches[p]);
-        // What lies before the first joint is no link that moves.
+        // The part before the first joint is not a link that moves.
         let link = joint
             .parent()
             .map_or(0.0, |_| joint.origin().translation.norm());
@@ -111,7 +111,7 @@ pub(super) fn with_obstacle(model: &Model, rng: &mut ChaCha8Rng) -> Result<Optio
     for _ in 0..BENDS {
         let capsules = Capsule::along_links(model, radius);
         let capsule = moving_capsule(capsules.len(), rng);
-        // Only what moves this link is bent.
+        // Only joints that move this link are bent.
         let mut wish = vec![0.0; model.dof()];
         let moving = capsules[capsule].body.into_iter();
         for joint in moving.flat_map(|body| path_to_base(model, body)) {

@@ -175,8 +175,8 @@ pub const FAMILIES: [Family; 6] = [
         name: "digit_box",
         about: "a step over a box of spheres in the way of the swinging foot",
         robot: "digit_v3_pinned",
-        // The efforts in the file are those of the motors before their gears: they hold it nowhere.
-        // Nor is the known path one in time, for the step starts and ends in motion.
+        // The efforts in the file are those of the motors before their gears, with which the robot cannot hold itself
+        // anywhere. The known path is not a motion in time either, because the step starts and ends in motion.
         within_limits: false,
         flow: FlowParameters {
             degree: 6,

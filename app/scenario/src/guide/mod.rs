@@ -1,5 +1,4 @@
-//! A book in pages: from a first motion to all that a scenario can ask for. The library's own pages are
-//! [`aghf::guide`].
+//! A book in pages: from a first motion to all keys of a scenario. The library's own pages are [`aghf::guide`].
 
 #[doc = include_str!("first_motion.md")]
 #[doc = include_str!("pictures/first_motion.svg")]

@@ -247,8 +247,8 @@ impl<'a> Search<'a> {
     }
 
     /// Evaluates the middle of a part of interval `k`. Returns it, and the gaps between balls that may be smaller
-    /// elsewhere in the part. A ball about others moves with them as one body, so what bounds its motion bounds their
-    /// distances.
+    /// elsewhere in the part. A ball around others moves with them as one body, so a bound on its motion bounds the
+    /// changes of their distances.
     fn prove(&mut self, k: usize, range: [f64; 2], gaps: &[Gap]) -> Result<(f64, Vec<Gap>)> {
         let middle = 0.5 * (range[0] + range[1]);
         self.place(k, middle)?;

@@ -190,7 +190,7 @@ pub(super) fn place_of(goal: &Goal, measure: &Measure) -> String {
     format!("{} of frame '{}'", measure.name, goal.frame)
 }
 
-/// The rows of what is kept on the way.
+/// The rows of the conditions along the way.
 pub(super) fn kept(
     scenario: &Scenario,
     trajectory: &Trajectory,
@@ -226,7 +226,7 @@ fn within(kept: &Kept, intervals: &Intervals, k: usize) -> Option<[f64; 2]> {
 
 /// Proves a set of poses at all times: in a part of an interval between two samples a quantity differs from the one in
 /// its middle at most as much as the [bound](Reach) on the way of the origin, or the sum of the turns of the joints;
-/// parts are halved until the quantity is within its bound by this, or to half of the tolerance.
+/// parts are halved until the quantity is within its bound by this, or exceeds it by at most half of the tolerance.
 fn kept_poses(
     scenario: &Scenario,
     kept: &Kept,

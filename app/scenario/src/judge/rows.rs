@@ -7,8 +7,8 @@ use aghf::curve::Curve;
 use aghf::error::Result;
 use aghf::motion::sample;
 
-/// The fewest intervals of a table, and how often they may be halved: to a quarter of a millisecond for motions of
-/// three seconds.
+/// The fewest intervals of a table, and the number of times that they may be halved: to a quarter of a millisecond for
+/// motions of three seconds.
 const INTERVALS: usize = 200;
 const HALVINGS: u32 = 6;
 

@@ -195,7 +195,7 @@ pub enum Check {
 }
 
 impl Check {
-    /// The name of the check for people.
+    /// The name of the check for readers.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

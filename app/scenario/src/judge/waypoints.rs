@@ -83,8 +83,8 @@ impl Passages<'_> {
         })
     }
 
-    /// The first time from `from_s` on at which the deviation is within the tolerance, or else that of the least one:
-    /// the given time, or the nearest one around each sample that is nearer than its neighbours.
+    /// The first time from `from_s` on at which the deviation is within the tolerance, otherwise the time of the least
+    /// deviation, among the given time, or the nearest times around each sample that is nearer than its neighbours.
     fn first(&mut self, point: &PointOnTheWay, from_s: f64, tolerance: f64) -> Result<Passage> {
         if let Some(time) = point.time_s {
             return self.at(point, time);

@@ -131,7 +131,7 @@ impl MoveIt {
             locked_joints: joints.locked,
             goal,
             keep: kept(&request, &model, &request_name)?,
-            // On a given horizon nothing can be weighed against effort.
+            // On a given horizon nothing is weighed against the effort.
             objective: Objective::Preset(match self.horizon {
                 MoveItHorizon::Given(_) => Preset::LeastEffort,
                 _ => self.objective,
@@ -227,7 +227,7 @@ impl MoveIt {
                 shortest_s,
                 longest_s,
             };
-            // Bounds that make no sense are refused as those of any scenario.
+            // Invalid bounds are refused like those of any scenario.
             let first = (FIRST * least).min(longest_s).max(shortest_s);
             (first, Some(bounds))
         };
@@ -249,8 +249,8 @@ struct Joints<'a> {
 }
 
 impl<'a> Joints<'a> {
-    /// Tells the joints that are `planned` from the others. A position is that of the first of the two states that has
-    /// it.
+    /// Separates the joints that are `planned` from the others. A position is that of the first of the two states that
+    /// has it.
     ///
     /// # Errors
     /// A joint without a position, in words.

@@ -19,8 +19,8 @@ const WALK_ITERATIONS: usize = 2000;
 /// The same at lower degrees: the first one brings all feet to their places.
 const WALK_LOWER_ITERATIONS: usize = 200;
 
-/// The distance from limits and obstacles by default. Between the times at which rows are looked at they may be beyond
-/// their bounds by some 1e-6 of these, which no certificate accepts.
+/// The distance from limits and obstacles by default. Between the times at which rows are evaluated they may exceed
+/// their bounds by about 1e-6 of these, which no certificate accepts.
 const RESERVE: f64 = 3e-6;
 
 /// The options of the direct method.
@@ -73,8 +73,8 @@ impl DirectOptions {
             && !scenario.keeps_links_clear()
             && scenario.foot().is_none()
         {
-            // Limits, links that keep clear of each other and a foot leave little to choose between; without them there
-            // are many minima.
+            // With limits, links that keep clear of each other, or a foot there are few minima; without them there are
+            // many.
             default.starts = starts_of(scenario.model.dof());
             default.start_amplitude = DirectSettings::default().start_amplitude;
             default.lowest_degree = DirectSettings::default().lowest_degree;
@@ -85,7 +85,7 @@ impl DirectOptions {
             default.iterations = WALK_ITERATIONS;
             default.search.lower_iterations = WALK_LOWER_ITERATIONS;
             default.lowest_degree = DirectSettings::default().lowest_degree;
-            // As many looks at each phase as at a motion.
+            // As many checks of each phase as of a motion.
             default.search.last_scan *= phases;
             // There is nothing to plan around.
             default.planned_starts = PlannedStarts::Never;

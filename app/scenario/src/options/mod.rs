@@ -227,7 +227,8 @@ const PASSIVE_BASIS: (usize, usize) = (8, 8);
 /// The default number of starts for motions with passive joints, which have many local minima.
 const PASSIVE_STARTS: usize = 40;
 
-/// The largest number of iterations of a start with passive joints: of many, another one is worth more than a long one.
+/// The largest number of iterations of a start with passive joints: with many starts, another one is worth more than a
+/// long one.
 const PASSIVE_ITERATIONS: usize = 150;
 
 /// The default number of starts for a robot with `dof` joints: at least 4, and otherwise as many as take about the time
