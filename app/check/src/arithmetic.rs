@@ -175,7 +175,7 @@ pub(crate) fn about(a: Vector, (sin, cos): (Tm, Tm)) -> Matrix {
     let skew = [[Tm::new(0.0), -z, y], [z, Tm::new(0.0), -x], [-y, x, Tm::new(0.0)]];
     std::array::from_fn(|i| {
         std::array::from_fn(|j| {
-            // Without a cosine that cancels along the axis.
+            // Without the cosine, which would cancel along the axis.
             let one = Tm::new(if i == j { 1.0 } else { 0.0 });
             one + (a[i] * a[j] - one) * versine + skew[i][j]
         })
@@ -210,7 +210,7 @@ impl Bernstein {
             b.iter_mut().zip(power).for_each(|(b, p)| *b += c * p);
         }
         let size: f64 = c.iter().map(|c| c.abs()).sum();
-        // The basis, the sums and the averages of 128 halvings, as many as there can be one after the other.
+        // The basis, the sums and the averages of 128 halvings, the largest possible number in succession.
         let error = (r + 128.0 * (n + 1) as f64 * f64::EPSILON * size) * UP + TINY;
         let (mut least, mut reached) = (f64::INFINITY, b[0].min(b[n]));
         let (mut open, mut parts) = (vec![b], 1);
@@ -231,7 +231,7 @@ impl Bernstein {
             open.extend([left, right]);
             parts += 2;
         }
-        // Not a number if the error is none.
+        // NaN if the error is NaN.
         (least - error).next_down()
     }
 }

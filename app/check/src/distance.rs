@@ -72,7 +72,7 @@ const ROUGH: f64 = 1e-8;
 /// The directions that are listed for pairs of shapes on an interval; obstacles follow the shapes of the robot.
 pub(crate) type Directions = BTreeMap<[usize; 2], [f64; 3]>;
 
-/// The shapes of a robot on an interval, and what they keep clear of.
+/// The shapes of a robot on an interval, and the bodies of which they keep clear.
 pub(crate) struct Clearances<'a> {
     pub(crate) robot: &'a Robot,
     pub(crate) obstacles: &'a [Obstacle],
@@ -82,7 +82,7 @@ pub(crate) struct Clearances<'a> {
 }
 
 impl Clearances<'_> {
-    /// True if all pairs keep their distances and `claim` beyond them.
+    /// True if all pairs keep their distances, and the distance `claim` in addition.
     pub(crate) fn keep(&self, claim: f64, pairs: &[Pair]) -> bool {
         pairs
             .iter()
@@ -99,7 +99,7 @@ impl Clearances<'_> {
         let apart = |p: [f64; 3], q: [f64; 3]| (p[0] - q[0]).hypot(p[1] - q[1]).hypot(p[2] - q[2]);
         let i = pair.part;
         let kept = radius(i) + pair.margin + claim;
-        // The distance in the middle less the ways from there is enough for most.
+        // For most pairs the distance in the middle less the ways from there is sufficient.
         let (surface, way) = match pair.other {
             Err(o) => (rough(&self.obstacles[o].solid, middle(i)), way(i)),
             Ok(j) => (apart(middle(i), middle(j)) - radius(j), way(i) + way(j)),

@@ -29,7 +29,7 @@ pub(crate) struct Promised<'a> {
     obstacles: Vec<Obstacle>,
     /// The names of the promises of clearances, and their pairs.
     clear: Vec<(&'static str, Vec<Pair>)>,
-    /// Of the degree of the motion, and of that of all else.
+    /// The bases of the degree of the motion, and of the degree of all other polynomials.
     bases: [Bernstein; 2],
 }
 
@@ -121,7 +121,7 @@ impl<'a> Promised<'a> {
             if from == 1.0 {
                 (segment, from) = (segment + 1, -1.0);
             }
-            // A middle and a half width that stand for both ends exactly.
+            // A middle and a half width that represent both ends exactly.
             let (m, w) = (0.5 * (begin + end), 0.5 * (end - begin));
             let exact = m - w == begin && m + w == end && w > 0.0 && end <= 1.0;
             require(*own == segment && segment < segments && begin == from && exact, not_covered)?;
@@ -134,7 +134,7 @@ impl<'a> Promised<'a> {
         require(segment == segments - 1 && from == 1.0, not_covered)
     }
 
-    /// Proves the claims on an interval; the error is what is not proved.
+    /// Proves the claims on an interval; the error names the claim that is not proved.
     fn prove(&self, segment: usize, [m, w]: [f64; 2], claims: &[f64], directions: Directions) -> Checked<()> {
         let [mut q, v, a, jerk] = self.motion.expand(segment, [m, w]);
         q.iter_mut().for_each(|(_, radius)| *radius = (*radius + self.tube) * UP);

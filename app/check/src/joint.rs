@@ -1,4 +1,4 @@
-//! The moving joints of a URDF with what the scenario says of them.
+//! The moving joints of a URDF with their keys in the scenario.
 
 use crate::Checked;
 use crate::arithmetic::{Matrix, Tm, Vector, about, add, apply, product, times};

@@ -1,4 +1,4 @@
-//! Values of JSON, refused where they are not what they should be.
+//! Values of JSON, refused if they have the wrong type.
 
 use crate::Checked;
 use serde_json::Value;
@@ -11,7 +11,7 @@ pub(crate) fn option<'a>(value: &'a Value, key: &str) -> Option<&'a Value> {
     value.get(key).filter(|v| !v.is_null())
 }
 
-/// The entries of a list, a value that is no list, or nothing.
+/// The entries of a list, a single value that is not a list, or nothing.
 pub(crate) fn entries<'a>(value: &'a Value, key: &str) -> &'a [Value] {
     option(value, key).map_or(&[], |all| all.as_array().map_or(std::slice::from_ref(all), Vec::as_slice))
 }

@@ -28,7 +28,7 @@ type Checked<T> = Result<T, String>;
 const TOLERANCE: f64 = 1e-9;
 
 /// Checks a certificate, given the texts of the robot, of the scenario (or of a summary that contains it), of the
-/// summary of the solve, whose motion it is about, and of the certificate. Returns what is certified in words.
+/// summary of the solve, whose motion it is about, and of the certificate. Returns the certified promises in words.
 ///
 /// # Errors
 /// The reason of a refusal.

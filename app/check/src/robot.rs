@@ -43,13 +43,13 @@ type Links = BTreeMap<String, Place>;
 
 pub(crate) struct Robot {
     pub(crate) joints: Vec<Joint>,
-    /// The mass and the first moment of what is fixed to the base.
+    /// The mass and the first moment of the bodies that are fixed to the base.
     base: (Tm, Vector),
     pub(crate) links: Links,
     pub(crate) parts: Vec<Part>,
     /// True if all shapes are balls.
     pub(crate) has_balls: bool,
-    /// False if a shape is a mesh: nothing is certified of clearances then.
+    /// False if a shape is a mesh: then no clearance is certified.
     pub(crate) is_known: bool,
 }
 
@@ -130,7 +130,8 @@ impl Robot {
         let mut open = vec![(base, None, identity(), String::new())];
         while let Some((link, body, at, from)) = open.pop() {
             for j in all("joint").filter(|j| name(*j) != from) {
-                // From a new root some joints are met from their other side: they turn back, and then comes the origin.
+                // From a new root some joints are traversed from the other side: first the inverse motion, then the
+                // inverse of the origin.
                 let (step, turned) = (pose(child(j, "origin"))?, of(j, "child") == link);
                 if !turned && of(j, "parent") != link {
                     continue;

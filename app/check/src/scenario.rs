@@ -79,7 +79,7 @@ pub(crate) fn same_limits(limits: &[Limit], listed: &[Value]) -> Checked<()> {
     Ok(())
 }
 
-/// The promises of a scenario that no certificate covers, which the certificate has to list.
+/// The promises of a scenario that no certificate covers; the certificate has to list them.
 pub(crate) fn not_certified(scenario: &Value, robot: &Robot, listed: &Value) -> Checked<Vec<String>> {
     let some = |key: &str| !entries(scenario, key).is_empty();
     let by_shape = option(scenario, "robot_shape").is_none_or(|s| s.get("collision").is_some() || s == "collision");
@@ -164,7 +164,7 @@ pub(crate) fn is_pair(value: Option<&Value>, a: &str, b: &str) -> bool {
     names.is_some_and(|n| n[0] == a && n[1] == b || n[0] == b && n[1] == a)
 }
 
-/// The number of pairs of links of which nothing is claimed though the scenario does not name them, in words.
+/// The number of pairs of links about which nothing is claimed although the scenario does not name them, in words.
 pub(crate) fn unnamed(scenario: &Value, free: &[Value]) -> String {
     let ignored = option(scenario, "self_collision").and_then(|s| option(s, "ignored_pairs")).and_then(Value::as_array);
     let names = |pair: &Value| Some([pair.get(0)?.as_str()?.to_owned(), pair.get(1)?.as_str()?.to_owned()]);

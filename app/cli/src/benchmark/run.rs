@@ -130,7 +130,7 @@ fn solve(problem: &Problem) -> Result<Row> {
         row.reason.clone_from(failure);
         return Ok(row);
     }
-    // The table that `aghf solve` writes.
+    // The same table as that of `aghf solve`.
     let (model, curve) = (&scenario.model, &report.curve);
     let intervals = sufficient_samples(&scenario, curve)? - 1;
     let trajectory = Trajectory::of_samples(sample(model, curve, intervals)?);

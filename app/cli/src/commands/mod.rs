@@ -104,7 +104,7 @@ struct UrdfArgs {
 }
 
 impl UrdfArgs {
-    /// Loads the robot that is built in under this name, otherwise the one in this file, and prints the notes.
+    /// Loads the built-in robot of this name, otherwise the one in this file, and prints the notes.
     fn load(&self, robot: &str) -> Result<Model, Error> {
         let (model, notes) = self.load_silently(robot)?;
         tell_notes(robot, &notes);

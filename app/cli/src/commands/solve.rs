@@ -81,7 +81,7 @@ impl SolveArgs {
         let (scenario, repeated) = self.robot.scenario_with_options(&self.scenario)?;
         let options = std::mem::take(&mut self.options).over(&repeated)?;
         let sampling = self.sampling.sampling();
-        // Better to learn now than in the end that it cannot be written.
+        // Tested now, so that a table that cannot be written is an error before the search.
         if let Some(sampling) = sampling {
             let longest = scenario.horizon_bounds().map(|free| free.longest_s);
             let _ = sampling.times(longest.unwrap_or(scenario.file.horizon_s))?;
@@ -127,7 +127,7 @@ impl SolveArgs {
         let page = page.as_deref();
         let files =
             write_report(&scenario, &outcome, page, &folder, sampling).or_else(|error| {
-                // A motion is not lost because the folder is gone, full, or taken by another process meanwhile.
+                // A motion is not lost if the folder has meanwhile been removed, filled, or taken by another process.
                 tell(&format!("aghf: {error}"));
                 let spare = OutputFolder::private(&scenario.name)?;
                 tell(&format!(

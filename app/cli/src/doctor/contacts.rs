@@ -74,7 +74,7 @@ pub(super) fn pairs_and_states(
     Ok((states, findings))
 }
 
-/// The finding about pairs of neighbours and of links that always overlap which nothing disables. `with_srdf` is true
+/// The finding about pairs of neighbours, and of links that always overlap, that are not disabled. `with_srdf` is true
 /// if there is an SRDF.
 fn not_disabled(
     sampled: &[IgnoredPair],

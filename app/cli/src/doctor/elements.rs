@@ -41,9 +41,9 @@ pub(super) fn without_several_degrees(robot: &Robot) -> Robot {
     robot
 }
 
-/// Numbers beyond these are hardly those of robots, often those of files in degrees, millimetres or grams: a limit of
-/// position, rad, and of velocity, rad/s, a position in a parent or a limit, m, and the mass of a link, kg. From
-/// `NO_LIMIT` on there is none.
+/// Larger numbers are unlikely for robots, and frequent in files in degrees, millimetres or grams: a limit of position,
+/// rad, and of velocity, rad/s, a position in a parent or a limit, m, and the mass of a link, kg. A number of
+/// `NO_LIMIT` or more is no limit.
 const NO_LIMIT: f64 = 1e5;
 const FAR: f64 = 20.0 * std::f64::consts::PI;
 const FAST: f64 = 100.0;
@@ -170,7 +170,7 @@ fn has_one_degree(joint: &Joint) -> bool {
     !has_several_degrees(joint)
 }
 
-/// True if a limit element is there and has more than zeros.
+/// True if there is a limit element with a number other than zero.
 fn has_limits(limit: &JointLimit) -> bool {
     let all = [limit.lower, limit.upper, limit.velocity, limit.effort];
     all.iter().any(|x| *x != 0.0)
@@ -181,7 +181,7 @@ fn has_limits_of_rates(limit: &JointLimit) -> bool {
     all.iter().any(|x| *x != f64::INFINITY)
 }
 
-/// The larger distance of both limits of position from zero.
+/// The larger one of the distances of both limits of position from zero.
 fn farthest(limit: &JointLimit) -> f64 {
     limit.lower.abs().max(limit.upper.abs())
 }

@@ -64,9 +64,9 @@ pub struct Diagnosis {
 pub enum Plannable {
     /// As it is.
     Yes,
-    /// With keys that findings name.
+    /// With the keys that findings name.
     WithKeys,
-    /// Not before the file is changed.
+    /// Only after a change of the file.
     No,
 }
 
@@ -74,11 +74,11 @@ pub enum Plannable {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
-    /// The robot is refused with any keys.
+    /// The robot is refused whatever the keys.
     Refused,
     /// The robot is refused without a key or an option.
     NeedsKey,
-    /// Motions may not be those of the real robot, or may touch what they should not.
+    /// Motions may not be those of the real robot, or may touch obstacles or links.
     Note,
 }
 
@@ -93,7 +93,7 @@ pub struct Finding {
     pub names: Vec<String>,
     /// The fault.
     pub condition: String,
-    /// The key, the option or the change of the file that remedies it; empty if nothing needs to be.
+    /// The key, the option or the change of the file that remedies it; empty if there is nothing to remedy.
     pub remedy: String,
 }
 
@@ -115,7 +115,7 @@ impl Finding {
         })
     }
 
-    /// The finding that an error stands for.
+    /// The finding of an error.
     fn of_error(error: Error, severity: Severity, remedy: &str) -> Self {
         let (kind, name, condition) = match error {
             Error::Input {

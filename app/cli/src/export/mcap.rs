@@ -72,7 +72,7 @@ pub fn write_mcap(
     file.writer.finish().map(drop).map_err(io::Error::other)
 }
 
-/// An MCAP file in the making.
+/// An MCAP file that is being written.
 struct Recording<W: Write + Seek> {
     writer: Writer<W>,
     /// The numbers of messages by the identifiers of their channels.

@@ -93,7 +93,7 @@ pub(super) struct Marker {
     pub color: [f32; 4],
     pub lifetime: [i32; 2],
     pub frame_locked: bool,
-    /// Points, colours and what belongs to texts and meshes: none.
+    /// Points, colours and the fields of texts and meshes: none.
     rest: Rest,
 }
 

@@ -8,7 +8,7 @@ use std::io::{self, Write};
 /// # Errors
 /// The writer fails.
 pub fn write_yaml(trajectory: &JointTrajectory, mut writer: impl Write) -> io::Result<()> {
-    // A string of JSON is one of YAML.
+    // A string in JSON is also a string in YAML.
     let names = serde_json::to_string(&trajectory.joint_names)?;
     writeln!(writer, "joint_names: {names}\npoints:")?;
     for point in &trajectory.points {
@@ -31,7 +31,7 @@ pub fn write_yaml(trajectory: &JointTrajectory, mut writer: impl Write) -> io::R
     Ok(())
 }
 
-/// A number that YAML 1.1 takes for one too: it asks for a point, and for a sign in the exponent.
+/// A number that is one in YAML 1.1 too, which requires a point, and a sign in the exponent.
 fn number(x: f64) -> String {
     let text = format!("{x:?}");
     let Some((mantissa, exponent)) = text.split_once('e') else {

@@ -1,5 +1,5 @@
-//! The command line, robots of one's own, exports and sweeps. [`aghf_scenario::guide`] has first motions and all that a
-//! scenario can ask for, [`aghf::guide`] the mathematics.
+//! The command line, robots of one's own, exports and sweeps. [`aghf_scenario::guide`] has first motions and all keys
+//! of a scenario, [`aghf::guide`] the mathematics.
 
 #[doc = include_str!("command_line.md")]
 pub mod command_line {}

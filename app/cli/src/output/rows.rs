@@ -57,7 +57,7 @@ fn is_least_time(summary: &Summary) -> bool {
     summary.method == Method::Direct && objective.preset() == Some(Preset::LeastTime)
 }
 
-/// The minimised quantity, with the objective that makes it another number than the control effort.
+/// The minimised quantity, with the objective of a direct solve.
 pub(crate) fn cost_of(summary: &Summary) -> String {
     let mut cost = short(minimised(summary));
     if is_least_time(summary) {

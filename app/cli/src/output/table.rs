@@ -1,4 +1,4 @@
-//! Tables for people.
+//! Tables for readers.
 
 use super::rows::cost_of;
 use aghf::direct::DegreeRefinement;

@@ -24,7 +24,7 @@ pub(super) struct Foot {
     points: String,
     /// The forces in the base frame, three numbers per time, N.
     forces: String,
-    /// True at each time at which the foot holds, to within what a verdict accepts.
+    /// True at each time at which the foot holds, to within the tolerance of a verdict.
     holds: Vec<bool>,
     /// The coefficient of friction.
     #[serde(skip)]

@@ -17,11 +17,11 @@ const MARGIN: i32 = 8;
 const FONT: i32 = 11;
 /// The height of the strip beyond a bound, relative to that of the plot: strips of several joints mostly stay apart.
 const STRIP: f64 = 0.03;
-/// The opacities of strips by themselves, and of those that overlap others: by the latter the page knows the strips to
-/// show with a chosen joint alone.
+/// The opacities of strips by themselves, and of those that overlap others: by the second one the page recognises the
+/// strips that it shows with a chosen joint alone.
 const ALONE: f64 = 0.3;
 const TOGETHER: f64 = 0.25;
-/// The least range of a plot relative to its values: labels of four digits tell its ticks apart.
+/// The least range of a plot relative to its values: labels of four digits then distinguish its ticks.
 const FLAT: f64 = 1e-2;
 /// The colours that the page replaces by its own.
 const INK: RGBColor = RGBColor(1, 1, 1);

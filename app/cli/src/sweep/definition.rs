@@ -91,7 +91,7 @@ impl Sweep {
         Self::parse(&text, name_or_path, path.parent().unwrap_or(Path::new("")))
     }
 
-    /// Parses a sweep. `path` names it in errors; scenarios are looked for in `folder`.
+    /// Parses a sweep. `path` names it in errors; scenarios are looked up in `folder`.
     fn parse(text: &str, path: &str, folder: &Path) -> Result<Self> {
         Self::new(SweepFile::parse(text, path)?, path, folder)
     }
@@ -274,7 +274,7 @@ fn load(file: &SweepFile, name_or_path: &str, folder: &Path) -> Result<Scenario>
     };
     let mut scenario = Scenario::load_for(name_or_path, &given)?;
     if let Some(robot) = robot {
-        // As it is in the sweep, which has the same results wherever it lies.
+        // As written in the sweep, which has the same results in any folder.
         scenario.file.robot = robot.to_owned();
     }
     Ok(scenario)

@@ -84,7 +84,7 @@ impl SweepFile {
         let is_head = |(key, _): &(String, toml::Value)| HEAD.contains(&key.as_str());
         let (head, lists): (Vec<_>, Vec<_>) = table.into_iter().partition(is_head);
         let head = Table::from_iter(head);
-        // The method determines which lists are valid, and an unknown key may be a missing one written otherwise.
+        // The method determines which lists are valid, and an unknown key may be a required one that is misspelt.
         let method = match head.get("method") {
             None => Method::default(),
             Some(name) => name

@@ -101,7 +101,7 @@ pub fn best(ranking: &[Ranked]) -> Option<[&Ranked; 2]> {
 
 /// The ranking over complete scenarios, by their rows in order.
 fn ranked(name: &str, sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
-    // Seeds run slowest, so each is like one more scenario.
+    // Seeds vary slowest, so each is like one more scenario.
     let points = sweep.sets_a_scenario() / sweep.file.grid.repetitions();
     let mut ranked: Vec<Ranked> = (0..points.min(rows.len()))
         .map(|i| {

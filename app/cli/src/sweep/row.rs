@@ -122,7 +122,7 @@ impl Row {
     /// The row of `set` in a line of the file.
     ///
     /// # Errors
-    /// The line is not of this set, or a cell is not what its column has.
+    /// The line is not of this set, or a cell does not have the type of its column.
     pub(super) fn read(
         sweep: &Sweep,
         set: &ParameterSet,
@@ -184,7 +184,7 @@ impl Row {
     #[must_use]
     pub fn new(sweep: &Sweep, set: &ParameterSet, report: &SolveReport) -> Self {
         let s = &report.summary;
-        // An interruption that comes at the very end is noticed by none but the clock.
+        // Only the clock shows an interruption at the very end.
         if report.stopped.is_some() || s.solve_seconds >= sweep.file.head.time_limit_s {
             return Self::late(sweep, set, s.solve_seconds);
         }

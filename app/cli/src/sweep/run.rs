@@ -30,7 +30,7 @@ pub fn run(
         .build()
         .map_err(|e| Error::input("settings", "jobs", e.to_string()))?;
     pool.install(|| {
-        // One set at a time, because they differ a thousandfold in cost.
+        // One set at a time, because the times of sets differ by a factor of up to a thousand.
         let queue = sets.par_iter().with_max_len(1);
         queue.try_for_each(|set| done(solve_set(sweep, set)?))
     })
