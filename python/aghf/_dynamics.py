@@ -177,7 +177,7 @@ def inverse_kinematics(
     """Joint positions that take a frame to homogeneous placements in the base, shape (N,) or (B, N).
 
     They are within the position limits, and the placement is kept within 1e-9 m and rad; NaN where no search found
-    any, which is no proof that there are none. Collisions and torques are not looked at: `aghf ik`, and goals of
+    any, which does not prove that there are none. Collisions and torques are not checked: `aghf ik`, and goals of
     scenarios, leave such positions out.
 
     Parameters

@@ -63,8 +63,8 @@ def solve(
     on_iteration : callable, optional
         Called with a dict of each iteration; an exception ends the search.
     start : Solution, optional
-        A motion of the same joints from which the search starts, with its multipliers if the constraints are as many.
-        Goal, obstacles and limits may be others. Only for the direct method.
+        A motion of the same joints from which the search starts, with its multipliers if the number of constraints is
+        the same. Goal, obstacles and limits may differ. Only for the direct method.
     method : {"direct", "flow", "rest", "duals", "two_phases"}, optional
         The method, by default "direct". Each has some of the other options, with defaults of its own;
         ``aghf scenarios --keys options`` lists them.

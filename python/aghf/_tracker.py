@@ -85,10 +85,10 @@ class Tracker:
     iterations_per_step : int, optional
         The largest number of iterations per step; by default 1.
     least_gain : float, optional
-        The relative decrease of the objective from which on a plan to the same goal replaces the former; by default
+        The least relative decrease of the objective for which a plan to the same goal replaces the old one; by default
         0.001.
     look : int, optional
-        The number of intervals of the look at a plan per degree of it; by default 10.
+        The number of intervals of the check of a plan per degree of its polynomial; by default 10.
     deadline_s : float, optional
         The time within which a step returns, s; by default there is none.
     bandwidth : float, optional
@@ -147,13 +147,13 @@ class Tracker:
     def set_goal(self, q: ArrayLike, horizon_s: float) -> None:
         """Changes the goal to a configuration at rest, (N,), to be reached within a horizon, s.
 
-        The plan to the former goal is followed until one to the new goal is safe."""
+        The old plan is followed until one to the new goal is safe."""
         self._own.set_goal(array(q, "q"), horizon_s)
 
     def set_deadline(self, seconds: float | None) -> None:
-        """Changes the time within which the next steps return, s; with None they take their time."""
+        """Changes the time within which the next steps return, s; with None there is no limit."""
         self._own.set_deadline(seconds)
 
     def set_obstacles(self, obstacles: Iterable[Mapping[str, Any]]) -> None:
-        """Replaces all obstacles, as a scenario writes them, from the next step on; they are taken to stand still."""
+        """Replaces all obstacles, in the form of a scenario, from the next step on; they are assumed to stand still."""
         self._own.set_obstacles(text(list(obstacles)))

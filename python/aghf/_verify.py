@@ -42,7 +42,7 @@ class RunningCost(Protocol):
 class Constraint(Protocol):
     """A constraint ``g(q, v) <= 0``: any object with these members.
 
-    Optional are ``scales``, shape (rows,), the growth of each row with its bounded quantity, and ``names`` of the rows.
+    ``scales``, shape (rows,), the growth of each row with its bounded quantity, and ``names`` of the rows are optional.
     """
 
     rows: int

@@ -27,9 +27,10 @@ pub struct ScenarioTrackerOptions {
     pub barrier: Option<f64>,
     /// Largest number of iterations per step; by default 1.
     pub iterations_per_step: Option<usize>,
-    /// Relative decrease of the objective from which on a plan to the same goal replaces the former; by default 0.001.
+    /// Least relative decrease of the objective for which a plan to the same goal replaces the old one; by default
+    /// 0.001.
     pub least_gain: Option<f64>,
-    /// Number of intervals of the look at a plan per degree; by default 10.
+    /// Number of intervals of the check of a plan per degree; by default 10.
     pub look: Option<usize>,
     /// Time within which a step returns, s; by default there is none.
     pub deadline_s: Option<f64>,
@@ -110,7 +111,7 @@ impl ScenarioTracker {
     /// Replaces all obstacles from the next step on.
     ///
     /// # Errors
-    /// Names the key of an obstacle and its fault; the former ones remain.
+    /// Names the key of an obstacle and its fault; the old obstacles then remain.
     pub fn set_obstacles(&mut self, obstacles: &[Obstacle]) -> Result<()> {
         self.0.with_dependent_mut(|scenario, tracker| {
             let scene = scenario.scene_with(obstacles)?;
