@@ -259,7 +259,7 @@ def of_guide(ours: Results) -> dict[str, list[tuple[str, list[Decimal]]]]:
 
 
 def differences(file: str, claims: list[tuple[str, list[Decimal]]]) -> tuple[list[str], str]:
-    """What differs between a page and its claims, and the text of the page without these."""
+    """The differences between a page and its claims, and the text of the page without these."""
     text = " ".join((ROOT / file).read_text(encoding="utf-8").split())
     found = []
     for claim, values in claims:

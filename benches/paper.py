@@ -271,7 +271,7 @@ def times_tables(times: dict[str, list[dict]]) -> str:
         "growth | polynomial of least squares, microseconds | its last term at the largest N | power law"
         " | paper, Figures 4 and 5"
     )
-    first = " | ".join(["microseconds a call at one node", *(f"N = {n}" for n in JOINTS)])
+    first = " | ".join(["microseconds per call at one node", *(f"N = {n}" for n in JOINTS)])
     note = "Mean ± standard deviation (median) of criterion's samples at one state; the fits are those of the means."
     return f"{table(first, lines)}\n\n{table(head, fits)}\n\n{note}"
 

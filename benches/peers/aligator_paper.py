@@ -85,7 +85,7 @@ GRID = [
 
 @dataclass
 class Solution:
-    """What the program prints of a solve."""
+    """The output of the program about a solve."""
 
     seconds: list
     iterations: int

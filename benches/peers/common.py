@@ -310,11 +310,10 @@ def add_ours(table, section, family, values, method, options, repeats, tolerance
 
 
 def finish(row, values, motion, tolerance=1e-3):
-    """Fills in what is measured of a motion in the same way for all methods.
+    """Fills in the quantities that are measured in the same way for all methods.
 
-    Knots with torques that are held are no motion between them: of those the judge gets positions and velocities of
-    the simulated motion, with
-    its feedback, and derives the rest, since accelerations jump with the torques.
+    Knots with torques that are held define no motion between them: for those the judge gets positions and velocities of
+    the simulated motion, with its feedback, and derives the rest, since accelerations jump with the torques.
     """
     if motion is None or not np.isfinite(motion.u).all():
         row.note = row.note or "no motion"

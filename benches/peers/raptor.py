@@ -11,14 +11,14 @@ side by 0.22 m; it is flat, never below the ground, and 0.3 m above it halfway; 
 upright; friction and torsion of 0.7, a sole of 23.5 by 8 cm; torque limits of hips and knees; the next step is the
 mirror image. A start is off by up to 0.1 rad in each joint, and by as much per duration in each velocity.
 
-What differs: RAPTOR closes the loops of Digit's rods by elimination, and its foot may land with a speed that the
+Differences: RAPTOR closes the loops of Digit's rods by elimination, and its foot may land with a speed that the
 ground takes away; here the legs are trees with a motor at the tarsus, the foot lands at rest, and the cost is the
 integral of squared torques, so costs are not compared. The robot is made from the pinned one in `robots`, of which the
 standing leg has inertias in the frames of the hanging one: the torso and its right leg, with a left leg that is the
 mirror image.
 
 The judge knows nothing of ours: the torso is a free-flying base in Pinocchio, whose motion follows from that of the
-joints and the foot that stands; what its dynamics lack is the force of the ground. It looks at 2001 times.
+joints and the foot that stands; the residual of its dynamics is the force of the ground. It checks 2001 times.
 """
 
 import argparse

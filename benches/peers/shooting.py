@@ -1,4 +1,4 @@
-"""What the shooting methods of the paper's experiments share: initial guesses, and knots as a motion."""
+"""Common parts of the shooting methods of the paper's experiments: initial guesses, and knots as a motion."""
 
 import numpy as np
 import pinocchio as pin
