@@ -117,7 +117,7 @@ impl<S: Scalar> Rows<'_, S> {
 
     /// Takes the distance of the balls of two nodes for a row, unless it is nowhere larger than that of others.
     fn take(&mut self, row: usize, g: S, points: [&Vector3<S>; 2], of: [usize; 2]) {
-        // The pieces that a search begins with are found again by it. What is not a number is taken.
+        // A search finds again the pieces with which it begins. NaN is taken.
         let is_finite = (g * S::zero()).vanishes();
         if is_finite && is_nowhere_negative(self.value(row) - g) {
             return;

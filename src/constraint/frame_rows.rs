@@ -22,7 +22,7 @@ pub struct FrameRow<C: Scalar = f64> {
     pub square: C,
     /// The slope of the row at its boundary, see [`Constraint::row_scales`].
     pub scale: C,
-    /// What the row limits, for its label.
+    /// The limited quantity, for the label of the row.
     pub what: &'static str,
     /// The unit of that quantity.
     pub unit: &'static str,

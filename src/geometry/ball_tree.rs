@@ -168,7 +168,7 @@ impl<C: Scalar> BallTree<C> {
     }
 }
 
-/// Searches what is below a node with this bound.
+/// Searches the part below a node with this bound.
 fn descend<N: Copy, B>(
     node: N,
     own: B,

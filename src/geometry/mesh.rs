@@ -34,9 +34,9 @@ const ROUNDING: f64 = 1e-9;
 /// these.
 ///
 /// Space is divided into cubes somewhat wider than `excess / 2`. Those that no path over cubes without a surface
-/// connects with the outside are within: a mesh encloses a volume even if it has gaps narrower than a cube, and what
-/// only such gaps lead to, such as the inside of a housing, is part of the volume. The surface that remains is cut
-/// along the cubes into patches.
+/// connects with the outside are within: a mesh encloses a volume even if it has gaps narrower than a cube, and a space
+/// that is only reached through such gaps, such as the inside of a housing, is part of the volume. The surface that
+/// remains is cut along the cubes into patches.
 ///
 /// Candidates are the balls within that touch the surface at two points, with their radius increased by the excess:
 /// each other ball within, increased likewise, is contained in one of them. They are chosen by the number of patches

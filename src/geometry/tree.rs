@@ -54,7 +54,7 @@ impl Tree {
     }
 
     /// Calls `visit` with every box that is not further than a distance from a point. The point and the distance are
-    /// what `visit` returned last, `ball` at first; they must not grow beyond.
+    /// those that `visit` returned last, `ball` at first; the ball must not extend beyond the one before.
     pub fn visit(
         &self,
         mut ball: (Vector3<f64>, f64),

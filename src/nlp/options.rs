@@ -43,9 +43,9 @@ pub struct Options {
     /// The least first penalty of a row relative to its own known multiplier.
     pub row_penalty_of_multipliers: f64,
     /// The factor of the penalty of a violated row whose multiplier has reached it, and that of all penalties if the
-    /// violations have hardly decreased since the last raise. A large penalty of a row with a small multiplier makes
-    /// steps along it short, so only rows that need a large penalty have one (tuned on 103 problems of Panda and Fetch:
-    /// with 1 or 10 for all penalties fewer searches end at minima).
+    /// violations have decreased too little since the last raise. A large penalty of a row with a small multiplier
+    /// makes steps along it short, so only rows that need a large penalty have one (tuned on 103 problems of Panda and
+    /// Fetch: with 1 or 10 for all penalties fewer searches end at minima).
     pub row_penalty_factor: f64,
     pub penalty_factor: f64,
     /// The factor of the penalties of equalities that decrease too little: 10 as in NW (17.4).

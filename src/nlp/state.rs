@@ -219,9 +219,9 @@ impl State {
     }
 
     /// Raises the penalties of violated rows whose multipliers have reached them, and those of all rows if the
-    /// violations have hardly decreased with the last raise; returns true if one is raised.
+    /// violations have decreased too little since the last raise; returns true if one is raised.
     ///
-    /// Violations that cost more than the objective and have hardly decreased are a local minimum of the violation
+    /// Violations that cost more than the objective and have decreased too little are a local minimum of the violation
     /// (Byrd, Curtis and Nocedal, *Infeasibility detection and SQP methods for nonlinear optimization*, 2010).
     fn raise_penalties(&mut self, options: &Options) -> bool {
         if !self.iterate.is_at_penalty(&self.h, options.feasible) {

@@ -9,7 +9,7 @@ use crate::scalar::{LANES, Wide};
 use std::ops::Range;
 
 /// The number of parts of a line, four configurations each, up to which they are checked one by one after the first
-/// four. More are checked four by four, so that what is far from a part of the line is found.
+/// four. More are checked four by four, so that collisions in other parts of the line are found.
 const PARTS: usize = 8;
 
 /// The share of a line below which intervals count as empty, as rounding makes them.

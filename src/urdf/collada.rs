@@ -53,7 +53,7 @@ pub(super) fn read_collada(text: &str) -> Read<Vec<Triangle>> {
                 "instance_node" | "instance_controller" => {
                     return Err(refuse(element, "it is not supported"));
                 }
-                // Transforms come before what they place, in the schema of the format.
+                // Transforms come before the elements that they place, in the schema of the format.
                 _ => transform *= read_transform(element)?,
             }
         }

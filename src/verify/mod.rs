@@ -1,7 +1,8 @@
 //! Verification of every derivative, every formula and the underlying dynamics.
 //!
 //! Three kinds of witnesses check this library, and no claim rests on one of them alone. No witness uses the formulas
-//! that it checks: each computes by differentiation, or by another method, what the fast code has in closed form.
+//! that it checks: each computes by differentiation, or by another method, the quantities that the fast code has in
+//! closed form.
 //!
 //! # Dual numbers: [`duals`]
 //!

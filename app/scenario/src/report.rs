@@ -108,8 +108,8 @@ impl<'a> Solve<'a> {
         Self { interrupt, ..self }
     }
 
-    /// Starts a direct solve from the motion of another one, with its multipliers if the constraints are as many,
-    /// instead of from several starts. The goal, the obstacles and the limits may be others.
+    /// Starts a direct solve from the motion of another one, with its multipliers if the number of constraints is the
+    /// same, instead of from several starts. The goal, the obstacles and the limits may differ.
     #[must_use]
     pub fn start(self, start: &'a Solved) -> Self {
         let start = Some(start);

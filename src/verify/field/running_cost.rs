@@ -218,7 +218,7 @@ fn horizon(p: &RandomInstance) -> Result<Vec<Equality>> {
 
     let HorizonDerivatives { second, mixed, .. } =
         at_a_horizon(p, &example, ControlEffort::new(&p.model))?;
-    // The unknowns are what is added to the coefficients, then the horizon.
+    // The unknowns are the changes of the coefficients, then the horizon.
     let count = mixed.len();
     let mut unknowns = vec![Gf::zero(); count];
     unknowns.push(p.k);

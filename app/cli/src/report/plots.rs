@@ -135,7 +135,7 @@ fn label(x: f64, range: &Range<f64>) -> String {
     }
 }
 
-/// Formats a number at a logarithmic axis: only powers of ten, unless the axis has hardly any.
+/// Formats a number at a logarithmic axis: only powers of ten, unless the axis has too few of them.
 fn power_label(x: f64, few: bool) -> String {
     let whole = (x - x.round()).abs() < 1e-6;
     match (few, whole) {

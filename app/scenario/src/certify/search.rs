@@ -33,7 +33,7 @@ const DECIMALS: f64 = 1e9;
 /// The largest error of an entry of a placement, m, with which claims are made.
 const LARGEST_ERROR: f64 = 1e-4;
 
-/// The half width of the parts on which the motion hardly moves but rounding is still small.
+/// The half width of the parts on which the joints move very little but rounding is still small.
 const NARROW: f64 = 1.0 / (1 << 10) as f64;
 
 /// The largest reserve of a row that is claimed.
