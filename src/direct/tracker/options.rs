@@ -16,8 +16,8 @@ pub struct TrackerOptions {
     /// a goal that has moved; with 1e-4 a search takes several times as many iterations.
     pub barrier: f64,
     /// The largest number of interior-point iterations per step, by default 1: a second one would use an older state
-    /// than the first one of the next step. For a polynomial of degree 12 of an arm with seven joints an iteration
-    /// takes 0.3 ms, and the rest of a step 0.6 ms.
+    /// than the first one of the next step. For a polynomial of degree 12 of an arm with seven joints a step with one
+    /// takes 0.6 to 1 ms (`benches/tracker.py`).
     pub iterations_per_step: usize,
     /// The least decrease of the objective with its barrier, relative to the objective, for which a plan to the same
     /// goal replaces the old one, by default 1e-3: each replacement may make the acceleration jump.
