@@ -270,10 +270,10 @@ def differences(file: str, claims: list[tuple[str, list[Decimal]]]) -> tuple[lis
         if not match:
             found.append(f"{file}: there is no '{claim}'")
             continue
-        for told, value in zip(match.groups(), values, strict=True):
+        for number, value in zip(match.groups(), values, strict=True):
             # As many digits behind the point as the page has.
-            if value.quantize(Decimal(1).scaleb(Decimal(told).as_tuple().exponent)) != Decimal(told):
-                found.append(f"{file}: '{match[0]}': {told} is {value} in the table of results")
+            if value.quantize(Decimal(1).scaleb(Decimal(number).as_tuple().exponent)) != Decimal(number):
+                found.append(f"{file}: '{match[0]}': {number} is {value} in the table of results")
         text = text.replace(match[0], "")
     return found, text
 

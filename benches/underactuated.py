@@ -160,8 +160,8 @@ class Collocation:
         """IPOPT's status, the effort and the unknowns."""
         found = self.solver(x0=guess, lbg=0, ubg=0)
         stats = self.solver.stats()
-        told = {"status": stats["return_status"], "success": bool(stats["success"]), "effort": float(found["f"])}
-        return told, found["x"]
+        outcome = {"status": stats["return_status"], "success": bool(stats["success"]), "effort": float(found["f"])}
+        return outcome, found["x"]
 
 
 def reference(name, starts, intervals, amplitude):
@@ -187,17 +187,17 @@ def reference(name, starts, intervals, amplitude):
             break
     else:
         return {"status": "no start converged", "starts": starts, "converged_starts": len(solved)}
-    told = lambda x: float(f"{x:.6g}")
+    rounded = lambda x: float(f"{x:.6g}")
     return {
-        "effort": told(finest["effort"]),
-        "effort_of_half_the_intervals": told(effort),
+        "effort": rounded(finest["effort"]),
+        "effort_of_half_the_intervals": rounded(effort),
         "intervals": meshes[2].intervals,
         "status": finest["status"],
         "seed": seed,
         "starts": starts,
         "converged_starts": len(efforts),
         "starts_at_the_effort": sum(abs(other - effort) < SAME * effort for other in efforts),
-        "quartiles_of_starts": [told(efforts[round(share * (len(efforts) - 1))]) for share in (0, 0.25, 0.5, 0.75, 1)],
+        "quartiles_of_starts": [rounded(efforts[round(share * (len(efforts) - 1))]) for share in (0, 0.25, 0.5, 0.75, 1)],
         "seconds": round(time.time() - began),
     }
 

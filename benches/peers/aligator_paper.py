@@ -35,7 +35,7 @@ ITERATIONS = 1000
 
 @dataclass(frozen=True)
 class Parameters:
-    """A set of Table VIII, and what the table does not have, as Aligator sets it unless told."""
+    """A set of Table VIII, and what the table does not have, by default as Aligator sets it."""
 
     w_u: float
     w_x: float
@@ -59,7 +59,7 @@ BEST = {
     "Kinova": Parameters(1e-4, 1e-3, 1.0, 1e-3, 1e-3, 1e-7, "Line and RNEA", True),
     "Digit": Parameters(1e-2, 1.0, 1e-6, 1e-2, 1e-3, 1e-8, "Zeros"),
 }
-# After its examples: the torques that hold the start as the guess, the penalty that its solver has unless told (as
+# After its examples: the torques that hold the start as the guess, the default penalty of its solver (as
 # `ur10_ballistic`, which has a terminal equality too), weights of state and control alike (as `ur5_reach`), or more on
 # the control, as effort is what is compared. Digit falls with such torques: its set is the best one on a smaller scale.
 TUNED = {

@@ -67,12 +67,12 @@ class Table:
         return any((row.section, row.scenario, row.method, row.settings) == wanted for row in self.rows)
 
     def add(self, row):
-        """Adds a row, tells it on the terminal and writes the file."""
+        """Adds a row, prints it and writes the file."""
         self.rows.append(row)
-        told = f"{row.scenario:22} {row.method:34} {'success' if row.success else 'FAILED ':8} "
-        told += f"{'valid' if row.valid else 'INVALID':8} effort {row.effort:10.4g}  "
-        told += f"{1e3 * row.seconds:9.1f} ms  {row.note}"
-        print(told, flush=True)
+        line = f"{row.scenario:22} {row.method:34} {'success' if row.success else 'FAILED ':8} "
+        line += f"{'valid' if row.valid else 'INVALID':8} effort {row.effort:10.4g}  "
+        line += f"{1e3 * row.seconds:9.1f} ms  {row.note}"
+        print(line, flush=True)
         self.write()
 
     def write(self):
@@ -81,11 +81,11 @@ class Table:
         with open(partial, "w", newline="") as file:
             writer = csv.DictWriter(file, [column.name for column in fields(Row)], lineterminator="\n")
             writer.writeheader()
-            writer.writerows({key: told(value) for key, value in asdict(row).items()} for row in self.rows)
+            writer.writerows({key: text_of(value) for key, value in asdict(row).items()} for row in self.rows)
         os.replace(partial, self.path)
 
 
-def told(value):
+def text_of(value):
     """A number with seven digits, anything else as it is."""
     return f"{value:.7g}" if isinstance(value, float) else value
 

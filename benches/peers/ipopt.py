@@ -14,7 +14,7 @@ NOTE = (
     'in the times), tolerance 1e-6, from the cubic between the ends. "Degree 16" is the transcription that '
     'ours has: one polynomial for each joint, 60 points; "multiple shooting" has 40 intervals with linear '
     "accelerations, so more unknowns and lower minima. Limits and distances are kept at the points only, so 1 "
-    "% of velocities and torques and 1 cm are left for what is between. Ours: the defaults (16 starts for "
+    "% of velocities and torques and 1 cm are left for what is between. Ours: the defaults (32 starts for "
     "free motions, one within limits), and one start from the same cubic. Limits: the cost has 0.1 of squared "
     "accelerations, the effort is without."
 )

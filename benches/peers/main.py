@@ -60,14 +60,14 @@ def main():
     table = Table(options.out / "results.csv", options.resume)
     notes = {name: module.NOTE for name, module in SECTIONS.items()}
     command = " ".join(["benches/peers/run", *sys.argv[1:]])
-    told = ""
+    table_of_dynamics = ""
     all_sections = [name for name in known if not (options.quick and name == "obstacles")]
     for name in options.sections or all_sections:
         if name != "dynamics":
             SECTIONS[name].run(table, options)
         elif DYNAMICS.exists():
-            told = dynamics(options.out, options.quick)
-        report.write(table, notes, options.out, command, told)
+            table_of_dynamics = dynamics(options.out, options.quick)
+        report.write(table, notes, options.out, command, table_of_dynamics)
     print(f"wrote {options.out}/RESULTS.md, index.html and results.csv")
     return 0
 

@@ -12,8 +12,8 @@ from common import HERE, WORK
 CMEEL = Path(sysconfig.get_paths()["purelib"]).relative_to(sys.prefix) / "cmeel.prefix"
 
 
-def told(*command):
-    """Runs a command, whose output is told if it fails."""
+def quietly(*command):
+    """Runs a command, whose output is in the error if it fails."""
     run = subprocess.run(command, capture_output=True, text=True)
     if run.returncode:
         raise RuntimeError(f"{' '.join(map(str, command))} fails:\n{run.stdout}\n{run.stderr}")
@@ -25,7 +25,7 @@ def environment(name):
     made = folder / "requirements.txt"
     if not made.exists() or made.read_bytes() != wanted.read_bytes():
         venv.create(folder, clear=True, with_pip=True)
-        told(folder / "bin" / "pip", "install", "--quiet", "--requirement", wanted)
+        quietly(folder / "bin" / "pip", "install", "--quiet", "--requirement", wanted)
         made.write_bytes(wanted.read_bytes())
     return folder
 
@@ -35,6 +35,6 @@ def built(name, prefix=sys.prefix, **definitions):
     cmake = Path(sys.executable).parent / "cmake"
     folder = WORK / f"build_{name}"
     settings = [f"-D{key}={value}" for key, value in {"CMEEL": Path(prefix) / CMEEL, **definitions}.items()]
-    told(cmake, "-S", HERE / name, "-B", folder, *settings)
-    told(cmake, "--build", folder)
+    quietly(cmake, "-S", HERE / name, "-B", folder, *settings)
+    quietly(cmake, "--build", folder)
     return folder / f"{name}_plan"

@@ -78,7 +78,7 @@ fn solve<'py>(
             };
             let heard = match py.detach(hear) {
                 Ok(record) if failed.is_none() => match &on_iteration {
-                    Some(callback) => told(py, callback, &record),
+                    Some(callback) => call_back(py, callback, &record),
                     None => Ok(()),
                 },
                 Ok(_) | Err(RecvTimeoutError::Timeout) => Ok(()),
@@ -131,28 +131,28 @@ pub fn read_scenario(name: &str, text: Option<&str>) -> PyResult<Scenario> {
 }
 
 /// Calls a function with a record as keyword arguments.
-fn told(py: Python<'_>, callback: &Bound<'_, PyAny>, record: &Record) -> PyResult<()> {
-    let told = PyDict::new(py);
+fn call_back(py: Python<'_>, callback: &Bound<'_, PyAny>, record: &Record) -> PyResult<()> {
+    let values = PyDict::new(py);
     match record {
         Record::Flow(flow) => {
-            told.set_item("s", flow.s)?;
-            told.set_item("action", flow.action_at_nodes)?;
+            values.set_item("s", flow.s)?;
+            values.set_item("action", flow.action_at_nodes)?;
         }
         Record::Rest(rest) => {
-            told.set_item("s", rest.s)?;
-            told.set_item("degree", rest.degree)?;
-            told.set_item("action", rest.action)?;
-            told.set_item("gradient_norm", rest.gradient_norm)?;
+            values.set_item("s", rest.s)?;
+            values.set_item("degree", rest.degree)?;
+            values.set_item("action", rest.action)?;
+            values.set_item("gradient_norm", rest.gradient_norm)?;
         }
         Record::Direct(iteration) => {
-            told.set_item("start", iteration.start)?;
-            told.set_item("horizon", iteration.horizon)?;
-            told.set_item("degree", iteration.degree)?;
-            told.set_item("cost", iteration.cost)?;
-            told.set_item("gradient_norm", iteration.gradient_norm)?;
+            values.set_item("start", iteration.start)?;
+            values.set_item("horizon", iteration.horizon)?;
+            values.set_item("degree", iteration.degree)?;
+            values.set_item("cost", iteration.cost)?;
+            values.set_item("gradient_norm", iteration.gradient_norm)?;
         }
     }
-    callback.call1((told,)).map(drop)
+    callback.call1((values,)).map(drop)
 }
 
 /// Solves scenarios in parallel on all cores or `threads`, in their order; each is a scenario in JSON with its name. In

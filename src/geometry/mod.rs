@@ -34,6 +34,7 @@ mod shape;
 mod tree;
 
 pub use ball_tree::{BallNode, BallTree};
+#[cfg(feature = "solvers")]
 pub(crate) use collision::SETS;
 pub use collision::{Capsule, CollisionGeometry, CollisionSphere};
 pub use corner::FLAT;

@@ -6,7 +6,7 @@ use aghf::dynamics::{
     aba, aba_derivatives, crba, rnea, rnea_derivatives, rnea_second_derivatives,
 };
 use aghf::model::Model;
-use aghf::scalar::{AlgebraOver, LANES, Wide};
+use aghf::scalar::{AlgebraOver, LANES, Lanes, Wide};
 use nalgebra::DMatrix;
 use std::hint::black_box;
 
