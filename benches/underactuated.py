@@ -187,17 +187,17 @@ def reference(name, starts, intervals, amplitude):
             break
     else:
         return {"status": "no start converged", "starts": starts, "converged_starts": len(solved)}
-    rounded = lambda x: float(f"{x:.6g}")
+    short = lambda x: float(f"{x:.6g}")
     return {
-        "effort": rounded(finest["effort"]),
-        "effort_of_half_the_intervals": rounded(effort),
+        "effort": short(finest["effort"]),
+        "effort_of_half_the_intervals": short(effort),
         "intervals": meshes[2].intervals,
         "status": finest["status"],
         "seed": seed,
         "starts": starts,
         "converged_starts": len(efforts),
         "starts_at_the_effort": sum(abs(other - effort) < SAME * effort for other in efforts),
-        "quartiles_of_starts": [rounded(efforts[round(share * (len(efforts) - 1))]) for share in (0, 0.25, 0.5, 0.75, 1)],
+        "quartiles_of_starts": [short(efforts[round(share * (len(efforts) - 1))]) for share in (0, 0.25, 0.5, 0.75, 1)],
         "seconds": round(time.time() - began),
     }
 
