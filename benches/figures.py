@@ -251,11 +251,39 @@ def beside_optimisers(peers: Results, solves: Solves) -> list[tuple[str, list[De
     ]
 
 
-def of_guide(ours: Results) -> dict[str, list[tuple[str, list[Decimal]]]]:
+def of_functions(ours: Results, peers: Results) -> list[tuple[str, list[Decimal]]]:
+    """The times of functions in the page on performance."""
+    dynamics = {
+        "dynamics::rnea) | O(N)": "rnea",
+        "dynamics::crba) | O(N d)": "crba",
+        "dynamics::aba) | O(N)": "aba",
+        "dynamics::rnea_derivatives()) | O(N d)": "rnea_derivatives",
+        "dynamics::aba_derivatives) | O(N²) and products of matrices": "aba_derivatives",
+        "full tensors | O(N d²)": "rnea_second_derivatives",
+    }
+    flow = {
+        "by the control form | O(N)": "Omega, control form",
+        "control form | O(N d) and products of matrices": "Jacobian, control form",
+        "Algorithm B2 | O(N³)": "Jacobian, Theorem B4",
+    }
+    names = ("aghf", "aghf, 4 lanes")
+    return [
+        (head + " | {} | {} | {} | {} |", [
+            peers.of("Dynamics", name, rf"^{robot} \| {function}$")[0] for robot in ("kinova", "digit") for name in names
+        ])
+        for head, function in dynamics.items()
+    ] + [
+        (head + " | {} | | {} | |", [ours.of(PAPER, name, f"^{row}", 1)[0] for name in ("N = 7", "N = 22")])
+        for head, row in flow.items()
+    ]
+
+
+def of_guide(ours: Results, peers: Results) -> dict[str, list[tuple[str, list[Decimal]]]]:
     """The claims of other pages."""
     walks = ours.of(WALKS, "solve, s")
     limits = ours.of("Within all limits", "median, ms", "^Kinova Gen3")
     return {
+        "src/guide/performance.md": of_functions(ours, peers),
         "app/scenario/src/guide/standing.md": [("take {} to {} s on one core", [min(walks), max(walks)])],
         "app/scenario/src/guide/asking_for_more.md": [
             ("(`limits`) | 91 | {} ms", limits[:1]),
@@ -298,7 +326,7 @@ def main() -> None:
             for cell in row.split(" | ")[columns]:
                 for number in re.findall(rf"(?<![\w.-]){NUMBER}", cell):
                     found.append(f"README.md: {number} in '{cell}' belongs to no claim")
-    for file, claims in of_guide(ours).items():
+    for file, claims in of_guide(ours, peers).items():
         found += differences(file, claims)[0]
     print("\n".join(found) or "all figures are those of the tables")
     sys.exit(bool(found))
