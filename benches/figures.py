@@ -266,16 +266,15 @@ def of_functions(ours: Results, peers: Results) -> list[tuple[str, list[Decimal]
         "control form | O(N d) and products of matrices": "Jacobian, control form",
         "Algorithm B2 | O(N³)": "Jacobian, Theorem B4",
     }
-    names = ("aghf", "aghf, 4 lanes")
-    return [
-        (head + " | {} | {} | {} | {} |", [
-            peers.of("Dynamics", name, rf"^{robot} \| {function}$")[0] for robot in ("kinova", "digit") for name in names
-        ])
-        for head, function in dynamics.items()
-    ] + [
-        (head + " | {} | | {} | |", [ours.of(PAPER, name, f"^{row}", 1)[0] for name in ("N = 7", "N = 22")])
-        for head, row in flow.items()
-    ]
+    columns = [(robot, name) for robot in ("kinova", "digit") for name in ("aghf", "aghf, 4 lanes")]
+    claims = []
+    for head, function in dynamics.items():
+        times = [peers.of("Dynamics", name, rf"^{robot} \| {function}$")[0] for robot, name in columns]
+        claims.append((head + " | {} | {} | {} | {} |", times))
+    for head, row in flow.items():
+        times = [ours.of(PAPER, name, f"^{row}", 1)[0] for name in ("N = 7", "N = 22")]
+        claims.append((head + " | {} | | {} | |", times))
+    return claims
 
 
 def of_guide(ours: Results, peers: Results) -> dict[str, list[tuple[str, list[Decimal]]]]:
