@@ -2,6 +2,7 @@
 
 use aghf::direct::PlannedStarts;
 use aghf::flow::FlowRecord;
+use aghf::motion::Interrupt;
 use aghf::urdf::builtin_robots;
 use aghf_scenario::{
     Details, DirectOptions, FlowDetails, FlowOptions, Method, Record, Scenario, Solve,
@@ -9,6 +10,7 @@ use aghf_scenario::{
 };
 use serde_json::{Map, Value, json};
 use std::path::Path;
+use std::time::Duration;
 
 #[test]
 fn all_that_are_built_in_load_and_fit_their_robots() {
@@ -334,4 +336,24 @@ fn a_motion_that_keeps_its_constraints_is_valid() {
         assert_eq!(found(planned, 1e-30), Verdict::Valid);
         assert_eq!(found(planned, 1e-6), Verdict::Optimal);
     }
+}
+
+/// A search that is stopped before its first step knows no gradient norm, and says so.
+#[test]
+fn the_gradient_norm_of_a_stopped_search_may_be_unknown() {
+    let scenario = Scenario::load("kinova_table_01").expect("built in");
+    let solve = Solve::new(&scenario).interrupt(Interrupt::after(Duration::ZERO));
+    let summary = solve.run().expect("valid").summary;
+    let Details::Direct(details) = &summary.details else {
+        panic!("it is the direct method");
+    };
+    assert!(!details.gradient_norm.is_finite());
+    let words = summary.failure.iter().chain(&summary.notes);
+    assert!(
+        words
+            .clone()
+            .any(|words| words.contains("the gradient norm is not known")),
+        "{:?}",
+        words.collect::<Vec<_>>()
+    );
 }
