@@ -110,7 +110,7 @@ COLUMNS = (
     "(MotionBenchMaker: valid). Valid: `aghf judge` accepts the table of the motion. Effort is the integral "
     'of |u|², the mean over successes; "of the best" the geometric mean of the ratio to the least effort that '
     "any method of the section found for the same scenario. Times are of the solves alone, the median of "
-    "repeated ones for each scenario; median and 90th percentile over the scenarios."
+    "repeated ones for each scenario; 50th and 90th percentile over the scenarios, by nearest rank."
 )
 
 

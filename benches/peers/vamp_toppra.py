@@ -108,11 +108,11 @@ def words(name, values, box_family):
         else:
             axis = turn.apply([0, 0, half_length])
             capsules.append([*np.subtract(center, axis), *np.add(center, axis), radius])
-    words = [name, *values["q_start"], *values["q_goal"], len(boxes)]
+    fields = [name, *values["q_start"], *values["q_goal"], len(boxes)]
     for center, rotation, half in boxes:
-        words += [*center, *rotation.as_euler("xyz"), *half]
-    words.append(len(capsules))
-    return " ".join(map(str, words + [x for capsule in capsules for x in capsule]))
+        fields += [*center, *rotation.as_euler("xyz"), *half]
+    fields.append(len(capsules))
+    return " ".join(map(str, fields + [x for capsule in capsules for x in capsule]))
 
 
 def planned(problems, repeats):
