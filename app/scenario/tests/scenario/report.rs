@@ -341,7 +341,7 @@ fn a_motion_that_keeps_its_constraints_is_valid() {
 /// A search that is stopped before its first step knows no gradient norm, and says so.
 #[test]
 fn the_gradient_norm_of_a_stopped_search_may_be_unknown() {
-    let scenario = Scenario::load("kinova_table_01").expect("built in");
+    let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
     let solve = Solve::new(&scenario).interrupt(Interrupt::after(Duration::ZERO));
     let summary = solve.run().expect("valid").summary;
     let Details::Direct(details) = &summary.details else {
