@@ -65,9 +65,12 @@ impl<'a> Promised<'a> {
         let basis = &self.bases[usize::from(c.len() <= Tm::new(0.0).c.len())];
         let reserve = claim * row.scale;
         let negative: Vec<f64> = c.iter().map(|c| -c).collect();
-        let is_above =
-            |c: &[f64], bound: f64| !bound.is_finite() || basis.least(c, *r, bound, 1e-13 * row.scale) >= bound;
-        let kept = is_above(c, row.bounds[0] + reserve) && is_above(&negative, reserve - row.bounds[1]);
+        // No bound is one of the row, before a reserve is added to it, which must not overflow.
+        let is_above = |c: &[f64], bound: f64| {
+            let wanted = bound + reserve;
+            bound == f64::NEG_INFINITY || wanted.is_finite() && basis.least(c, *r, wanted, 1e-13 * row.scale) >= wanted
+        };
+        let kept = row.scale > 0.0 && is_above(c, row.bounds[0]) && is_above(&negative, -row.bounds[1]);
         require(kept, row.name.as_str())
     }
 

@@ -90,7 +90,8 @@ fn json(value: &impl Serialize) -> Result<String> {
 
 /// Checks a certificate with code that shares nothing with the planner, as the program `aghf-check` does.
 ///
-/// Exit code 1 and the reason if it is refused.
+/// It trusts the URDF and the scenario, which have to be ones that `aghf solve` accepts. Exit code 1 and the reason if the
+/// certificate is refused.
 #[derive(Debug, Args)]
 pub(super) struct CheckCertificate {
     /// The URDF file of the robot.

@@ -298,3 +298,19 @@ fn wrong_certificates_are_refused() {
         assert!(wrong != text && case.check_text(&wrong).is_err());
     }
 }
+
+/// A reserve that overflows beside a bound proves nothing. The last two reserves are those of clearances.
+#[test]
+fn huge_reserves_are_refused() {
+    for huge in [f64::MAX, 1e300, 1e30] {
+        let mut case = Case::new("huge", json!({}));
+        assert!(case.check().is_ok());
+        for interval in entries(&mut case.certificate["intervals"]) {
+            for claim in &mut entries(&mut interval[3])[..7] {
+                *claim = json!(huge);
+            }
+        }
+        let found = case.check().expect_err("nothing has such a reserve");
+        assert!(found.contains("position of joint"), "{found}");
+    }
+}
