@@ -192,6 +192,18 @@ impl Motion {
         }
     }
 
+    /// The Chebyshev coefficients of the derivative of each position in `x` on a segment, `p` each.
+    ///
+    /// # Panics
+    /// `segment` is out of range.
+    #[must_use]
+    pub fn rates(&self, segment: usize) -> Vec<&[Ball]> {
+        let joints = self.derivatives[segment].iter();
+        joints
+            .map(|derivatives| derivatives[1].as_slice())
+            .collect()
+    }
+
     /// The number of segments.
     #[must_use]
     pub fn segments(&self) -> usize {

@@ -66,8 +66,10 @@ fn rough(obstacle: &Solid, p: [f64; 3]) -> f64 {
     }
 }
 
-/// More than the error of distances in `f64` up to the largest length of a scenario, 1e6 m.
+/// More than the error of distances in `f64` up to the largest length, m, by rounding and by the enclosure of a
+/// rotation.
 const ROUGH: f64 = 1e-8;
+const LARGEST: f64 = 1e6;
 
 /// The directions that are listed for pairs of shapes on an interval; obstacles follow the shapes of the robot.
 pub(crate) type Directions = BTreeMap<[usize; 2], [f64; 3]>;
@@ -94,7 +96,8 @@ impl Clearances<'_> {
         let middle = |i: usize| self.placed[i].1.map(|x| x.c[0]);
         let way = |i: usize| {
             let off = self.placed[i].1.map(|x| x.turn().1.most());
-            off.iter().map(|x| x * x).sum::<f64>().sqrt() + ROUGH
+            let is_rough = middle(i).into_iter().all(|x| x.abs() <= LARGEST);
+            if is_rough { off.iter().map(|x| x * x).sum::<f64>().sqrt() + ROUGH } else { f64::INFINITY }
         };
         let apart = |p: [f64; 3], q: [f64; 3]| (p[0] - q[0]).hypot(p[1] - q[1]).hypot(p[2] - q[2]);
         let i = pair.part;
@@ -130,6 +133,6 @@ impl Clearances<'_> {
         };
         let gap = dot(n, off) - extent(&a, n) - extent(&b, n);
         let kept = (claim + pair.margin) * dot(n, n).most().sqrt() * (1.0 + 4.0 * UNIT);
-        dot(n, n).c[0] > 1e-6 && self.by.lower(gap) >= kept
+        dot(n, n).c[0] > 1e-6 && kept.is_finite() && self.by.lower(gap) >= kept
     }
 }

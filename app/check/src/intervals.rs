@@ -1,13 +1,13 @@
 //! The claims on each interval and at single places.
 
+use crate::Checked;
 use crate::arithmetic::{Bernstein, Tm, UP};
 use crate::distance::{Clearances, Directions, Distances};
-use crate::json::{array, entries, get, list, number, option, require, three};
+use crate::json::{entries, list, number, number_or, option, require, three};
 use crate::motion::{Motion, cut, middle};
 use crate::robot::Robot;
 use crate::rows::{Row, State};
 use crate::scenario::{Limit, Obstacle, Pair, obstacles, pairs};
-use crate::{Checked, TOLERANCE};
 use serde_json::Value;
 
 /// The kinds of limits.
@@ -42,12 +42,15 @@ impl<'a> Promised<'a> {
         motion: Motion,
     ) -> Checked<Self> {
         let obstacles = obstacles(scenario)?;
-        let pairs = pairs(scenario, certificate, &robot, &obstacles)?;
+        let pairs = pairs(scenario, &robot, &obstacles)?;
         let clear = ["obstacles", "self_collision"].into_iter().zip(pairs).filter(|(_, pairs)| !pairs.is_empty());
         let bases = [Bernstein::new(motion.degree()), Bernstein::new(Tm::new(0.0).c.len() - 1)];
         let kept = entries(scenario, "keep");
-        let tube = number(get(certificate, "tracking_error")?)?;
-        require(tube >= 0.0, "the tracking error is negative")?;
+        for (i, [from, to]) in kept.iter().map(window).enumerate() {
+            let is_met = from < to && from < motion.horizon;
+            require(is_met, format!("keep[{i}] from {from} to {to} s is at no time of the motion"))?;
+        }
+        let tube = number(&certificate["tracking_error"]);
         Ok(Self { scenario, clear: clear.collect(), robot, motion, tube, limits, kept, obstacles, bases })
     }
 
@@ -78,19 +81,21 @@ impl<'a> Promised<'a> {
     pub(crate) fn check_places(&self, certificate: &Value) -> Checked<()> {
         let (last, goals) = (self.motion.segments() - 1, entries(self.scenario, "goal"));
         if !goals.is_empty() {
-            let claim = number(get(certificate, "goal")?)?;
-            let is_in = |goal: &Value| self.prove_at([last as f64, 1.0, claim], |state| state.poses(goal));
-            require(goals.iter().any(|goal| is_in(goal).is_ok()), "the goal is not proved")?;
+            let claim = option(certificate, "goal").map(number).ok_or("'goal' is missing")?;
+            let state = self.state_at(last as f64, 1.0)?;
+            let sets = goals.iter().map(|goal| state.poses(goal)).collect::<Checked<Vec<_>>>()?;
+            let is_in = |rows: &Vec<Row>| rows.iter().all(|row| self.prove_row(row, claim).is_ok());
+            require(sets.iter().any(is_in), "the goal is not proved")?;
         }
         let (points, places) = (entries(self.scenario, "waypoints"), entries(certificate, "waypoints"));
         require(points.len() == places.len(), "the waypoints are not those of the scenario")?;
         let mut before = [0.0, -1.0];
         for (i, (point, place)) in points.iter().zip(places).enumerate() {
             let fault = |what: String| format!("waypoint {i}: {what}");
-            let place: [f64; 3] = list(place)?.try_into().map_err(|_| fault("it has no place".to_owned()))?;
-            self.prove_at(place, |state| state.waypoint(point)).map_err(fault)?;
-            let [segment, x, _] = place;
-            let time = option(point, "time_s").map(number).transpose()?;
+            let [segment, x, claim] = three(place);
+            let rows = self.state_at(segment, x).and_then(|state| state.waypoint(point)).map_err(fault)?;
+            rows.iter().try_for_each(|row| self.prove_row(row, claim)).map_err(fault)?;
+            let time = option(point, "time_s").map(number);
             let off = time.map_or(0.0, |time| (self.motion.time(segment as usize, x) - time).abs());
             require(off <= SAME_TIME * self.motion.horizon, fault("it has another time".to_owned()))?;
             require(before <= [segment, x], fault("it is before another one".to_owned()))?;
@@ -99,15 +104,13 @@ impl<'a> Promised<'a> {
         Ok(())
     }
 
-    /// Proves the claim on rows at a place: a segment, x in it, and the claim.
-    fn prove_at(&self, [segment, x, claim]: [f64; 3], rows: impl Fn(&State) -> Checked<Vec<Row>>) -> Checked<()> {
+    /// The state at a place: a segment and x in it.
+    fn state_at(&self, segment: f64, x: f64) -> Checked<State<'_>> {
         let known = segment.fract() == 0.0 && (0.0..self.motion.segments() as f64).contains(&segment);
-        require(known && x.abs() <= 1.0, "the place is not in the motion")?;
-        require(claim >= -TOLERANCE, "the reserve is negative")?;
+        require(known, "the place is not in the motion")?;
         let [q, v, ..] = self.motion.expand(segment as usize, [x, 1.0 / f64::from(1 << 20)]);
         let [q, v] = [q, v].map(|all| all.iter().map(middle).collect());
-        let rows = rows(&State::new(&self.robot, q, v))?;
-        rows.iter().try_for_each(|row| self.prove_row(row, claim))
+        Ok(State::new(&self.robot, q, v))
     }
 
     /// Checks that the intervals cover all segments, one after the other, and the claims on each.
@@ -116,20 +119,17 @@ impl<'a> Promised<'a> {
         let not_covered = "the intervals do not cover the horizon";
         let (mut segment, mut from) = (0, -1.0);
         for interval in intervals {
-            let [own, begin, end, claims, directions] = array(interval)?.as_slice() else {
-                return Err("an interval has five entries".to_owned());
-            };
-            let directions = array(directions)?.iter().map(direction).collect::<Checked<Directions>>()?;
-            let (begin, end, claims) = (number(begin)?, number(end)?, list(claims)?);
+            let [own, begin, end] = three(interval);
+            let directions = interval[4].as_array().into_iter().flatten().map(direction).collect();
+            let claims = list(&interval[3]);
             if from == 1.0 {
                 (segment, from) = (segment + 1, -1.0);
             }
             // A middle and a half width that represent both ends exactly.
             let (m, w) = (0.5 * (begin + end), 0.5 * (end - begin));
             let exact = m - w == begin && m + w == end && w > 0.0 && end <= 1.0;
-            require(*own == segment && segment < segments && begin == from && exact, not_covered)?;
-            let all = claims.len() == self.names().len() && claims.iter().all(|c| *c >= -TOLERANCE);
-            require(all, "a reserve is negative or missing")?;
+            require(own == segment as f64 && segment < segments && begin == from && exact, not_covered)?;
+            require(claims.len() == self.names().len(), "a reserve is missing")?;
             from = end;
             let proved = self.prove(segment, [m, w], &claims, directions);
             proved.map_err(|what| format!("segment {segment} from {begin} to {end}: {what} is not proved"))?;
@@ -158,8 +158,7 @@ impl<'a> Promised<'a> {
         let [begin, end] = [m - w, m + w].map(|x| self.motion.time(segment, x));
         let rounding = 1e-15 * self.motion.horizon;
         for condition in self.kept {
-            let from = option(condition, "from_s").map_or(Ok(f64::NEG_INFINITY), number)?;
-            let to = option(condition, "to_s").map_or(Ok(f64::INFINITY), number)?;
+            let [from, to] = window(condition);
             if end + rounding > from && begin - rounding < to {
                 kept.extend(state.kept(condition)?);
             }
@@ -193,11 +192,12 @@ impl<'a> Promised<'a> {
     }
 }
 
+/// The times between which a condition along the way is kept, s.
+fn window(condition: &Value) -> [f64; 2] {
+    [number_or(condition, "from_s", f64::NEG_INFINITY), number_or(condition, "to_s", f64::INFINITY)]
+}
+
 /// A direction and the pair of shapes that it separates.
-fn direction(value: &Value) -> Checked<([usize; 2], [f64; 3])> {
-    let [i, j, n] = array(value)?.as_slice() else {
-        return Err("a direction has three entries".to_owned());
-    };
-    let index = |i: &Value| i.as_u64().map(|i| i as usize).ok_or("a direction is of no pair");
-    Ok(([index(i)?, index(j)?], three(n)?))
+fn direction(value: &Value) -> ([usize; 2], [f64; 3]) {
+    ([0, 1].map(|i| number(&value[i]) as usize), three(&value[2]))
 }

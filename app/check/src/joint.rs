@@ -2,7 +2,7 @@
 
 use crate::Checked;
 use crate::arithmetic::{Matrix, Tm, Vector, about, add, apply, product, times};
-use crate::json::{number, option};
+use crate::json::{number, number_or, option, require};
 use crate::robot::{Pose, child, scalar};
 use roxmltree::Node;
 use serde_json::Value;
@@ -32,11 +32,14 @@ impl Joint {
     }
 
     pub(crate) fn read(&mut self, node: Node, kind: &str, scenario: &Value) -> Checked<()> {
+        let is_free = child(node, "mimic").is_none() || scenario["mimic"] == "independent";
+        require(is_free, format!("joint '{}' mimics another one", self.name))?;
         let limit = |name| scalar(child(node, "limit"), name);
         let [lower, upper, velocity, effort] = [limit("lower")?, limit("upper")?, limit("velocity")?, limit("effort")?];
         if [lower, upper, velocity, effort].iter().any(|x| *x != 0.0) {
             let known = |x: f64| if x > 0.0 { x } else { f64::INFINITY };
             self.limits = [lower, upper, known(velocity), known(effort)];
+            require(lower <= upper, format!("the limits of joint '{}' exclude all positions", self.name))?;
             if kind == "continuous" {
                 self.limits[0] = f64::NEG_INFINITY;
                 self.limits[1] = f64::INFINITY;
@@ -48,24 +51,24 @@ impl Joint {
         }
         let of_urdf = |name| scalar(child(node, "dynamics"), name);
         let given = |key: &str, default: f64| match option(losses, key) {
-            Some(Value::Object(by_name)) => by_name.get(&self.name).map_or(Ok(default), number),
-            Some(same) => number(same),
-            None => Ok(default),
+            Some(by_name @ Value::Object(_)) => number_or(by_name, &self.name, default),
+            same => same.map_or(default, number),
         };
-        let width = given("friction_velocity", 0.02)?;
+        let width = given("friction_velocity", 0.02);
         self.drive = [
-            Tm::new(given("damping", of_urdf("damping")?)?),
-            Tm::new(given("friction", of_urdf("friction")?)?),
+            Tm::new(given("damping", of_urdf("damping")?)),
+            Tm::new(given("friction", of_urdf("friction")?)),
             Tm::new(1.0).over(width),
-            Tm::new(given("armature", 0.0)?),
+            Tm::new(given("armature", 0.0)),
         ];
         Ok(())
     }
 
     pub(crate) fn placement(&self, q: Tm) -> Pose {
-        match self.slides {
-            true => (self.origin.0, add(self.origin.1, apply(self.origin.0, times(self.axis, q)))),
-            false => (product(self.origin.0, about(self.axis, q.sin_cos())), self.origin.1),
+        if self.slides {
+            (self.origin.0, add(self.origin.1, apply(self.origin.0, times(self.axis, q))))
+        } else {
+            (product(self.origin.0, about(self.axis, q.sin_cos())), self.origin.1)
         }
     }
 }

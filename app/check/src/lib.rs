@@ -4,6 +4,7 @@
 
 mod arithmetic;
 mod distance;
+mod grammar;
 mod intervals;
 mod joint;
 mod json;
@@ -13,13 +14,15 @@ mod rows;
 mod scenario;
 mod shape;
 
+use grammar::{Grammar, Item, parse};
 use intervals::Promised;
-use json::{array, entries, get, number, option, require, text};
-use motion::{Motion, deviations};
+use json::{entries, number, option, require, text};
+use motion::{Motion, prove_ends};
 use robot::Robot;
-use scenario::{limits, not_certified, same_limits, unnamed, weighs_time};
+use scenario::{left_out, limits, weighs_time};
 use serde_json::Value;
-use twox_hash::XxHash64;
+use sha2::{Digest, Sha256};
+use std::collections::BTreeSet;
 
 /// A result, or the reason of a refusal.
 type Checked<T> = Result<T, String>;
@@ -27,54 +30,82 @@ type Checked<T> = Result<T, String>;
 /// The accepted shortfall of a reserve.
 const TOLERANCE: f64 = 1e-9;
 
-/// Checks a certificate, given the texts of the robot, of the scenario (or of a summary that contains it), of the
-/// summary of the solve, whose motion it is about, and of the certificate. Returns the certified promises in words.
+/// The promises that a certificate proves.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Report {
+    /// The promises in words.
+    pub text: String,
+    /// True if nothing that the scenario promises is left out.
+    pub is_complete: bool,
+}
+
+/// The SHA-256 of a text, in hexadecimal digits.
+#[must_use]
+pub fn sha256(text: &str) -> String {
+    Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Checks a certificate, given the texts of the robot, of the scenario, of the summary of the solve, whose motion it is
+/// about, and of the certificate. The summary may take the place of the scenario, which it contains.
 ///
 /// # Errors
 /// The reason of a refusal.
-pub fn check(robot: &str, scenario: &str, run: &str, certificate: &str) -> Checked<String> {
-    let parse = |text: &str, what: &str| serde_json::from_str::<Value>(text).map_err(|e| format!("{what}: {e}"));
-    let (scenario, run) = (parse(scenario, "scenario")?, parse(run, "summary")?);
-    let certificate = parse(certificate, "certificate")?;
-    let scenario = scenario.get("provenance").and_then(|p| p.get("scenario")).unwrap_or(&scenario);
-    let given = |key: &str| get(&certificate, key);
-    require(given("format")? == "aghf-certificate-3", "another format")?;
-    require(number(given("tolerance")?)? == TOLERANCE, "another tolerance")?;
-    require(*given("robot_xxh64")? == format!("{:016x}", XxHash64::oneshot(0, robot.as_bytes())), "another robot")?;
-    let curve = get(&run, "curve")?;
-    require(given("joints")? == get(curve, "joints")?, "the joints are not those of the run")?;
-    let names: Vec<String> =
-        array(given("joints")?)?.iter().map(|n| text(n).map(str::to_owned)).collect::<Checked<_>>()?;
-    let horizon = number(given("horizon_s")?)?;
-    require(horizon == number(get(curve, "horizon_s")?)?, "the horizon is not that of the run")?;
-    let motion = Motion::read(given("coefficients")?, get(curve, "coefficients")?, names.len(), horizon)?;
-    let [shortest, longest] = match option(scenario, "free_horizon") {
-        Some(free) => [number(get(free, "shortest_s")?)?, number(get(free, "longest_s")?)?],
-        None if weighs_time(scenario)? => [0.0, f64::INFINITY],
-        None => [number(get(scenario, "horizon_s")?)?; 2],
+pub fn check(robot: &str, scenario: &str, run: &str, certificate: &str) -> Checked<Report> {
+    let grammar = Grammar::new()?;
+    let read = |text: &str, rule: &str| {
+        let value = parse(text).map_err(|fault| format!("{rule}: {fault}"))?;
+        grammar.check(Item::Json(&value), rule)?;
+        Ok::<_, String>(value)
     };
-    require(shortest <= horizon && horizon <= longest && horizon > 0.0, "the horizon is not that of the scenario")?;
-    let robot = Robot::read(robot, scenario, &names)?;
-    let missing = not_certified(scenario, &robot, given("not_certified")?)?;
-    require(*given("complete")? == missing.is_empty(), "'complete' is wrong")?;
-    let limits = limits(scenario, &robot)?;
-    same_limits(&limits, array(given("limits")?)?)?;
-    deviations(scenario, given("deviations")?, &motion)?;
-    let promised = Promised::new(scenario, &certificate, robot, limits, motion)?;
-    require(*given("promises")? == Value::from(promised.names()), format!("the promises are {:?}", promised.names()))?;
+    let (summary, certificate) = (read(run, "run")?, read(certificate, "certificate")?);
+    require(certificate["robot_sha256"] == sha256(robot), "the certificate is of another robot")?;
+    require(certificate["run_sha256"] == sha256(run), "the certificate is of another motion")?;
+    let scenario = if scenario == run {
+        let own = option(&summary["provenance"], "scenario").ok_or("'provenance' is missing")?;
+        grammar.check(Item::Json(own), "scenario")?;
+        own.clone()
+    } else {
+        let known = entries(&certificate, "scenario_sha256").contains(&Value::from(sha256(scenario)));
+        let scenario = read(scenario, "scenario");
+        let in_full = |fault| format!("{fault}; `aghf scenarios FILE` writes a scenario in full");
+        require(known, "the certificate is of another scenario").and(scenario).map_err(in_full)?
+    };
+    let curve = &summary["curve"];
+    let names: Vec<String> = entries(curve, "joints").iter().map(|n| text(n).to_owned()).collect();
+    let motion = Motion::read(curve, names.len())?;
+    let horizon = motion.horizon;
+    let [shortest, longest] = match option(&scenario, "free_horizon") {
+        Some(free) => [number(&free["shortest_s"]), number(&free["longest_s"])],
+        None if weighs_time(&scenario) => [0.0, f64::INFINITY],
+        None => [number(&scenario["horizon_s"]); 2],
+    };
+    require(shortest <= horizon && horizon <= longest, "the horizon is not that of the scenario")?;
+    let robot = Robot::read(robot, &grammar, &scenario, &names)?;
+    let meshes: BTreeSet<&String> = certificate["meshes"].as_object().into_iter().flatten().map(|(f, _)| f).collect();
+    require(meshes.into_iter().eq(&robot.meshes), "the meshes are not those of the robot")?;
+    let missing = left_out(&scenario, &robot, &certificate["keys"])?;
+    require(certificate["complete"] == missing.is_empty(), "'complete' is wrong")?;
+    let limits = limits(&scenario, &robot)?;
+    prove_ends(&scenario, &motion)?;
+    let promised = Promised::new(&scenario, &certificate, robot, limits, motion)?;
+    require(
+        certificate["promises"] == Value::from(promised.names()),
+        format!("the promises are {:?}", promised.names()),
+    )?;
     promised.check_places(&certificate)?;
-    let intervals = array(given("intervals")?)?;
+    let intervals = entries(&certificate, "intervals");
     promised.check(intervals)?;
-    let outcome = if missing.is_empty() { "certified" } else { "certified in part" };
+    let is_complete = missing.is_empty();
+    let outcome = if is_complete { "certified" } else { "certified in part" };
     let count = intervals.len();
-    let at_places = ["goal", "waypoints"].into_iter().filter(|key| !entries(scenario, key).is_empty());
+    let at_places = ["goal", "waypoints"].into_iter().filter(|key| !entries(&scenario, key).is_empty());
     let proved = ["horizon", "ends"].into_iter().chain(at_places).chain(promised.names());
     let proved = proved.collect::<Vec<_>>().join(", ");
-    let not = if missing.is_empty() { String::new() } else { format!("; not certified: {}", missing.join(", ")) };
-    let assumed = unnamed(scenario, array(given("may_overlap")?)?);
+    let not = if is_complete { String::new() } else { format!("; not certified: {}", missing.join(", ")) };
     let within = match promised.tube {
         0.0 => String::new(),
         tube => format!(" for positions within {tube} of the motion"),
     };
-    Ok(format!("{outcome} at all times{within}, by {count} intervals: {proved}{not}{assumed}"))
+    let text = format!("{outcome} at all times{within}, by {count} intervals: {proved}{not}");
+    Ok(Report { text, is_complete })
 }

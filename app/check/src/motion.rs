@@ -2,7 +2,7 @@
 
 use crate::Checked;
 use crate::arithmetic::{Ball, Enclosure, Tm, UP};
-use crate::json::{array, entries, get, list, number, option, require};
+use crate::json::{entries, is_true, list, number, option, require};
 use serde_json::Value;
 
 /// A polynomial in s, and a bound on its error.
@@ -12,6 +12,9 @@ pub(crate) type Polynomial = (Vec<f64>, f64);
 const STATE: f64 = 1e-9;
 const ACCELERATION: f64 = 1e-6;
 
+/// The largest degree of a motion.
+const DEGREE: f64 = 100.0;
+
 /// The piecewise polynomial motion.
 pub(crate) struct Motion {
     pub(crate) horizon: f64,
@@ -20,19 +23,27 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
-    /// The coefficients of the certificate, which are those of the run.
-    pub(crate) fn read(own: &Value, of_run: &Value, joints: usize, horizon: f64) -> Checked<Self> {
-        let (own, of_run) = (array(own)?, array(of_run)?);
-        require(!own.is_empty() && own.len() == of_run.len() && joints > 0, "the segments are not those of the run")?;
+    /// The motion of a run: positions, and velocities which are their rates.
+    pub(crate) fn read(curve: &Value, joints: usize) -> Checked<Self> {
+        let horizon = number(&curve["horizon_s"]);
+        let (segments, degree) = (&curve["segments"], &curve["degree"]);
+        require(number(degree) <= DEGREE, format!("the degree of the motion is above {DEGREE}"))?;
         let mut coefficients: Vec<Vec<Vec<f64>>> = Vec::new();
-        for (own, of_run) in own.iter().zip(of_run) {
-            let own = array(own)?.iter().map(list).collect::<Checked<Vec<_>>>()?;
-            let of_run = array(of_run)?.iter().take(joints).map(list).collect::<Checked<Vec<_>>>()?;
-            require(own == of_run && own.len() == joints, "the coefficients are not those of the run")?;
-            let length = coefficients.first().unwrap_or(&own)[0].len();
-            let same = length > 1 && own.iter().all(|c| c.len() == length);
-            require(same, "the coefficients are of several degrees")?;
-            coefficients.push(own);
+        for segment in entries(curve, "coefficients") {
+            let states: Vec<Vec<f64>> = segment.as_array().into_iter().flatten().map(list).collect();
+            let is_whole = |c: &Vec<f64>| c.len() >= 2 && *degree == c.len() - 1;
+            require(states.len() == 2 * joints && states.iter().all(is_whole), "a segment has other coefficients")?;
+            coefficients.push(states);
+        }
+        require(joints > 0 && *segments == coefficients.len() && !coefficients.is_empty(), "the segments are others")?;
+        let rate = Ball::new(2.0 * coefficients.len() as f64).over(horizon);
+        for states in &mut coefficients {
+            for (velocity, position) in states.split_off(joints).iter().zip(&*states) {
+                let mut rates = derivative(&position.iter().map(|c| Ball::new(*c)).collect::<Vec<_>>());
+                rates.push(Ball::new(0.0));
+                let off = velocity.iter().zip(rates).map(|(v, c)| (Ball::new(*v) - c * rate).most());
+                require(off.sum::<f64>() * UP <= STATE, "a velocity of the run is not the rate of the position")?;
+            }
         }
         Ok(Self { horizon, coefficients })
     }
@@ -76,16 +87,7 @@ fn expand(segment: &[Vec<f64>], rate: Ball, [m, w]: [f64; 2]) -> [Vec<Polynomial
             taylor.push(sum * power);
             power = power * Ball::new(w);
             // The next derivative over k + 1.
-            let n = c.len() - 1;
-            let mut next = vec![Ball::new(0.0); n + 2];
-            for j in (1..=n).rev() {
-                next[j - 1] = next[j + 1] + c[j] * Ball::new(2.0 * j as f64);
-            }
-            next.truncate(n);
-            if let Some(first) = next.first_mut() {
-                *first = first.over(2.0);
-            }
-            c = next.iter().map(|c| c.over((k + 1) as f64)).collect();
+            c = derivative(&c).iter().map(|c| c.over((k + 1) as f64)).collect();
         }
         for found in &mut found {
             let radius: f64 = taylor.iter().map(|c| c.r).sum();
@@ -97,9 +99,23 @@ fn expand(segment: &[Vec<f64>], rate: Ball, [m, w]: [f64; 2]) -> [Vec<Polynomial
     found
 }
 
-/// The value at s = 0.
+/// The Chebyshev coefficients of the derivative of a polynomial.
+fn derivative(c: &[Ball]) -> Vec<Ball> {
+    let n = c.len() - 1;
+    let mut next = vec![Ball::new(0.0); n + 2];
+    for j in (1..=n).rev() {
+        next[j - 1] = next[j + 1] + c[j] * Ball::new(2.0 * j as f64);
+    }
+    next.truncate(n);
+    if let Some(first) = next.first_mut() {
+        *first = first.over(2.0);
+    }
+    next
+}
+
+/// The value at s = 0. A derivative beyond the degree has no coefficients.
 pub(crate) fn middle<const N: usize>(polynomial: &Polynomial) -> Enclosure<N> {
-    Enclosure::within(polynomial.0[0], polynomial.1)
+    Enclosure::within(polynomial.0.first().copied().unwrap_or(0.0), polynomial.1)
 }
 
 pub(crate) fn cut((c, r): &Polynomial) -> Tm {
@@ -109,42 +125,50 @@ pub(crate) fn cut((c, r): &Polynomial) -> Tm {
     model.widened(r + c[kept..].iter().map(|c| c.abs()).sum::<f64>() * UP)
 }
 
-/// Checks the claims on the states at the ends and between segments.
-pub(crate) fn deviations(scenario: &Value, claims: &Value, motion: &Motion) -> Checked<()> {
+/// Proves the states at the ends, no acceleration at an end at rest, and continuity.
+pub(crate) fn prove_ends(scenario: &Value, motion: &Motion) -> Checked<()> {
     // Short intervals about both ends of each segment, where Chebyshev polynomials are exact.
     let about = |segment: usize, x: f64| motion.expand(segment, [x, 1.0 / f64::from(1 << 20)]);
     let ends: Vec<_> = (0..motion.segments()).map(|e| [about(e, -1.0), about(e, 1.0)]).collect();
     let (first, last) = (&ends[0][0], &ends[ends.len() - 1][1]);
-    let is_set = !entries(scenario, "goal").is_empty();
-    let free = option(scenario, "free_final_velocity").is_some_and(|f| *f == true);
+    let zeros = vec![0.0; first[0].len()];
     let smooth = match option(scenario, "continuity") {
         Some(continuity) => continuity == "acceleration",
         None => entries(scenario, "passive").is_empty(),
     };
-    let zeros = vec![0.0; first[0].len()];
-    let wanted = |key: &str| option(scenario, key).map_or(Ok(zeros.clone()), list);
-    let check = |name: &str, values: Vec<Ball>, most: f64| {
-        let claim = number(get(claims, name)?)?;
-        let small = claim <= most && values.iter().all(|value| value.most() <= claim);
-        require(small, format!("{name} is not proved"))
+    let wanted = |key: &str| option(scenario, key).map_or(zeros.clone(), list);
+    let [start, end] = [wanted("v_start"), wanted("v_goal")];
+    let (is_set, free) = (!entries(scenario, "goal").is_empty(), is_true(scenario, "free_final_velocity"));
+    let off = |name: &str, all: &[Polynomial], wanted: &[f64], most: f64| {
+        let near = |(p, x): (&Polynomial, &f64)| (middle(p) - Ball::new(*x)).most() <= most;
+        let kept = all.len() == wanted.len() && all.iter().zip(wanted).all(near);
+        require(kept, format!("{name} is not proved"))
     };
-    let off = |all: &[Polynomial], wanted: &[f64]| -> Checked<Vec<Ball>> {
-        require(all.len() == wanted.len(), "a state has another number of joints")?;
-        Ok(all.iter().zip(wanted).map(|(p, x)| middle(p) - Ball::new(*x)).collect())
-    };
-    check("start_position", off(&first[0], &wanted("q_start")?)?, STATE)?;
-    check("start_velocity", off(&first[1], &wanted("v_start")?)?, STATE)?;
+    off("the start position", &first[0], &wanted("q_start"), STATE)?;
+    off("the start velocity", &first[1], &start, STATE)?;
+    let goal = wanted("q_goal");
+    let is_one = |all: &Vec<f64>| all.len() == zeros.len() || is_set && all.is_empty();
+    require(is_one(&goal) && is_one(&end), "a goal is of another number of joints")?;
+    let end = if end.is_empty() { zeros.clone() } else { end };
     if !is_set {
-        check("goal_position", off(&last[0], &wanted("q_goal")?)?, STATE)?;
+        off("the goal position", &last[0], &goal, STATE)?;
     }
     if !free {
-        check("goal_velocity", off(&last[1], &wanted("v_goal")?)?, STATE)?;
+        off("the goal velocity", &last[1], &end, STATE)?;
     }
-    let names = ["jump_position", "jump_velocity", "jump_acceleration"];
-    for (order, name) in names.into_iter().enumerate().take(if smooth { 3 } else { 2 }).filter(|_| ends.len() > 1) {
-        let between = ends.windows(2).flat_map(|pair| pair[0][1][order].iter().zip(&pair[1][0][order]));
-        let jumps = between.map(|(a, b)| middle(a) - middle(b)).collect();
-        check(name, jumps, if order < 2 { STATE } else { ACCELERATION })?;
+    if smooth && start == zeros {
+        off("rest at the start", &first[2], &zeros, ACCELERATION)?;
+    }
+    if smooth && !free && end == zeros {
+        off("rest at the goal", &last[2], &zeros, ACCELERATION)?;
+    }
+    for (order, name) in
+        ["positions", "velocities", "accelerations"].into_iter().enumerate().take(2 + usize::from(smooth))
+    {
+        let most = if order < 2 { STATE } else { ACCELERATION };
+        let mut between = ends.windows(2).flat_map(|pair| pair[0][1][order].iter().zip(&pair[1][0][order]));
+        let kept = between.all(|(a, b)| (middle::<1>(a) - middle(b)).most() <= most);
+        require(kept, format!("continuity of {name} is not proved"))?;
     }
     Ok(())
 }

@@ -2,15 +2,13 @@
 
 use crate::Checked;
 use crate::arithmetic::{Matrix, Tm, Vector, about, add, apply, cross, dot, product, times, transpose, vector};
+use crate::grammar::{Grammar, Item};
 use crate::joint::Joint;
-use crate::json::{get, list, number, option, require, text, three};
+use crate::json::{list, number, number_or, option, require, text, three};
 use crate::shape::{Solid, shape_of, solid_of};
 use roxmltree::{Document, Node};
 use serde_json::Value;
-use std::collections::BTreeMap;
-
-/// The end of a refusal of a moving joint.
-const GROUP: &str = "; where the scenario has a group or an SRDF, the summary of the motion is to take its place";
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A placement: rotation and translation.
 pub(crate) type Pose = (Matrix, Vector);
@@ -39,6 +37,9 @@ pub(crate) struct Part {
 /// The body that carries a link, and the placement of the link in it.
 type Place = (Option<usize>, Pose);
 
+/// The largest number of balls along links.
+const BALLS: f64 = 1e4;
+
 type Links = BTreeMap<String, Place>;
 
 pub(crate) struct Robot {
@@ -51,11 +52,17 @@ pub(crate) struct Robot {
     pub(crate) has_balls: bool,
     /// False if a shape is a mesh: then no clearance is certified.
     pub(crate) is_known: bool,
+    /// True if the shapes are those of links, which keep clear of each other.
+    pub(crate) has_links: bool,
+    /// The files of meshes.
+    pub(crate) meshes: BTreeSet<String>,
 }
 
+/// Decimal numbers between white space.
 pub(crate) fn numbers(text: &str) -> Checked<Vec<f64>> {
-    let number = |word: &str| word.parse::<f64>().ok().filter(|x| x.is_finite());
-    let all: Option<Vec<f64>> = text.split_whitespace().map(number).collect();
+    let is_decimal = |word: &&str| word.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
+    let number = |word: &str| Some(word).filter(is_decimal)?.parse::<f64>().ok().filter(|x| x.is_finite());
+    let all: Option<Vec<f64>> = text.split_ascii_whitespace().map(number).collect();
     all.ok_or_else(|| format!("'{text}' has something that is no finite number"))
 }
 
@@ -87,13 +94,18 @@ pub(crate) fn unit(axis: [f64; 3]) -> Vector {
 
 /// The placement of a pose.
 pub(crate) fn pose_of(pose: &Value) -> Checked<Pose> {
-    Ok((quaternion(option(pose, "orientation_xyzw"))?, vector(three(get(pose, "position_m")?)?)))
+    Ok((quaternion(option(pose, "orientation_xyzw"))?, vector(three(&pose["position_m"]))))
 }
+
+/// The largest deviation of the square of the norm of a quaternion from one.
+const NOT_UNIT: f64 = 2e-3;
 
 /// The rotation of a quaternion `x y z w`, normalised.
 pub(crate) fn quaternion(value: Option<&Value>) -> Checked<Matrix> {
     let Some(value) = value else { return Ok(identity().0) };
-    let q: [f64; 4] = list(value)?.try_into().map_err(|_| "an orientation needs four numbers".to_owned())?;
+    let q = [0, 1, 2, 3].map(|i| number(&value[i]));
+    let off = (q.iter().map(|x| x * x).sum::<f64>() - 1.0).abs();
+    require(off <= NOT_UNIT, "an orientation is no unit quaternion")?;
     let [x, y, z, w] = q.map(Tm::new);
     let norm = (x * x + y * y + z * z + w * w).inverse_sqrt();
     let [x, y, z, w] = [x, y, z, w].map(|a| a * norm);
@@ -107,64 +119,81 @@ pub(crate) fn quaternion(value: Option<&Value>) -> Checked<Matrix> {
 
 /// The link of a load, its place, and the centre of the load in it.
 fn place_of<'a>(load: &'a Value, placed: &'a Links) -> Checked<(&'a str, &'a Place, Pose)> {
-    let link = text(get(load, "link")?)?;
-    let place = placed.get(link).ok_or("the payload has no link")?;
-    let center = option(load, "center_m").map_or(Ok([0.0; 3]), three)?;
+    let link = text(&load["link"]);
+    let place = placed.get(link).filter(|place| place.0.is_some()).ok_or("the payload is on no link that moves")?;
+    let center = option(load, "center_m").map_or([0.0; 3], three);
     Ok((link, place, (identity().0, vector(center))))
 }
 
 impl Robot {
-    pub(crate) fn read(urdf: &str, scenario: &Value, names: &[String]) -> Checked<Self> {
+    pub(crate) fn read(urdf: &str, grammar: &Grammar, scenario: &Value, names: &[String]) -> Checked<Self> {
         let document = Document::parse(urdf).map_err(|e| e.to_string())?;
+        let is_plain = !urdf.starts_with('\u{feff}') && !document.descendants().any(|node| node.is_pi());
+        require(is_plain, "the robot has a byte order mark or a processing instruction")?;
         let root = document.root_element();
+        let tag = root.tag_name();
+        require(tag.name() == "robot" && tag.namespace().is_none_or(str::is_empty), "it is no 'robot'")?;
+        grammar.check(Item::Element(root), "robot")?;
         let all = |tag: &'static str| root.children().filter(move |n| n.has_tag_name(tag));
         let name = |n: Node| n.attribute("name").unwrap_or_default().to_owned();
         let links: BTreeMap<String, Node> = all("link").map(|n| (name(n), n)).collect();
+        let moved: BTreeSet<String> = all("joint").map(name).collect();
+        let unique = links.len() == all("link").count() && moved.len() == all("joint").count();
+        require(unique, "two links or two joints have the same name")?;
         let of = |n: Node, tag| child(n, tag).and_then(|c| c.attribute("link")).unwrap_or_default().to_owned();
-        let carried = |link: &String| all("joint").any(|j| of(j, "child") == *link);
-        let base = links.keys().find(|link| !carried(link)).ok_or("no link is the base")?;
+        let carried: BTreeSet<String> = all("joint").map(|j| of(j, "child")).collect();
+        let known = all("joint").all(|j| links.contains_key(&of(j, "parent")) && links.contains_key(&of(j, "child")));
+        require(known && carried.len() == moved.len(), "a joint has an unknown link, or a link has two parents")?;
+        let base = links.keys().find(|link| !carried.contains(*link)).ok_or("no link is the base")?;
+        require(links.len() == moved.len() + 1, "the robot has several roots")?;
         let mut joints: Vec<Option<Joint>> = names.iter().map(|_| None).collect();
         let mut placed = Links::new();
-        let base = option(scenario, "root").map_or(Ok(base.clone()), |root| text(root).map(str::to_owned))?;
+        let base = option(scenario, "root").map_or(base.clone(), |root| text(root).to_owned());
         require(links.contains_key(&base), "the robot has no such root")?;
-        let mut open = vec![(base, None, identity(), String::new())];
+        let mut open = vec![(base, None, identity(), None)];
         while let Some((link, body, at, from)) = open.pop() {
-            for j in all("joint").filter(|j| name(*j) != from) {
+            for j in all("joint").filter(|j| Some(*j) != from) {
                 // From a new root some joints are traversed from the other side: first the inverse motion, then the
                 // inverse of the origin.
                 let (step, turned) = (pose(child(j, "origin"))?, of(j, "child") == link);
                 if !turned && of(j, "parent") != link {
                     continue;
                 }
-                let (origin, then, next) = match turned {
-                    true => (at, inverse(&step), of(j, "parent")),
-                    false => (compose(&at, &step), identity(), of(j, "child")),
+                let (origin, then, next) = if turned {
+                    (at, inverse(&step), of(j, "parent"))
+                } else {
+                    (compose(&at, &step), identity(), of(j, "child"))
                 };
                 let kind = j.attribute("type").unwrap_or_default();
                 let axis = unit(triple(child(j, "axis"), "xyz", [1.0, 0.0, 0.0])?);
                 let axis = if turned { times(axis, Tm::new(-1.0)) } else { axis };
                 let mut joint = Joint::new(name(j), body, origin, axis, kind == "prismatic");
-                let locked = option(scenario, "locked_joints").and_then(|l| l.get(&joint.name));
+                let locked = scenario["locked_joints"].get(&joint.name);
                 if kind == "fixed" {
-                    open.push((next, body, compose(&origin, &then), name(j)));
+                    open.push((next, body, compose(&origin, &then), Some(j)));
                 } else if let Some(q) = locked {
-                    open.push((next, body, compose(&joint.placement(Tm::new(number(q)?)), &then), name(j)));
+                    open.push((next, body, compose(&joint.placement(Tm::new(number(q))), &then), Some(j)));
                 } else {
-                    require(["revolute", "continuous", "prismatic"].contains(&kind), format!("joint type '{kind}'"))?;
                     let i = names.iter().position(|n| *n == joint.name);
-                    let i = i.ok_or_else(|| format!("joint '{}' has no motion{GROUP}", joint.name))?;
+                    let i = i.ok_or_else(|| format!("joint '{}' has no motion", joint.name))?;
                     joint.read(j, kind, scenario)?;
                     require(joints[i].replace(joint).is_none(), "a joint is there twice")?;
-                    open.push((next, Some(i), then, name(j)));
+                    open.push((next, Some(i), then, Some(j)));
                 }
             }
             require(placed.insert(link, (body, at)).is_none(), "links form a loop")?;
         }
+        require(placed.len() == links.len(), "links form a loop")?;
+        let mut locked = scenario["locked_joints"].as_object().into_iter().flatten();
+        let is_known = |joint: &String| moved.contains(joint) && !names.contains(joint);
+        require(locked.all(|(joint, _)| is_known(joint)), "a locked joint is unknown, or moves")?;
         let missing = || "the motion has a joint that the robot has not".to_owned();
         let joints: Option<Vec<Joint>> = joints.into_iter().collect();
         let (joints, base) = (joints.ok_or_else(missing)?, (Tm::new(0.0), vector([0.0; 3])));
         let (links_of, parts) = (BTreeMap::new(), Vec::new());
-        let mut robot = Self { joints, base, links: links_of, parts, has_balls: true, is_known: true };
+        let (has_links, meshes) = (false, BTreeSet::new());
+        let mut robot =
+            Self { joints, base, links: links_of, parts, has_balls: true, is_known: true, has_links, meshes };
         let early = |(i, j): (usize, &Joint)| j.parent.is_none_or(|p| p < i);
         require(robot.joints.iter().enumerate().all(early), "a joint is before its parent")?;
         robot.add_masses(scenario, &links, &placed)?;
@@ -185,9 +214,8 @@ impl Robot {
         }
         if let Some(load) = option(scenario, "payload") {
             let (_, (body, at), center) = place_of(load, placed)?;
-            let six = option(load, "inertia_kg_m2").map_or(Ok(vec![0.0; 6]), list)?;
-            let six = six.try_into().map_err(|_| "six numbers are needed".to_owned())?;
-            self.add_mass(*body, &compose(at, &center), number(get(load, "mass_kg")?)?, six);
+            let six = option(load, "inertia_kg_m2").map(list).and_then(|six| six.try_into().ok());
+            self.add_mass(*body, &compose(at, &center), number(&load["mass_kg"]), six.unwrap_or_default());
         }
         Ok(())
     }
@@ -216,13 +244,14 @@ impl Robot {
         let default = Value::from(if is_shaped { "collision" } else { "joint_frames" });
         let shape = option(scenario, "robot_shape").unwrap_or(&default);
         let by_shapes = shape == "collision" || shape.get("collision").is_some();
+        self.has_links = by_shapes;
         if shape == "joint_frames" {
             for body in 0..self.joints.len() {
                 self.add_ball(Some(body), "", vector([0.0; 3]), 0.0);
             }
         } else if let Some(swept) = shape.get("swept_links") {
-            let radius = number(get(swept, "radius_m")?)?;
-            let spacing = option(swept, "spacing_m").map_or(Ok(0.05), number)?;
+            let radius = number(&swept["radius_m"]);
+            let spacing = number_or(swept, "spacing_m", 0.05);
             for body in 0..self.joints.len() {
                 let ends = self.joints.iter().filter(|j| j.parent == Some(body)).map(|j| j.origin.1);
                 let frames = placed.values().filter(|(of, _)| *of == Some(body)).map(|(_, at)| at.1);
@@ -233,6 +262,8 @@ impl Robot {
                 for end in ends {
                     let length = dot(end, end).c[0].sqrt();
                     let pieces = (length / spacing).ceil().max(1.0);
+                    let is_small = self.parts.len() as f64 + pieces < BALLS;
+                    require(is_small, format!("the robot has more than {BALLS} balls"))?;
                     let radius = radius.hypot(0.5 * length / pieces);
                     for i in 0..=pieces as u32 {
                         let centre = times(end, Tm::new(f64::from(i)).over(pieces));
@@ -245,15 +276,18 @@ impl Robot {
                 let Some(node) = links.get(link) else { continue };
                 for collision in node.children().filter(|n| n.has_tag_name("collision")) {
                     let at = compose(at, &pose(child(collision, "origin"))?);
-                    match shape_of(collision)? {
-                        Some((kind, size)) => self.add_part(*body, link, Solid { at, kind, size }),
-                        None => self.is_known = false,
+                    if let Some((kind, size)) = shape_of(collision)? {
+                        self.add_part(*body, link, Solid { at, kind, size });
+                    } else {
+                        let mesh = child(collision, "geometry").and_then(|g| child(g, "mesh"));
+                        self.meshes.extend(mesh.and_then(|mesh| mesh.attribute("filename")).map(str::to_owned));
+                        self.is_known = false;
                     }
                 }
             }
         }
-        if let Some(shape) = option(scenario, "payload").and_then(|load| option(load, "shape")) {
-            let load = get(scenario, "payload")?;
+        let load = &scenario["payload"];
+        if let Some(shape) = option(load, "shape") {
             let (link, (body, at), center) = place_of(load, placed)?;
             let own = option(load, "shape_pose").map_or(Ok(center), pose_of)?;
             let (kind, size) = solid_of(shape)?;

@@ -1,49 +1,50 @@
 //! The promises of a scenario.
 
 use crate::Checked;
-use crate::json::{array, entries, get, number, option, require, text};
+use crate::json::{entries, is_true, number, number_or, option, require, text};
 use crate::robot::{Robot, pose_of};
 use crate::shape::{Solid, solid_of};
 use serde_json::Value;
+use std::collections::BTreeSet;
 
 /// A limit of a joint: the name of the promise, the joint, and the bounds.
 pub(crate) struct Limit(pub(crate) &'static str, pub(crate) usize, pub(crate) [f64; 2]);
 
 /// The limits that a scenario enforces.
 pub(crate) fn limits(scenario: &Value, robot: &Robot) -> Checked<Vec<Limit>> {
-    let none = Value::Null;
-    let enforced = option(scenario, "enforced_limits").unwrap_or(&none);
-    let passive: Vec<&str> = entries(scenario, "passive").iter().map(text).collect::<Checked<_>>()?;
-    let share = |key: &str, joint: &str| -> Checked<Option<f64>> {
-        Ok(match option(enforced, key) {
-            None | Some(Value::Bool(true)) => Some(1.0),
-            Some(Value::Bool(false)) => None,
-            Some(Value::Number(share)) => share.as_f64(),
-            Some(part) => {
-                let named =
-                    option(part, "joints").map_or(Ok(true), |j| Ok::<_, String>(array(j)?.iter().any(|n| n == joint)));
-                let share = option(part, "share").map_or(Ok(1.0), number)?;
-                named?.then_some(share)
-            }
-        })
-    };
-    let most = |key: &str, i: usize| -> Checked<Option<f64>> {
-        match option(enforced, key) {
-            None => Ok(None),
-            Some(Value::Array(each)) => each.get(i).filter(|x| !x.is_null()).map(number).transpose(),
-            Some(same) => Ok(Some(number(same).map_err(|_| format!("{key}: use the scenario of the summary"))?)),
+    let enforced = &scenario["enforced_limits"];
+    let passive: Vec<&str> = entries(scenario, "passive").iter().map(text).collect();
+    let is_joint = |name: &str| robot.joints.iter().any(|joint| joint.name == name);
+    require(passive.iter().all(|name| is_joint(name)), "a passive joint is unknown")?;
+    for (key, part) in enforced.as_object().into_iter().flatten() {
+        let mut joints = entries(part, "joints").iter().map(text);
+        require(joints.all(is_joint), format!("{key}: a joint is unknown"))?;
+        let count = part.as_array().map_or(robot.joints.len(), Vec::len);
+        require(count == robot.joints.len(), format!("{key}: {count} limits are given"))?;
+    }
+    let share = |key: &str, joint: &str| match option(enforced, key) {
+        None | Some(Value::Bool(true)) => Some(1.0),
+        Some(Value::Bool(false)) => None,
+        Some(part @ Value::Object(_)) => {
+            let is_named = option(part, "joints").is_none() || entries(part, "joints").iter().any(|n| n == joint);
+            is_named.then_some(number_or(part, "share", 1.0))
         }
+        Some(share) => Some(number(share)),
+    };
+    let most = |key: &str, i: usize| match option(enforced, key) {
+        Some(Value::Array(each)) => each.get(i).filter(|x| !x.is_null()).map(number),
+        same => same.map(number),
     };
     let mut all = Vec::new();
     for promise in ["position", "velocity", "acceleration", "jerk", "torque"] {
         for (i, joint) in robot.joints.iter().enumerate() {
             let [lower, upper, velocity, effort] = joint.limits;
             let given = match promise {
-                "velocity" => most("max_velocity", i)?,
-                "acceleration" | "jerk" => most(promise, i)?,
+                "velocity" => most("max_velocity", i),
+                "acceleration" | "jerk" => most(promise, i),
                 _ => None,
             };
-            let share = share(promise, &joint.name)?;
+            let share = share(promise, &joint.name);
             let mut bounds = match (promise, share) {
                 ("position", Some(share)) => {
                     let cut = 0.5 * (1.0 - share) * (upper - lower);
@@ -64,36 +65,48 @@ pub(crate) fn limits(scenario: &Value, robot: &Robot) -> Checked<Vec<Limit>> {
     Ok(all)
 }
 
-pub(crate) fn same_limits(limits: &[Limit], listed: &[Value]) -> Checked<()> {
-    require(limits.len() == listed.len(), "the limits are not those of the scenario")?;
-    for (Limit(promise, joint, bounds), listed) in limits.iter().zip(listed) {
-        let own = [option(listed, "at_least"), option(listed, "at_most")];
-        let same = bounds.iter().zip(own).all(|(bound, own)| match own.map(number) {
-            Some(Ok(own)) => (own - bound).abs() <= 1e-14 * bound.abs(),
-            Some(Err(_)) => false,
-            None => !bound.is_finite(),
-        });
-        let is_it = *get(listed, "promise")? == *promise && *get(listed, "joint")? == *joint;
-        require(same && is_it, format!("a {promise} limit is not that of the scenario"))?;
+/// What becomes of a key of a scenario: `proved`, `assumed` of the robot, `left out`, or `no promise`.
+fn outcome(key: &str, scenario: &Value, robot: &Robot) -> &'static str {
+    let some = |key: &str| !entries(scenario, key).is_empty();
+    let apart = robot.has_links && scenario["self_collision"] != "off";
+    let clear = |is_asked: bool| match (is_asked, robot.is_known) {
+        (false, _) => "no promise",
+        (true, false) => "left out",
+        (true, true) => "proved",
+    };
+    let unless = |is_free: bool| if is_free { "no promise" } else { "proved" };
+    match key {
+        "q_start" | "v_start" | "goal" | "keep" | "waypoints" | "stand" | "continuity" | "free_horizon"
+        | "enforced_limits" => "proved",
+        "q_goal" => unless(some("goal")),
+        "v_goal" => unless(is_true(scenario, "free_final_velocity")),
+        "horizon_s" => unless(some("free_horizon") || weighs_time(scenario)),
+        "obstacles" => clear(some("obstacles")),
+        "self_collision" => clear(apart),
+        "clearance_m" => clear(some("obstacles") || apart),
+        "passive" if some("passive") => "left out",
+        "robot" | "root" | "mimic" | "locked_joints" | "losses" | "payload" | "robot_shape" => "assumed",
+        _ => "no promise",
     }
-    Ok(())
 }
 
-/// The promises of a scenario that no certificate covers; the certificate has to list them.
-pub(crate) fn not_certified(scenario: &Value, robot: &Robot, listed: &Value) -> Checked<Vec<String>> {
-    let some = |key: &str| !entries(scenario, key).is_empty();
-    let by_shape = option(scenario, "robot_shape").is_none_or(|s| s.get("collision").is_some() || s == "collision");
-    let apart = by_shape && option(scenario, "self_collision").is_none_or(|s| s != "off");
-    let wanted = [
-        ("passive_joints", some("passive")),
-        ("obstacles", !robot.is_known && some("obstacles")),
-        ("self_collision", !robot.is_known && apart),
-    ];
-    let wanted: Vec<&str> = wanted.into_iter().filter(|(_, is_missing)| *is_missing).map(|(name, _)| name).collect();
-    let listed = array(listed)?.iter().map(|entry| text(get(entry, "promise")?).map(str::to_owned));
-    let listed = listed.collect::<Checked<Vec<_>>>()?;
-    require(listed == wanted, format!("what is not certified is {wanted:?}"))?;
-    Ok(listed)
+/// The keys of a scenario and those that promise something by default, each with its outcome. The certificate lists
+/// the same, and may leave out more. Returns the keys that it leaves out.
+pub(crate) fn left_out(scenario: &Value, robot: &Robot, listed: &Value) -> Checked<Vec<String>> {
+    let by_default = ["continuity", "enforced_limits", "self_collision"].map(str::to_owned);
+    let given = scenario.as_object().into_iter().flatten().map(|(key, _)| key.clone());
+    let listed = listed.as_object().ok_or("the keys are missing")?;
+    let known: BTreeSet<String> = given.chain(by_default).collect();
+    let is_left_out = |outcome: &str| outcome.starts_with("left out: ");
+    for key in &known {
+        let (own, found) = (outcome(key, scenario, robot), listed.get(key).map_or("", text));
+        require(found == own || is_left_out(found), format!("'{key}' is listed as '{found}', and is {own}"))?;
+        require(own != "left out" || is_left_out(found), format!("'{key}' is left out, and not listed"))?;
+    }
+    let (left_out, kept): (Vec<_>, Vec<_>) = listed.iter().partition(|(_, outcome)| is_left_out(text(outcome)));
+    let are_known = kept.into_iter().all(|(key, _)| known.contains(key));
+    require(are_known, "a key is listed that the scenario does not have")?;
+    Ok(left_out.into_iter().map(|(key, _)| key.clone()).collect())
 }
 
 /// An obstacle, and the distance that is kept.
@@ -103,16 +116,20 @@ pub(crate) struct Obstacle {
 }
 
 pub(crate) fn obstacles(scenario: &Value) -> Checked<Vec<Obstacle>> {
-    let given = option(scenario, "clearance_m");
-    let beside = given
-        .map_or(Ok(0.0), |c| if c.is_object() { option(c, "obstacles").map_or(Ok(0.0), number) } else { number(c) })?;
+    let beside = clearance(scenario, "obstacles");
     let mut all = Vec::new();
     for obstacle in entries(scenario, "obstacles") {
-        let (at, (kind, size)) = (pose_of(get(obstacle, "pose")?)?, solid_of(get(obstacle, "shape")?)?);
-        let margin = option(obstacle, "clearance_m").map_or(Ok(beside), number)?;
+        let (at, (kind, size)) = (pose_of(&obstacle["pose"])?, solid_of(&obstacle["shape"])?);
+        let margin = number_or(obstacle, "clearance_m", beside);
         all.push(Obstacle { solid: Solid { at, kind, size }, margin });
     }
     Ok(all)
+}
+
+/// The distance that is kept from obstacles, or between links, unless they have one of their own.
+fn clearance(scenario: &Value, of: &str) -> f64 {
+    let given = &scenario["clearance_m"];
+    if given.is_object() { number_or(given, of, 0.0) } else { number_or(scenario, "clearance_m", 0.0) }
 }
 
 /// Two shapes of the robot, or one and an obstacle, and the distance that is kept.
@@ -122,64 +139,56 @@ pub(crate) struct Pair {
     pub(crate) margin: f64,
 }
 
-/// The pairs of a shape on a moving body and an obstacle, and those of shapes of links that keep clear of each other.
-pub(crate) fn pairs(
-    scenario: &Value,
-    certificate: &Value,
-    robot: &Robot,
-    obstacles: &[Obstacle],
-) -> Checked<[Vec<Pair>; 2]> {
+/// Pairs of names of links in a list, which are links of the robot, different, and each pair there once.
+fn pairs_of<'a>(list: impl Iterator<Item = &'a Value>, robot: &Robot) -> Checked<Vec<BTreeSet<&'a str>>> {
+    let mut all = Vec::new();
+    for pair in list {
+        let pair: BTreeSet<&str> = pair.as_array().into_iter().flatten().map(text).collect();
+        let known = pair.len() == 2 && pair.iter().all(|link| robot.links.contains_key(*link));
+        require(known && !all.contains(&pair), format!("{pair:?} is no pair of links, or is there twice"))?;
+        all.push(pair);
+    }
+    Ok(all)
+}
+
+/// The pairs of a shape on a moving body and an obstacle, and those of shapes of links that keep clear of each other:
+/// all on different bodies but those that the scenario names, by default those with one moving joint between them.
+pub(crate) fn pairs(scenario: &Value, robot: &Robot, obstacles: &[Obstacle]) -> Checked<[Vec<Pair>; 2]> {
     let (mut beside, mut links) = (Vec::new(), Vec::new());
-    let given = option(scenario, "clearance_m");
-    let itself = given
-        .map_or(Ok(0.0), |c| if c.is_object() { option(c, "itself").map_or(Ok(0.0), number) } else { number(c) })?;
-    let of_pair = |a: &str, b: &str| -> Checked<f64> {
-        let own = given.and_then(|c| option(c, "pairs")).and_then(Value::as_array);
-        let own = own.into_iter().flatten().find(|p| is_pair(p.get("links"), a, b));
-        own.map_or(Ok(itself), |p| number(get(p, "clearance_m")?))
-    };
+    let (itself, own) = (clearance(scenario, "itself"), entries(&scenario["clearance_m"], "pairs"));
+    let own_pairs = pairs_of(own.iter().map(|pair| &pair["links"]), robot)?;
+    let kept = &scenario["self_collision"];
+    let ignored = option(kept, "ignored_pairs").map(|_| pairs_of(entries(kept, "ignored_pairs").iter(), robot));
+    let ignored = ignored.transpose()?;
+    let off = !robot.has_links || kept == "off";
+    require(robot.has_links || ignored.is_none(), "links are told apart with the shape 'collision' only")?;
     if !robot.is_known {
         return Ok([Vec::new(), Vec::new()]);
     }
-    let free = array(get(certificate, "may_overlap")?)?;
-    let off = option(scenario, "self_collision").is_some_and(|s| s == "off");
+    let follows = |a: Option<usize>, b: Option<usize>| b.is_some_and(|b| robot.joints[b].parent == a);
     for (i, part) in robot.parts.iter().enumerate() {
         if part.body.is_some() {
             let all = obstacles.iter().enumerate();
             beside.extend(all.map(|(o, obstacle)| Pair { part: i, other: Err(o), margin: obstacle.margin }));
         }
         for (j, other) in robot.parts.iter().enumerate().skip(i + 1) {
-            let (a, b) = (part.link.as_str(), other.link.as_str());
-            let apart = !off && !a.is_empty() && !b.is_empty() && a != b && part.body != other.body;
-            if apart && !free.iter().any(|pair| is_pair(Some(pair), a, b)) {
-                links.push(Pair { part: i, other: Ok(j), margin: of_pair(a, b)? });
+            let names = BTreeSet::from([part.link.as_str(), other.link.as_str()]);
+            let are_neighbours = follows(part.body, other.body) || follows(other.body, part.body);
+            let may_overlap = ignored.as_ref().map_or(are_neighbours, |ignored| ignored.contains(&names));
+            if !off && names.len() == 2 && part.body != other.body && !may_overlap {
+                let own = own_pairs.iter().zip(own).find(|(pair, _)| **pair == names);
+                let margin = own.map_or(itself, |(_, own)| number(&own["clearance_m"]));
+                links.push(Pair { part: i, other: Ok(j), margin });
             }
         }
     }
     Ok([beside, links])
 }
 
-pub(crate) fn is_pair(value: Option<&Value>, a: &str, b: &str) -> bool {
-    let names = value.and_then(Value::as_array).filter(|names| names.len() == 2);
-    names.is_some_and(|n| n[0] == a && n[1] == b || n[0] == b && n[1] == a)
-}
-
-/// The number of pairs of links about which nothing is claimed although the scenario does not name them, in words.
-pub(crate) fn unnamed(scenario: &Value, free: &[Value]) -> String {
-    let ignored = option(scenario, "self_collision").and_then(|s| option(s, "ignored_pairs")).and_then(Value::as_array);
-    let names = |pair: &Value| Some([pair.get(0)?.as_str()?.to_owned(), pair.get(1)?.as_str()?.to_owned()]);
-    let is_named = |[a, b]: [String; 2]| ignored.into_iter().flatten().any(|p| is_pair(Some(p), &a, &b));
-    match free.iter().filter(|pair| !names(pair).is_some_and(is_named)).count() {
-        0 => String::new(),
-        count => format!("; assumed: {count} pairs of links that the scenario does not name may overlap or never meet"),
-    }
-}
-
 /// True if the objective has a cost of time, so that the horizon is free.
-pub(crate) fn weighs_time(scenario: &Value) -> Checked<bool> {
-    match option(scenario, "objective") {
-        Some(Value::String(preset)) => Ok(preset != "least-effort"),
-        Some(weights) => Ok(option(weights, "time").map_or(Ok(0.0), number)? > 0.0),
-        None => Ok(false),
+pub(crate) fn weighs_time(scenario: &Value) -> bool {
+    match &scenario["objective"] {
+        Value::String(preset) => preset != "least-effort",
+        weights => number_or(weights, "time", 0.0) > 0.0,
     }
 }

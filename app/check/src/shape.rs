@@ -2,7 +2,7 @@
 
 use crate::Checked;
 use crate::arithmetic::{Tm, UNIT, Vector, apply, dot, transpose};
-use crate::json::{get, number, option, three};
+use crate::json::{number_or, three};
 use crate::robot::{Pose, child, scalar, triple};
 use roxmltree::Node;
 use serde_json::Value;
@@ -32,11 +32,10 @@ pub(crate) fn shape_of(collision: Node) -> Checked<Option<(&'static str, [f64; 3
 /// The shape of an obstacle or a load: its kind and its lengths.
 pub(crate) fn solid_of(shape: &Value) -> Checked<(&'static str, [f64; 3])> {
     let of = |kind: &&'static str| shape.get(*kind).is_some();
-    let kind = ["sphere", "box", "cylinder", "capsule", "half_space"].into_iter().find(of).ok_or("an unknown shape")?;
-    let length = |key| option(&shape[kind], key).map_or(Ok(0.0), number);
+    let kind = ["sphere", "box", "cylinder", "capsule", "half_space"].into_iter().find(of).ok_or("it has no shape")?;
     let size = match kind {
-        "box" => three(get(&shape[kind], "size_m")?)?.map(|x| 0.5 * x),
-        _ => [length("radius_m")?, 0.5 * length("length_m")?, 0.0],
+        "box" => three(&shape[kind]["size_m"]).map(|x| 0.5 * x),
+        _ => [number_or(&shape[kind], "radius_m", 0.0), 0.5 * number_or(&shape[kind], "length_m", 0.0), 0.0],
     };
     Ok((kind, size))
 }

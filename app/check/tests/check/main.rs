@@ -1,0 +1,4 @@
+//! The checker of certificates: its arithmetic, and its verdicts.
+
+mod arithmetic;
+mod conformance;
