@@ -1,15 +1,21 @@
 """A checker of certificates, with numpy alone: `python -m aghf.check_certificate ROBOT.urdf SCENARIO SUMMARY
-CERTIFICATE`.
+CERTIFICATE`. The exit code is 0 if all promises are proved, 4 if the certificate leaves some out, 1 if it is refused.
 
 It shares no code with the library that plans motions and writes certificates: URDF, scenario, polynomials, inverse
 dynamics and distances are read and computed here once more, for all intervals at once, with the errors of rounding.
-`proofs/certificate.md` has the statement and its proof. SCENARIO is a scenario or a summary that contains one.
+`proofs/certificate_format.md` has what is checked, `proofs/certificate.md` why it proves the promises.
 """
 
+import functools
+import hashlib
+import itertools
 import json
 import math
+import re
 import sys
 import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,8 +26,10 @@ SIN_COS = 2.0**-51  # the assumed error of the sine and the cosine of the platfo
 TOLERANCE, STATE, ACCELERATION = 1e-9, 1e-9, 1e-6
 EQUALITY = 1e-6  # the largest deviation of a row that is zero, in its unit
 SAME_TIME = 1e-12  # the accepted difference of times, of the horizon: more than rounding
+NOT_UNIT = 2e-3  # the largest deviation of the square of the norm of a quaternion from one
+LARGEST = 1e6  # the largest length, mass and similar number
+LEVELS, DEGREE, BALLS = 127, 100, 10_000  # at most: of lists and objects, of a motion, along links
 ORDER = 10
-GROUP = "; where the scenario has a group or an SRDF, the summary of the motion is to take its place"
 KINDS = ["position", "velocity", "acceleration", "jerk", "torque"]
 
 
@@ -29,9 +37,140 @@ class Refused(Exception):
     """The reason of a refusal."""
 
 
+# What a certificate proves, in words, and whether nothing that the scenario promises is left out.
+Report = NamedTuple("Report", [("text", str), ("is_complete", bool)])
+
+
 def require(condition, fault):
     if not condition:
         raise Refused(fault)
+
+
+def real(digits):
+    value = float(digits)
+    require(math.isfinite(value), f"{digits[:20]} is no finite number")
+    return value
+
+
+def parse(text):
+    """The value of a JSON text. Numbers that may be indices are `int`, all others `float`."""
+
+    def whole(digits):
+        return int(digits) if digits.isdigit() and len(digits) < 10 else real(digits)
+
+    def members(pairs):
+        found = dict(pairs)
+        require(len(found) == len(pairs), "a key is repeated in an object")
+        return found
+
+    # What is outside of strings: escapes are inside of them in a valid text.
+    outside = "".join(re.sub(r"\\.", "", text, flags=re.DOTALL).split('"')[::2])
+    steps = (1 if bracket in "[{" else -1 for bracket in re.findall(r"[][{}]", outside))
+    require(max(itertools.accumulate(steps), default=0) <= LEVELS, f"lists and objects are more than {LEVELS} deep")
+    value = json.loads(text, parse_float=real, parse_int=whole, parse_constant=real, object_pairs_hook=members)
+    if re.search(r"\\u[dD][89a-fA-F]", text):
+        # Halves of surrogates have no code in UTF-8.
+        json.dumps(value, ensure_ascii=False).encode()
+    return value
+
+
+GRAMMAR = parse(Path(__file__).with_name("certificate_grammar.json").read_text(encoding="utf-8"))
+# The kinds of numbers in JSON, and in attributes, which have three if the kind is in the plural.
+RANGES = {
+    "number": lambda x: True,
+    "weight": lambda x: x >= 0.0,
+    "positive": lambda x: 0.0 < x <= LARGEST,
+    "magnitude": lambda x: 0.0 <= x <= LARGEST,
+    "length": lambda x: abs(x) <= LARGEST,
+    "share": lambda x: 0.0 < x <= 1.0,
+    "angle": lambda x: 0.0 < x < math.pi,
+    "place": lambda x: abs(x) <= 1.0,
+    "reserve": lambda x: -TOLERANCE <= x <= 1.0,
+}
+DECIMALS = dict(decimal="number", decimal0="weight", decimal1="positive", decimals="length", decimals1="positive")
+DECIMAL = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
+
+
+def decimals(text):
+    """The numbers of an attribute."""
+    words = re.findall(r"[^ \t\r\n]+", text)
+    require(all(map(DECIMAL.fullmatch, words)), f"'{text}' has something that is no number")
+    return [real(word) for word in words]
+
+
+def is_kind(item, kind):
+    """True if an item is of a kind that the notation of the grammar itself has."""
+    if kind in RANGES:
+        return type(item) in (int, float) and RANGES[kind](item)
+    if kind == "index":
+        return type(item) is int and item <= LARGEST
+    if not isinstance(item, str):
+        return kind == "any" or (kind == "bool" and type(item) is bool) or (kind == "null" and item is None)
+    if kind in DECIMALS:
+        values, count = decimals(item), 3 if kind.startswith("decimals") else 1
+        return len(values) == count and all(map(RANGES[DECIMALS[kind]], values))
+    if kind == "hash":
+        return re.fullmatch("[0-9a-fA-F]{64}", item) is not None
+    return kind in ("any", "text", f"'{item}'") or (kind == "name" and item != "")
+
+
+def fault(item, rule):
+    """Where and why a value of JSON, an element or an attribute is not what a rule of the grammar has, or nothing."""
+    if isinstance(rule, str):
+        if rule in GRAMMAR:
+            return fault(item, GRAMMAR[rule])
+        is_one = any(not fault(item, name) for name in rule.split("|")) if "|" in rule else is_kind(item, rule)
+        return "" if is_one else f": this is no {rule}"
+    if isinstance(rule, dict):
+        return fault_of_members(item, {name.rstrip("?*"): (name[-1:], rule) for name, rule in rule.items()})
+    if not isinstance(item, list) or len(rule) not in (1, len(item)):
+        return ": this is no list of this length"
+    faults = zip(itertools.count(), map(fault, item, itertools.cycle(rule)))
+    return next((f"[{i}]{inner}" for i, inner in faults if inner), "")
+
+
+def fault_of_members(item, rules):
+    """The same of an object or an element, by the ending and the rule of each key."""
+    if not isinstance(item, (dict, ElementTree.Element)):
+        return ": this is no object"
+    given, found = list(item.items()), set()
+    if not isinstance(item, dict):
+        given = [(f"@{key}", value) for key, value in given] + [(inner.tag, inner) for inner in item]
+    for key, value in given:
+        ending, rule = rules.get(key) or rules.get("") or ("", None)
+        if rule is None or (key in found and ending != "*"):
+            return f": '{key}' is {'there twice' if rule else 'not in the subset'}"
+        found.add(key)
+        inner = fault(value, rule)
+        if inner:
+            return f".{key}{inner}"
+    missing = [name for name, (ending, _) in rules.items() if name not in found and ending not in "?*"]
+    return f": {missing} are missing" if missing else ""
+
+
+def accept(item, rule):
+    """Refuses an item that is not what this rule of the grammar has."""
+    found = fault(item, rule)
+    require(not found, f"{rule}{found}")
+
+
+def read(text, rule):
+    """The value of a JSON text that is what this rule of the grammar has."""
+    try:
+        value = parse(text)
+    except (Refused, ValueError) as error:
+        raise Refused(f"{rule}: {error}") from error
+    accept(value, rule)
+    return value
+
+
+class Elements(ElementTree.TreeBuilder):
+    """The elements of an XML text."""
+
+    def pi(self, *_):
+        raise Refused("the robot has a document type declaration or a processing instruction")
+
+    doctype = pi
 
 
 class Model:
@@ -206,49 +345,43 @@ def inverse(a):
     return back, -apply(back, a[1])
 
 
-def number(value, what="a number"):
-    good = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-    require(good, f"{what} is {value}, no finite number")
-    return float(value)
-
-
-def numbers(values, count=None):
-    require(isinstance(values, list) and count in (None, len(values)), f"{count or 'several'} numbers are needed")
-    return [number(value) for value in values]
-
-
 def option(value, key, default=None):
+    """The value of a key of an object or, of anything else, the default."""
     found = value.get(key) if isinstance(value, dict) else None
     return default if found is None else found
 
 
-def get(value, key):
-    found = option(value, key)
-    require(found is not None, f"'{key}' is missing")
+def entries(value, key):
+    """The entries of a list, a single value that is not a list, or nothing."""
+    found = option(value, key, [])
+    return found if isinstance(found, list) else [found]
+
+
+def joint_values(value, key, count):
+    """A number for each joint, zero by default."""
+    found = option(value, key, [0.0] * count)
+    require(len(found) == count, f"{key} has {len(found)} entries, not {count}")
     return found
 
 
-def attribute(node, name, default=0.0):
-    return number(float(node.get(name, default))) if node is not None else default
-
-
-def triple(node, name, default):
-    words = node.get(name).split() if node is not None and node.get(name) is not None else default
-    return numbers([float(word) for word in words], 3)
+def attribute(node, name, default=(0.0,)):
+    """The numbers of an attribute of an element."""
+    text = None if node is None else node.get(name)
+    return default if text is None else decimals(text)
 
 
 def pose(node):
-    roll = triple(node, "rpy", [0.0, 0.0, 0.0])
+    roll = attribute(node, "rpy", [0.0, 0.0, 0.0])
     x, y, z = (about(IDENTITY[0][i], *Model.constant([roll[i]]).sin_cos()) for i in range(3))
-    return product(z, product(y, x)), vector(triple(node, "xyz", [0.0, 0.0, 0.0]))
+    return product(z, product(y, x)), vector(attribute(node, "xyz", [0.0, 0.0, 0.0]))
 
 
 def quaternion(value):
     if value is None:
         return IDENTITY[0]
-    q = Model.constant(np.array(numbers(value, 4)).reshape(4, 1))
-    squares = q * q
-    norm = (squares[0] + squares[1] + squares[2] + squares[3]).inverse_sqrt()
+    require(abs(sum(x * x for x in value) - 1.0) <= NOT_UNIT, "an orientation is no unit quaternion")
+    q = Model.constant(np.array(value).reshape(4, 1))
+    norm = functools.reduce(Model.__add__, (x * x for x in (q[0], q[1], q[2], q[3]))).inverse_sqrt()
     x, y, z, w = (q[i] * norm for i in range(4))
     two, one = x.like(2.0), x.like(1.0)
     return stack([
@@ -259,16 +392,15 @@ def quaternion(value):
 
 
 def pose_of(value):
-    return quaternion(option(value, "orientation_xyzw")), vector(numbers(get(value, "position_m"), 3))
+    return quaternion(option(value, "orientation_xyzw")), vector(value["position_m"])
 
 
 def solid_of(shape):
     """The kind of an obstacle or a load and its lengths."""
-    (kind, own), = shape.items()
-    require(kind in ("sphere", "box", "cylinder", "capsule", "half_space"), f"shape '{kind}'")
+    ((kind, own),) = shape.items()
     if kind == "box":
-        return kind, [0.5 * x for x in numbers(get(own, "size_m"), 3)]
-    return kind, [number(option(own, "radius_m", 0.0)), 0.5 * number(option(own, "length_m", 0.0))]
+        return kind, [0.5 * x for x in own["size_m"]]
+    return kind, [option(own, "radius_m", 0.0), 0.5 * option(own, "length_m", 0.0)]
 
 
 class Joint:
@@ -277,14 +409,17 @@ class Joint:
     def __init__(self, node, parent, origin):
         self.name, self.parent, self.origin = node.get("name"), parent, origin
         self.slides = node.get("type") == "prismatic"
-        self.axis = unit(triple(node.find("axis"), "xyz", [1.0, 0.0, 0.0]))
+        self.axis = unit(attribute(node.find("axis"), "xyz", [1.0, 0.0, 0.0]))
         self.mass, self.first = Model.constant([0.0]), vector([0.0, 0.0, 0.0])
         self.inertia = Model.constant(np.zeros((3, 3, 1)))
         self.drive, self.limits = [Model.constant([0.0])] * 4, [-math.inf, math.inf, math.inf, math.inf]
 
     def read(self, node, scenario):
-        limits = [attribute(node.find("limit"), key) for key in ("lower", "upper", "velocity", "effort")]
+        is_free = node.find("mimic") is None or option(scenario, "mimic") == "independent"
+        require(is_free, f"joint '{self.name}' mimics another one")
+        limits = [attribute(node.find("limit"), key)[0] for key in ("lower", "upper", "velocity", "effort")]
         if any(limits):
+            require(limits[0] <= limits[1], f"the limits of joint '{self.name}' exclude all positions")
             self.limits = limits[:2] + [x if x > 0.0 else math.inf for x in limits[2:]]
             if node.get("type") == "continuous":
                 self.limits[:2] = [-math.inf, math.inf]
@@ -294,13 +429,12 @@ class Joint:
 
         def given(key, default):
             found = option(losses, key, default)
-            return number(option(found, self.name, default) if isinstance(found, dict) else found)
+            return option(found, self.name, default) if isinstance(found, dict) else found
 
-        damping, friction = (attribute(node.find("dynamics"), key) for key in ("damping", "friction"))
-        width = given("friction_velocity", 0.02)
+        damping, friction = (attribute(node.find("dynamics"), key)[0] for key in ("damping", "friction"))
         drive = [given("damping", damping), given("friction", friction), 1.0, given("armature", 0.0)]
         self.drive = [Model.constant([x]) for x in drive]
-        self.drive[2] = self.drive[2].over(width)
+        self.drive[2] = self.drive[2].over(given("friction_velocity", 0.02))
 
     def placement(self, q):
         if self.slides:
@@ -309,69 +443,95 @@ class Joint:
 
 
 class Robot:
-    """The moving bodies of a URDF and the balls that keep clear."""
+    """The moving bodies of a URDF and the shapes that keep clear."""
 
     def __init__(self, urdf, scenario, names):
-        root = ElementTree.fromstring(urdf)
+        is_plain = urdf[0] != "\ufeff" and (urdf[:5] != "<?xml" or urdf[5] == " ")
+        require(is_plain, "the robot begins with a byte order mark or a processing instruction")
+        root = ElementTree.fromstring(urdf, ElementTree.XMLParser(target=Elements()))
+        require(root.tag == "robot", "it is no 'robot'")
+        accept(root, "robot")
         links = {link.get("name"): link for link in root.findall("link")}
-        by_link = {}
-        for joint in root.findall("joint"):
-            for end in ("parent", "child"):
-                by_link.setdefault(joint.find(end).get("link"), []).append((joint, end == "child"))
-        carried = {joint.find("child").get("link") for joint in root.findall("joint")}
-        bases = [link for link in links if link not in carried]
-        require(bases, "no link is the base")
-        base = option(scenario, "root", bases[0])
+        placed = self.add_joints(root, links, scenario, names)
+        self.base, self.links = (Model.constant([0.0]), vector([0.0] * 3)), placed
+        for link, (body, at) in placed.items():
+            inertial = links[link].find("inertial")
+            if inertial is not None:
+                six = [attribute(inertial.find("inertia"), f"i{k}")[0] for k in ("xx", "xy", "xz", "yy", "yz", "zz")]
+                mass = attribute(inertial.find("mass"), "value")[0]
+                self.add_mass(body, compose(at, pose(inertial.find("origin"))), mass, six)
+        load = option(scenario, "payload")
+        if load is not None:
+            body, at = placed.get(load["link"], (None, None))
+            require(body is not None, "the payload is on no link that moves")
+            center = (IDENTITY[0], vector(option(load, "center_m", [0.0] * 3)))
+            self.add_mass(body, compose(at, center), load["mass_kg"], option(load, "inertia_kg_m2", [0.0] * 6))
+        # Per shape the body, the link, the placement, the kind and the lengths.
+        self.parts, self.is_known, self.meshes = [], True, set()
+        is_shaped = any(link.find("collision") is not None for link in links.values())
+        shape = option(scenario, "robot_shape", {"collision": {}} if is_shaped else "joint_frames")
+        self.has_links = option(shape, "collision") is not None
+        if self.has_links:
+            self.add_shapes(links)
+        elif shape == "joint_frames":
+            self.parts += [(body, "", IDENTITY, "sphere", [0.0]) for body in range(len(self.joints))]
+        else:
+            self.add_swept(shape["swept_links"])
+        if option(load, "shape") is not None:
+            kind, size = solid_of(load["shape"])
+            default = {"position_m": option(load, "center_m", [0.0] * 3)}
+            self.is_known &= self.has_links or kind == "sphere"
+            at = compose(placed[load["link"]][1], pose_of(option(load, "shape_pose", default)))
+            self.parts.append((body, load["link"], at, kind, size))
+        self.has_balls = self.is_known and all(kind == "sphere" for _, _, _, kind, _ in self.parts)
+
+    def add_joints(self, root, links, scenario, names):
+        """Reads the joints, and returns the body of each link and its placement in it."""
+        all_joints = root.findall("joint")
+        ends = [[joint.find(end).get("link") for end in ("parent", "child")] for joint in all_joints]
+        is_unique = len({joint.get("name") for joint in all_joints}) == len(all_joints)
+        require(is_unique and len(links) == len(root.findall("link")), "two links or two joints have the same name")
+        carried = {child for _, child in ends}
+        is_tree = len(carried) == len(ends) == len(links) - 1 and {link for pair in ends for link in pair} <= set(links)
+        require(is_tree, "links and joints are no tree")
+        (base,) = set(links) - carried
+        base, locks = option(scenario, "root", base), option(scenario, "locked_joints", {})
         require(base in links, "the robot has no such root")
         joints, placed, opened = {}, {}, [(base, None, IDENTITY, None)]
         while opened:
             link, body, at, before = opened.pop()
             require(link not in placed, "links form a loop")
             placed[link] = (body, at)
-            for node, turned in by_link.get(link, []):
-                if node is before:
+            for node, pair in zip(all_joints, ends):
+                if node is before or link not in pair:
                     continue
+                turned = link == pair[1]
                 # From a new root some joints are met from their other side: they turn back, and then comes the origin.
                 step = pose(node.find("origin"))
                 origin, then = (at, inverse(step)) if turned else (compose(at, step), IDENTITY)
-                beyond, kind = node.find("parent" if turned else "child").get("link"), node.get("type")
+                beyond, kind = pair[0 if turned else 1], node.get("type")
                 joint = Joint(node, body, origin)
                 if turned:
                     joint.axis = -joint.axis
-                locked = option(option(scenario, "locked_joints", {}), joint.name)
                 if kind == "fixed":
                     opened.append((beyond, body, compose(origin, then), node))
-                elif locked is not None:
-                    placement = joint.placement(Model.constant([number(locked)]))
+                elif joint.name in locks:
+                    placement = joint.placement(Model.constant([locks[joint.name]]))
                     opened.append((beyond, body, compose(placement, then), node))
                 else:
-                    require(kind in ("revolute", "continuous", "prismatic"), f"joint type '{kind}'")
-                    require(joint.name in names, f"joint '{joint.name}' has no motion{GROUP}")
+                    require(joint.name in names, f"joint '{joint.name}' has no motion")
                     joint.read(node, scenario)
                     i = names.index(joint.name)
                     joints[i] = joint
                     opened.append((beyond, i, then, node))
+        require(len(placed) == len(links), "links form a loop")
+        known = {joint.get("name") for joint in all_joints} - set(names)
+        require(set(locks) <= known, "a locked joint is unknown, or moves")
         require(len(joints) == len(names), "the motion has a joint that the robot has not")
         self.joints = [joints[i] for i in range(len(names))]
-        self.base, self.links = (Model.constant([0.0]), vector([0.0] * 3)), placed
         early = all(joint.parent is None or joint.parent < i for i, joint in enumerate(self.joints))
         require(early, "a joint is before its parent")
-        for link, (body, at) in placed.items():
-            inertial = links[link].find("inertial")
-            if inertial is not None:
-                six = [attribute(inertial.find("inertia"), k) for k in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")]
-                mass = attribute(inertial.find("mass"), "value")
-                self.add_mass(body, compose(at, pose(inertial.find("origin"))), mass, six)
-        load = option(scenario, "payload")
-        if load is not None:
-            body, at = placed[get(load, "link")]
-            center = (IDENTITY[0], vector(numbers(option(load, "center_m", [0.0] * 3), 3)))
-            six = numbers(option(load, "inertia_kg_m2", [0.0] * 6), 6)
-            self.add_mass(body, compose(at, center), number(get(load, "mass_kg")), six)
-        # Per shape the body, the link, the placement, the kind and the lengths.
-        self.parts, self.is_known = [], True
-        self.add_parts(scenario, links, placed)
-        self.has_balls = self.is_known and all(kind == "sphere" for _, _, _, kind, _ in self.parts)
+        return placed
 
     def add_mass(self, body, at, mass, six):
         c = at[1]
@@ -386,50 +546,34 @@ class Robot:
         joint.mass, joint.first = joint.mass + mass, joint.first + c * mass
         joint.inertia = joint.inertia + product(product(at[0], own), transpose(at[0])) + square * mass
 
-    def add_parts(self, scenario, links, placed):
-        """Adds the shapes of the robot, by the names of their links."""
+    def add_shapes(self, links):
+        """Adds the collision elements, by the names of their links."""
+        for link, (body, at) in sorted(self.links.items()):
+            for collision in links[link].findall("collision"):
+                (own,) = collision.find("geometry")
+                if own.tag == "mesh":
+                    self.is_known = False
+                    self.meshes.add(own.get("filename"))
+                    continue
+                size = [attribute(own, "radius")[0], 0.5 * attribute(own, "length")[0]]
+                if own.tag == "box":
+                    size = [0.5 * x for x in attribute(own, "size")]
+                self.parts.append((body, link, compose(at, pose(collision.find("origin"))), own.tag, size))
 
-        def add_ball(body, link, centre, radius):
-            self.parts.append((body, link, (IDENTITY[0], centre), "sphere", [radius]))
-
-        is_shaped = any(link.find("collision") is not None for link in links.values())
-        shape = option(scenario, "robot_shape", "collision" if is_shaped else "joint_frames")
-        by_shapes = shape == "collision" or option(shape, "collision") is not None
-        if shape == "joint_frames":
-            for body in range(len(self.joints)):
-                add_ball(body, "", vector([0.0] * 3), 0.0)
-        elif option(shape, "swept_links") is not None:
-            swept = shape["swept_links"]
-            radius, spacing = number(get(swept, "radius_m")), number(option(swept, "spacing_m", 0.05))
-            for body in range(len(self.joints)):
-                ends = [joint.origin[1] for joint in self.joints if joint.parent == body]
-                ends += [at[1] for of, at in placed.values() if of == body]
-                ends = [end for end in ends if np.any(end.c[0] != 0.0)] or [vector([0.0] * 3)]
-                for end in ends:
-                    length = math.sqrt(float((end.c[0] ** 2).sum()))
-                    pieces = max(math.ceil(length / spacing), 1)
-                    for i in range(pieces + 1):
-                        centre = end * Model.constant(float(i)).over(float(pieces))
-                        add_ball(body, "", centre, math.hypot(radius, 0.5 * length / pieces))
-        else:
-            for link, (body, at) in sorted(placed.items()):
-                for collision in links[link].findall("collision"):
-                    (own, *_) = collision.find("geometry")
-                    if own.tag not in ("sphere", "cylinder", "capsule", "box"):
-                        self.is_known = False
-                        continue
-                    size = [attribute(own, "radius"), 0.5 * attribute(own, "length")]
-                    if own.tag == "box":
-                        size = [0.5 * x for x in triple(own, "size", [0.0] * 3)]
-                    self.parts.append((body, link, compose(at, pose(collision.find("origin"))), own.tag, size))
-        load = option(scenario, "payload")
-        if option(load, "shape") is not None:
-            kind, size = solid_of(load["shape"])
-            body, at = placed[load["link"]]
-            default = {"position_m": option(load, "center_m", [0.0] * 3)}
-            self.is_known &= by_shapes or kind == "sphere"
-            at = compose(at, pose_of(option(load, "shape_pose", default)))
-            self.parts.append((body, load["link"], at, kind, size))
+    def add_swept(self, swept):
+        """Adds balls from the origin of each body to the frames that it carries."""
+        spacing = option(swept, "spacing_m", 0.05)
+        for body in range(len(self.joints)):
+            ends = [joint.origin[1] for joint in self.joints if joint.parent == body]
+            ends += [at[1] for of, at in self.links.values() if of == body]
+            lengths = [math.sqrt(float((end.c[0] ** 2).sum())) for end in ends]
+            for end, length in [x for x in zip(ends, lengths) if x[1] > 0.0] or [(vector([0.0] * 3), 0.0)]:
+                pieces = max(float(np.ceil(length / spacing)), 1.0)
+                require(len(self.parts) + pieces < BALLS, f"the robot has more than {BALLS} balls")
+                radius = math.hypot(swept["radius_m"], 0.5 * length / pieces)
+                for i in range(int(pieces) + 1):
+                    at = IDENTITY[0], end * Model.constant(float(i)).over(pieces)
+                    self.parts.append((body, "", at, "sphere", [radius]))
 
     def torques(self, q, v, a):
         """Inverse dynamics by the recursive Newton-Euler algorithm in the frames of the joints: the torques, and the
@@ -494,86 +638,94 @@ class States:
         self.robot, self.q, self.v, self.places = robot, q, v, robot.places(q)
 
     def link(self, name):
+        """The placement of a link and its body."""
+        require(name in self.robot.links, f"there is no link '{name}'")
         body, at = self.robot.links[name]
-        return at if body is None else compose(self.places[body], at)
+        return (at if body is None else compose(self.places[body], at)), body
 
     def poses(self, goal):
         """The rows of a set of poses."""
-        turn, at = self.link(get(goal, "frame"))
-        if option(goal, "relative_to") is not None:
-            other = self.link(goal["relative_to"])
+        turn, at = self.link(goal["frame"])[0]
+        if "relative_to" in goal:
+            other = self.link(goal["relative_to"])[0]
             turn, at = product(transpose(other[0]), turn), apply(transpose(other[0]), at - other[1])
+        has_turn = "orientation_xyzw" in goal or "axis" in goal
+        is_double = {"position_m", "box"} <= set(goal) or {"orientation_xyzw", "axis"} <= set(goal)
+        is_of = ("tolerance_m" not in goal or "position_m" in goal) and ("tolerance_rad" not in goal or has_turn)
+        require(is_of and not is_double, "poses have a tolerance of nothing, or two conditions of a kind")
         rows = []
-        if option(goal, "position_m") is not None:
-            off, r = at - vector(numbers(goal["position_m"], 3)), option(goal, "tolerance_m")
+        if "position_m" in goal:
+            off, r = at - vector(goal["position_m"]), option(goal, "tolerance_m")
             if r is None:
                 rows += [zero("position", off[i]) for i in range(3)]
             else:
                 square = dot(off, off)
-                rows.append(most("distance", square - square.like(number(r)) * square.like(r), 2.0 * r))
-        if option(goal, "box") is not None:
-            centre, sizes = pose_of(get(goal["box"], "pose")), get(goal["box"], "size_m")
+                rows.append(most("distance", square - square.like(r) * square.like(r), 2.0 * r))
+        if "box" in goal:
+            centre = pose_of(goal["box"]["pose"])
             off = apply(transpose(centre[0]), at - centre[1])
-            require(len(sizes) == 3, "a box has three edges")
-            for i, size in enumerate(sizes):
-                if size == 0.0:
-                    rows.append(zero("position", off[i]))
-                elif size is not None:
-                    rows.append(("position in a box", off[i], [-0.5 * number(size), 0.5 * size], 1.0))
+            for i, size in enumerate(goal["box"]["size_m"]):
+                if size is not None:
+                    # Half of the least number is zero.
+                    half = 0.5 * size
+                    inside = "position in a box", off[i], [-half, half], 1.0
+                    rows.append(inside if half > 0.0 else zero("position", off[i]))
         within = option(goal, "tolerance_rad")
-        if option(goal, "orientation_xyzw") is not None:
+        if "orientation_xyzw" in goal:
             m = product(transpose(quaternion(goal["orientation_xyzw"])), turn)
             sine = stack([(m[i, j] - m[j, i]).over(2.0) for i, j in ((2, 1), (0, 2), (1, 0))])
             rows += angle(sine, (m[0, 0] + m[1, 1] + m[2, 2] - m[0, 0].like(1.0)).over(2.0), within)
-        elif option(goal, "axis") is not None:
-            own, aim = (unit(numbers(get(goal["axis"], key), 3)) for key in ("of_frame", "direction"))
+        elif "axis" in goal:
+            own, aim = (unit(goal["axis"][key]) for key in ("of_frame", "direction"))
             own = apply(turn, own)
             rows += angle(cross(own, aim), dot(own, aim), within)
-        require(rows, "a set of poses has no condition")
+        require(rows, "poses have no condition")
         return rows
 
     def kept(self, condition):
         """The rows of a condition along the way."""
-        if option(condition, "poses") is not None:
+        require(("poses" in condition) != ("speed" in condition), "one of poses and speed is kept")
+        if "poses" in condition:
             return self.poses(condition["poses"])
-        of = get(condition, "speed")
-        turn, at = self.link(get(of, "frame"))
-        point = apply(turn, vector(numbers(option(of, "point_m", [0.0] * 3), 3))) + at
-        body, velocity = self.robot.links[of["frame"]][0], vector([0.0] * 3)
+        of = condition["speed"]
+        (turn, at), body = self.link(of["frame"])
+        point = apply(turn, vector(option(of, "point_m", [0.0] * 3))) + at
+        velocity = vector([0.0] * 3)
         while body is not None:
             joint, (turn, at) = self.robot.joints[body], self.places[body]
             axis = apply(turn, joint.axis)
             velocity = velocity + (axis if joint.slides else cross(axis, point - at)) * self.v[body]
             body = joint.parent
-        square, bound = dot(velocity, velocity), number(get(of, "most_m_s"))
+        square, bound = dot(velocity, velocity), of["most_m_s"]
         return [most("speed", square - square.like(bound) * square.like(bound), 2.0 * bound)]
 
     def waypoint(self, point):
         """The rows of a waypoint."""
-        rows = self.poses(point["poses"]) if option(point, "poses") is not None else []
-        if option(point, "q") is not None:
-            aims = numbers(point["q"], len(self.robot.joints))
+        require(("poses" in point) != ("q" in point), "a waypoint is one of q and poses")
+        rows = self.poses(point["poses"]) if "poses" in point else []
+        if "q" in point:
+            aims = joint_values(point, "q", len(self.robot.joints))
             rows += [zero("position", self.q[i] - self.q[i].like(aim)) for i, aim in enumerate(aims)]
         if option(point, "stop", False):
             rows += [zero("velocity", self.v[i]) for i in range(len(self.robot.joints))]
-        require(rows, "a waypoint has no condition")
         return rows
 
     def foot(self, stand, force, moment):
         """The rows of a standing foot under the force of the ground on the base and its moment."""
-        turn, at = self.link(get(stand, "frame"))
-        if option(stand, "sole") is not None:
+        (turn, at), body = self.link(stand["frame"])
+        require(body is None, "the foot moves")
+        if "sole" in stand:
             turn, at = compose((turn, at), pose_of(stand["sole"]))
         force, moment = apply(transpose(turn), force), apply(transpose(turn), moment - cross(at, force))
-        up, weight, friction = force[2], self.robot.weight(), number(get(stand, "friction"))
+        up, weight, friction = force[2], self.robot.weight(), stand["friction"]
         rows = [most("normal force", -up, weight)]
         for i, key in ((1, "half_length_m"), (0, "half_width_m"), (2, "torsion")):
-            if key != "torsion" or option(stand, key) is not None:
-                side = up * up.like(number(get(stand, key)))
+            if key in stand:
+                side = up * up.like(stand[key])
                 rows += [most(key, moment[i] - side, weight), most(key, -moment[i] - side, weight)]
         bound = up * up.like(friction)
         slip = (force[0] * force[0] + force[1] * force[1] - bound * bound).over(2.0 * friction)
-        return [*rows, most("friction", slip, weight**2)]
+        return [*rows, most("friction", slip, weight * weight)]
 
 
 def most(name, x, scale):
@@ -586,7 +738,7 @@ def zero(name, x):
 
 def angle(sine, cosine, within):
     """The rows of an angle with this sine, times an axis, and cosine, at most a bound or, without one, zero."""
-    bound = math.pi / 3.0 if within is None else number(within)
+    bound = math.pi / 3.0 if within is None else within
     rows = [most("angle", cosine.like(math.cos(bound)) - cosine, math.sin(bound))]
     return rows + ([zero("angle", sine[i]) for i in range(3)] if within is None else [])
 
@@ -596,11 +748,42 @@ def unit(axis):
     return axis * dot(axis, axis).inverse_sqrt()[np.newaxis]
 
 
-class Motion:
-    """The piecewise polynomial motion: its Chebyshev coefficients per segment and joint, and its horizon."""
+def ball(x):
+    return Model.constant(x, order=1)
 
-    def __init__(self, coefficients, horizon):
-        self.coefficients, self.horizon, self.segments = coefficients, horizon, len(coefficients)
+
+def sums(a, b):
+    """The product of matrices of numbers, whose terms are added in any order."""
+    x, y, n = np.abs(a.c[0]), np.abs(b.c[0]), a.r.shape[-1]
+    radius = x @ b.r + a.r @ (y + b.r) + (n + 2) * UNIT * (x @ y)
+    return Model((a.c[0] @ b.c[0])[np.newaxis], radius * UP + TINY)
+
+
+def derivative(n):
+    """The matrix from the Chebyshev coefficients of a polynomial of degree n to those of its derivative: 2 j from each
+    j to all k that are smaller by an odd number, with half of it for k = 0."""
+    j, k = np.arange(n + 1.0)[:, np.newaxis], np.arange(float(n))
+    return ball(np.where((j > k) & ((j - k) % 2.0 == 1.0), np.where(k == 0.0, 1.0, 2.0) * j, 0.0))
+
+
+class Motion:
+    """The piecewise polynomial motion of a run: its positions, whose rates are the velocities of the run."""
+
+    def __init__(self, curve):
+        self.horizon, self.segments = curve["horizon_s"], len(curve["coefficients"])
+        joints, degree = len(curve["joints"]), curve["degree"]
+        require(degree <= DEGREE, f"the degree of the motion is above {DEGREE}")
+        lengths = {(len(segment), len(row)) for segment in curve["coefficients"] for row in segment or [[]]}
+        is_whole = lengths == {(2 * joints, degree + 1)} and min(joints, degree) > 0
+        require(is_whole and curve["segments"] == self.segments, "the coefficients are not those of the joints")
+        c = ball(np.array(curve["coefficients"], dtype=float))
+        # Per order the derivatives of the positions over factorials: segments by joints by coefficients.
+        self.taylor, velocities = [c[:, :joints]], c[:, joints:]
+        for k in range(degree):
+            self.taylor.append(sums(self.taylor[-1], derivative(degree - k)).over(k + 1.0))
+        rates = self.taylor[1] * ball(2.0 * self.segments).over(self.horizon)
+        off = (velocities[..., :-1] - rates).most().sum(axis=-1) + velocities[..., -1].most()
+        require(np.all(off * UP <= STATE), "a velocity of the run is not the rate of the position")
 
     def time(self, segment, x):
         """The time of a place, s, with an error of less than 1e-15 of the horizon."""
@@ -612,55 +795,39 @@ class Motion:
         return States(robot, *(Model.constant(part.c[0]).widened(part.r) for part in own))
 
     def expand(self, own, middles, halves):
-        """Positions, velocities, accelerations and jerks of the joints on parts |x - m| <= w of segments, as
-        coefficients and bounds on errors: Taylor coefficients about m from the Chebyshev coefficients of the
-        derivatives."""
-
-        def ball(x):
-            return Model.constant(x, order=1)
-
-        count, coefficients = len(middles), self.coefficients
-        degree = coefficients.shape[-1] - 1
-        m, w = ball(middles), ball(halves)
-        chebyshev = [ball(np.ones(count)), m]
-        for j in range(2, degree + 1):
+        """Positions, velocities, accelerations and jerks of the joints on parts |x - m| <= w of segments: coefficients
+        and bounds on errors, by Taylor coefficients about m from the Chebyshev coefficients of the derivatives."""
+        count, one, x, w = len(middles), ball(np.ones(len(middles))), ball(middles), ball(halves)
+        n, joints = len(self.taylor), self.taylor[0].r.shape[1]
+        chebyshev, powers = [one, x], itertools.accumulate([one] + [w] * (n - 1), Model.__mul__)
+        for j in range(2, n):
             twice = chebyshev[j // 2] * chebyshev[j - j // 2] * ball(2.0)
-            chebyshev.append(twice - (chebyshev[1] if j % 2 else chebyshev[0]))
+            chebyshev.append(twice - (x if j % 2 else one))
+        chebyshev, taylor = stack(chebyshev), ball(np.zeros((n, joints, count)))
+        for segment in set(own):
+            at = np.flatnonzero(np.equal(own, segment))
+            for k, part in enumerate(self.taylor):
+                found = sums(part[segment], chebyshev[: n - k, at])
+                taylor.c[0, k][:, at], taylor.r[k][:, at] = found.c[0], found.r
+        taylor = taylor * stack(list(powers))[:, np.newaxis]
         rate = ball(np.full(count, 2.0 * self.segments)).over(self.horizon).over(halves)
-        # Per degree, joints by segments.
-        c = [ball(coefficients[:, :, j].T) for j in range(degree + 1)]
-        power, taylor = ball(np.ones(count)), []
-        for k in range(degree + 1):
-            value = ball(np.zeros((coefficients.shape[1], count)))
-            for j, cj in enumerate(c):
-                value = value + cj[:, own] * chebyshev[j]
-            taylor.append(value * power)
-            power = power * w
-            n = len(c) - 1
-            # The next derivative over k + 1.
-            rates = [ball(np.zeros(c[0].r.shape)) for _ in range(n + 2)]
-            for j in range(n, 0, -1):
-                rates[j - 1] = rates[j + 1] + c[j] * ball(2.0 * j)
-            rates = rates[:n]
-            if rates:
-                rates[0] = rates[0].over(2.0)
-            c = [x.over(float(k + 1)) for x in rates]
         found = []
-        for _ in range(4):
-            c = np.concatenate([x.c for x in taylor])
-            found.append(Model(c, sum(x.r for x in taylor) * UP))
-            taylor = [x * ball(float(k)) * rate for k, x in enumerate(taylor) if k > 0] or [taylor[0] * ball(0.0)]
+        for order in range(4):
+            found.append(Model(taylor.c[0], taylor.r.sum(axis=0) * UP))
+            # A derivative beyond the degree is zero.
+            k = np.arange(1.0, n - order).reshape(-1, 1, 1) if order + 1 < n else np.zeros((1, 1, 1))
+            taylor = taylor[-len(k) :] * ball(k) * rate
         return found
 
 
 def cut(polynomials):
     """The polynomials with ORDER coefficients."""
     c = polynomials.c
-    padded = np.zeros((ORDER, *c.shape[1:]))
-    padded[: min(ORDER, len(c))] = c[:ORDER]
-    return Model(padded, polynomials.r).widened(np.abs(c[ORDER:]).sum(axis=0) * UP)
+    kept = np.concatenate([c[:ORDER], np.zeros((max(ORDER - len(c), 0), *c.shape[1:]))])
+    return Model(kept, polynomials.r).widened(np.abs(c[ORDER:]).sum(axis=0) * UP)
 
 
+@functools.lru_cache
 def bernstein(n):
     """The Bernstein coefficients of the powers of s on [-1, 1]: one row per power."""
 
@@ -711,27 +878,24 @@ def least(polynomials, enough, accuracy):
 def limits_of(scenario, robot):
     """The limits that a scenario enforces: promise, joint, bounds."""
     enforced, passive = option(scenario, "enforced_limits", {}), option(scenario, "passive", [])
+    names = [joint.name for joint in robot.joints]
+    named = passive + [name for part in enforced.values() for name in option(part, "joints", [])]
+    require(set(named) <= set(names), "a joint of the limits or a passive joint is unknown")
+    lists = [part for part in enforced.values() if isinstance(part, list)]
+    require(all(len(part) == len(names) for part in lists), "a list of limits is of another number of joints")
 
     def share(key, joint):
         found = option(enforced, key, True)
-        if isinstance(found, bool):
-            return 1.0 if found else None
         if isinstance(found, dict):
-            return number(option(found, "share", 1.0)) if joint in option(found, "joints", [joint]) else None
-        return number(found)
-
-    def most(key, i):
-        found = option(enforced, key)
-        if isinstance(found, list):
-            found = found[i]
-        return math.inf if found is None else number(found, f"{key} (use the scenario of the summary)")
+            found = option(found, "share", 1.0) if joint in option(found, "joints", [joint]) else False
+        return None if found is False else 1.0 if found is True else found
 
     limits = []
     for promise in KINDS:
+        most = option(enforced, "max_velocity" if promise == "velocity" else promise)
         for i, joint in enumerate(robot.joints):
             lower, upper, velocity, effort = joint.limits
-            part = share(promise, joint.name) if promise in ("position", "velocity", "torque") else None
-            bounds = [-math.inf, math.inf]
+            part, bounds = share(promise, joint.name), [-math.inf, math.inf]
             if promise == "position" and part is not None:
                 cut_off = 0.5 * (1.0 - part) * (upper - lower)
                 bounds = [lower + cut_off, upper - cut_off] if math.isfinite(cut_off) else [lower, upper]
@@ -739,23 +903,27 @@ def limits_of(scenario, robot):
                 bounds = [-part * velocity, part * velocity]
             elif promise == "torque" and part is not None and joint.name not in passive:
                 bounds = [-part * effort, part * effort]
-            if promise in ("velocity", "acceleration", "jerk"):
-                given = most("max_velocity" if promise == "velocity" else promise, i)
+            given = most[i] if isinstance(most, list) else most
+            if promise in ("velocity", "acceleration", "jerk") and given is not None:
                 bounds = [max(bounds[0], -given), min(bounds[1], given)]
             if any(map(math.isfinite, bounds)):
                 limits.append((promise, i, bounds))
     return limits
 
 
+def clearance(scenario, key):
+    """The distance that the scenario keeps from obstacles or between links."""
+    given = option(scenario, "clearance_m", 0.0)
+    return option(given, key, 0.0) if isinstance(given, dict) else given
+
+
 def obstacles_of(scenario):
     """The obstacles: placement, kind, lengths, and the distance that is kept."""
-    given = option(scenario, "clearance_m", 0.0)
-    beside = number(option(given, "obstacles", 0.0) if isinstance(given, dict) else given)
-    found = []
-    for obstacle in option(scenario, "obstacles", []):
-        margin = number(option(obstacle, "clearance_m", beside))
-        found.append((pose_of(get(obstacle, "pose")), *solid_of(get(obstacle, "shape")), margin))
-    return found
+    kept = clearance(scenario, "obstacles")
+    return [
+        (pose_of(obstacle["pose"]), *solid_of(obstacle["shape"]), option(obstacle, "clearance_m", kept))
+        for obstacle in option(scenario, "obstacles", [])
+    ]
 
 
 def lower(x):
@@ -764,9 +932,7 @@ def lower(x):
 
 def length(vectors):
     """Lower bounds on the lengths of vectors, a list of lists of coordinates."""
-    square = vectors[0] * vectors[0]
-    for x in vectors[1:]:
-        square = square + x * x
+    square = functools.reduce(Model.__add__, (x * x for x in vectors))
     return np.sqrt(np.maximum(lower(square), 0.0)) * (1.0 - 4.0 * UNIT)
 
 
@@ -799,22 +965,33 @@ def distance(obstacle, p):
     return np.where((along >= 0.0) & (across >= 0.0), corner, np.maximum(across, along))
 
 
-def pairs_of(scenario, certificate, robot):
+def link_pairs(listed, robot):
+    """Pairs of different links, each once."""
+    found = [frozenset(pair) for pair in listed]
+    known = all(len(pair) == 2 and pair <= set(robot.links) for pair in found)
+    require(known and len(set(found)) == len(found), "a pair is not of two links, or is there twice")
+    return found
+
+
+def pairs_of(scenario, robot):
     """Per promise the pairs of a shape, an obstacle or another shape, and the distance that is kept."""
+    obstacles, itself, kept = obstacles_of(scenario), clearance(scenario, "itself"), option(scenario, "self_collision")
+    listed = option(option(scenario, "clearance_m"), "pairs", [])
+    own = dict(zip(link_pairs((pair["links"] for pair in listed), robot), (pair["clearance_m"] for pair in listed)))
+    ignored = option(kept, "ignored_pairs")
+    require(robot.has_links or ignored is None, "only links with collision elements are told apart")
+    ignored = None if ignored is None else set(link_pairs(ignored, robot))
     if not robot.is_known:
         return {}
-    obstacles, given = obstacles_of(scenario), option(scenario, "clearance_m", 0.0)
-    itself = number(option(given, "itself", 0.0) if isinstance(given, dict) else given)
-    own = {frozenset(p["links"]): number(p["clearance_m"]) for p in option(given, "pairs", [])}
-    free = {frozenset(pair) for pair in get(certificate, "may_overlap")}
+    parents = {(i, joint.parent) for i, joint in enumerate(robot.joints)}
     found = {"obstacles": [], "self_collision": []}
     for i, (body, link, *_) in enumerate(robot.parts):
         if body is not None:
             found["obstacles"] += [(i, o, obstacle[3]) for o, obstacle in enumerate(obstacles)]
         for j, (other, beside, *_) in enumerate(robot.parts[i + 1 :], i + 1):
             names = frozenset((link, beside))
-            apart = link and beside and link != beside and body != other and names not in free
-            if apart and option(scenario, "self_collision") != "off":
+            may_overlap = {(body, other), (other, body)} & parents if ignored is None else names in ignored
+            if robot.has_links and kept != "off" and link != beside and body != other and not may_overlap:
                 found["self_collision"].append((i, j, own.get(names, itself)))
     return {promise: pairs for promise, pairs in found.items() if pairs}
 
@@ -822,10 +999,13 @@ def pairs_of(scenario, certificate, robot):
 def proved(row, claims):
     """True where a row keeps its bounds and the claims beyond them."""
     _, value, bounds, scale = row
-    good = np.full(claims.shape, True)
+    good = np.full(claims.shape, scale > 0.0)
+    # What does not move has one value for all intervals.
+    value = value + Model.constant(np.zeros(claims.shape), order=len(value.c))
     for sign, bound in ((1.0, bounds[0]), (-1.0, -bounds[1])):
-        if math.isfinite(bound):
+        if bound != -math.inf:
             wanted = bound + claims * scale
+            good &= np.isfinite(wanted)
             good &= least(Model(sign * value.c, value.r), wanted, 1e-13 * scale) >= wanted
     return good
 
@@ -835,26 +1015,24 @@ def check_places(scenario, certificate, robot, motion):
 
     def fault(rows, claim):
         """The first row that is not proved."""
-        require(number(claim) >= -TOLERANCE, "a reserve is negative")
         return next((row[0] for row in rows if not np.all(proved(row, np.array([claim])))), None)
 
-    goals = option(scenario, "goal", [])
-    goals = goals if isinstance(goals, list) else [goals]
+    goals = entries(scenario, "goal")
     if goals:
-        end, claim = motion.states(robot, motion.segments - 1, 1.0), get(certificate, "goal")
-        require(any(fault(end.poses(goal), claim) is None for goal in goals), "the goal is not proved")
-    points, places = option(scenario, "waypoints", []), get(certificate, "waypoints")
+        require("goal" in certificate, "'goal' is missing")
+        end = motion.states(robot, motion.segments - 1, 1.0)
+        faults = [fault(end.poses(goal), certificate["goal"]) for goal in goals]
+        require(None in faults, "the goal is not proved")
+    points, places = option(scenario, "waypoints", []), certificate["waypoints"]
     require(len(points) == len(places), "the waypoints are not those of the scenario")
     before = [0, -1.0]
-    for i, (point, place) in enumerate(zip(points, places)):
-        segment, x, claim = numbers(place, 3)
-        known = segment in range(motion.segments) and abs(x) <= 1.0
-        require(known, f"waypoint {i}: the place is not in the motion")
-        wrong = fault(motion.states(robot, int(segment), x).waypoint(point), claim)
+    for i, (point, (segment, x, claim)) in enumerate(zip(points, places)):
+        require(segment < motion.segments, f"waypoint {i}: the place is not in the motion")
+        wrong = fault(motion.states(robot, segment, x).waypoint(point), claim)
         require(wrong is None, f"waypoint {i}: {wrong} is not proved")
         time = motion.time(segment, x)
-        off = abs(time - number(option(point, "time_s", time)))
-        require(off <= SAME_TIME * motion.horizon, f"waypoint {i}: it has another time")
+        is_then = abs(time - option(point, "time_s", time)) <= SAME_TIME * motion.horizon
+        require(is_then, f"waypoint {i}: it has another time")
         require(before <= [segment, x], f"waypoint {i}: it is before another one")
         before = [segment, x]
 
@@ -881,7 +1059,7 @@ def extent(at, kind, size, n):
     return half(squares[2], size[1]) + half(ball if kind == "capsule" else squares[0] + squares[1], size[0])
 
 
-def check_shapes(promise, pairs, claims, robot, obstacles, placed, directions, place):
+def check_shapes(promise, pairs, claims, robot, obstacles, placed, directions, refuse):
     """Checks that directions separate all pairs by their distances and the claims of the intervals beyond them."""
     for i, j, margin in pairs:
         b, key = ((placed[j], *robot.parts[j][3:]), j) if promise != "obstacles" else (obstacles[j], len(placed) + j)
@@ -895,11 +1073,11 @@ def check_shapes(promise, pairs, claims, robot, obstacles, placed, directions, p
         gap = dot(n, off) - extent(placed[i], *robot.parts[i][3:], n) - extent(*b[:3], n)
         square = dot(n, n)
         good = lower(gap) >= (claims + margin) * np.sqrt(square.most()) * (1.0 + 4.0 * UNIT)
-        good &= square.c[0] > 1e-6
-        require(np.all(good), place(promise, np.flatnonzero(~good)))
+        good &= (square.c[0] > 1e-6) & np.isfinite(square.most())
+        refuse(promise, np.flatnonzero(~good))
 
 
-def check_balls(promise, pairs, claims, robot, obstacles, placed, place):
+def check_balls(promise, pairs, claims, robot, obstacles, placed, refuse):
     """Checks that all pairs keep their distances and the claims of the intervals beyond them."""
     centres = stack([at[1] + Model.constant(np.zeros((3, claims.size))) for at in placed])
     radii = np.array([part[4][0] for part in robot.parts])
@@ -924,151 +1102,105 @@ def check_balls(promise, pairs, claims, robot, obstacles, placed, place):
         groups.setdefault(j if promise == "obstacles" else None, []).append((i, j, margin))
     for beside, group in groups.items():
         count = claims.size
-        i, j = (np.repeat([pair[x] for pair in group], count) for x in (0, 1))
-        margin, k = np.repeat([pair[2] for pair in group], count), np.tile(np.arange(count), len(group))
+        i, j, margin = (np.repeat(column, count) for column in zip(*group))
+        k = np.tile(np.arange(count), len(group))
         way = ways[i, k] + (0.0 if promise == "obstacles" else ways[j, k])
         # The distance in the middle less the ways from there is enough for most.
         is_left = ~prove((i, k), beside, margin, middles, middles, j, way)
         i, j, k, margin = i[is_left], j[is_left], k[is_left], margin[is_left]
         if len(i):
             good = prove((i, k), beside, margin, centres, centres, j, 0.0)
-            require(np.all(good), place(promise, k[~good]))
+            refuse(promise, k[~good])
 
 
-def xxh64(text):
-    """The 64-bit xxHash of bytes, with the seed zero."""
-    primes = [0x9E3779B185EBCA87, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9, 0x85EBCA77C2B2AE63, 0x27D4EB2F165667C5]
-    mask = 2**64 - 1
-    p1, p2, p3, p4, p5 = primes
-
-    def turned(x, by):
-        return ((x << by) | (x >> (64 - by))) & mask
-
-    def rounded(a, word):
-        return turned((a + word * p2) & mask, 31) * p1 & mask
-
-    def word(i, size=8):
-        return int.from_bytes(text[i : i + size], "little")
-
-    value, i = p5, 0
-    if len(text) >= 32:
-        lanes = [(p1 + p2) & mask, p2, 0, -p1 & mask]
-        while i + 32 <= len(text):
-            lanes = [rounded(lane, word(i + 8 * j)) for j, lane in enumerate(lanes)]
-            i += 32
-        value = sum(turned(lane, by) for lane, by in zip(lanes, (1, 7, 12, 18))) & mask
-        for lane in lanes:
-            value = ((value ^ rounded(0, lane)) * p1 + p4) & mask
-    value = (value + len(text)) & mask
-    while i + 8 <= len(text):
-        value, i = (turned(value ^ rounded(0, word(i)), 27) * p1 + p4) & mask, i + 8
-    if i + 4 <= len(text):
-        value, i = (turned(value ^ (word(i, 4) * p1 & mask), 23) * p2 + p3) & mask, i + 4
-    for byte in text[i:]:
-        value = turned(value ^ (byte * p5 & mask), 11) * p1 & mask
-    value = (value ^ (value >> 33)) * p2 & mask
-    value = (value ^ (value >> 29)) * p3 & mask
-    return value ^ (value >> 32)
-
-
-def check_deviations(scenario, claims, motion):
-    """Checks the claims on the states at the ends and between segments."""
+def check_ends(scenario, motion):
+    """Checks the states at the ends, that there is no acceleration at an end at rest, and continuity."""
     every, short = np.arange(motion.segments), np.full(motion.segments, 2.0**-20)
     # Short intervals about both ends of each segment, where Chebyshev polynomials are exact.
     start, end = (motion.expand(every, np.full(motion.segments, x), short) for x in (-1.0, 1.0))
+    count = start[0].r.shape[0]
 
-    def check(name, deviations, most):
-        claim = number(get(claims, name), name)
-        require(claim <= most and np.all(deviations.most() <= claim), f"{name} is not proved")
-
-    def middle(polynomials, segment):
-        return Model(polynomials.c[:1, :, segment], polynomials.r[:, segment])
-
-    def off(polynomials, segment, key):
-        count = polynomials.r.shape[0]
-        wanted = numbers(option(scenario, key, [0.0] * count), count)
-        return middle(polynomials, segment) - Model.constant(wanted, order=1)
-
-    passive, is_set = option(scenario, "passive", []), option(scenario, "goal", [])
-    check("start_position", off(start[0], 0, "q_start"), STATE)
-    check("start_velocity", off(start[1], 0, "v_start"), STATE)
-    if not is_set:
-        check("goal_position", off(end[0], -1, "q_goal"), STATE)
-    if not option(scenario, "free_final_velocity", False):
-        check("goal_velocity", off(end[1], -1, "v_goal"), STATE)
-    orders = ["position", "velocity", "acceleration"]
-    is_smooth = option(scenario, "continuity", "velocity" if passive else "acceleration") == "acceleration"
-    if start[0].r.shape[1] > 1:
-        for order, name in enumerate(orders if is_smooth else orders[:2]):
-            jump = middle(end[order], slice(0, -1)) - middle(start[order], slice(1, None))
-            check(f"jump_{name}", jump, STATE if order < 2 else ACCELERATION)
-
-
-def not_certified(scenario, robot, listed):
-    """The promises of a scenario that no certificate covers, which the certificate has to list."""
-    shape = option(scenario, "robot_shape", "collision")
-    by_shape = shape == "collision" or option(shape, "collision") is not None
-    apart = by_shape and option(scenario, "self_collision") != "off"
+    goals, is_free = entries(scenario, "goal"), option(scenario, "free_final_velocity", False)
+    # Beside sets of poses the lists at the goal may be empty.
+    given, count = {k: x for k, x in scenario.items() if x or not goals or "goal" not in k}, start[0].r.shape[0]
+    q_start, v_start, q_goal, v_goal = (joint_values(given, f"{x}_{y}", count) for y in ("start", "goal") for x in "qv")
+    default = "velocity" if option(scenario, "passive", []) else "acceleration"
+    is_smooth = option(scenario, "continuity", default) == "acceleration"
     wanted = [
-        ("passive_joints", option(scenario, "passive")),
-        ("obstacles", not robot.is_known and option(scenario, "obstacles")),
-        ("self_collision", not robot.is_known and apart),
+        (True, "the start position", start[0][:, 0], ball(q_start), STATE),
+        (True, "the start velocity", start[1][:, 0], ball(v_start), STATE),
+        (not goals, "the goal position", end[0][:, -1], ball(q_goal), STATE),
+        (not is_free, "the goal velocity", end[1][:, -1], ball(v_goal), STATE),
+        (is_smooth and not any(v_start), "rest at the start", start[2][:, 0], ball(v_start), ACCELERATION),
+        (is_smooth and not is_free and not any(v_goal), "rest at the goal", end[2][:, -1], ball(v_goal), ACCELERATION),
     ]
-    wanted = [name for name, is_missing in wanted if is_missing]
-    require([get(entry, "promise") for entry in listed] == wanted, f"what is not certified is {wanted}")
-    return wanted
+    for k, name in enumerate(["positions", "velocities", "accelerations"]):
+        most = STATE if k < 2 else ACCELERATION
+        wanted.append((k < 2 or is_smooth, f"continuity of {name}", end[k][:, :-1], start[k][:, 1:], most))
+    for is_asked, name, found, values, most in wanted:
+        off = Model(found.c[:1], found.r) - Model(values.c[:1], values.r)
+        require(not is_asked or np.all(off.most() <= most), f"{name} is not proved")
 
 
-def check_limits(limits, listed):
-    require(len(limits) == len(listed), "the limits are not those of the scenario")
-    for (promise, joint, bounds), row in zip(limits, listed):
-        own = [option(row, "at_least", -math.inf), option(row, "at_most", math.inf)]
-        same = all(x == y or abs(x - y) <= 1e-14 * abs(y) for x, y in zip(own, bounds))
-        is_it = get(row, "promise") == promise and get(row, "joint") == joint
-        require(same and is_it, f"a {promise} limit is not that of the scenario")
+def outcome(key, scenario, robot):
+    """What becomes of a key: `proved`, `assumed`, `left out` or `no promise`."""
+    has_obstacles = bool(option(scenario, "obstacles", []))
+    is_apart = robot.has_links and option(scenario, "self_collision") != "off"
+    is_asked = {"obstacles": has_obstacles, "self_collision": is_apart, "clearance_m": has_obstacles or is_apart}
+    if (key == "passive" and scenario[key]) or (is_asked.get(key, False) and not robot.is_known):
+        return "left out"
+    if key in "robot root mimic locked_joints losses payload robot_shape".split():
+        return "assumed"
+    is_asked["q_goal"] = not entries(scenario, "goal")
+    is_asked["v_goal"] = not option(scenario, "free_final_velocity", False)
+    is_asked["horizon_s"] = "free_horizon" not in scenario and not weighs_time(scenario)
+    proofs = "q_start v_start goal keep waypoints stand continuity free_horizon enforced_limits".split()
+    return "proved" if is_asked.get(key, key in proofs) else "no promise"
+
+
+def left_out(scenario, robot, listed):
+    """Checks the list of outcomes, and returns the keys that it leaves out."""
+    known = {*scenario, "continuity", "enforced_limits", "self_collision"}
+    missing = sorted(key for key, found in listed.items() if found.startswith("left out: "))
+    for key in sorted(known):
+        own, found = outcome(key, scenario, robot), listed.get(key)
+        require(key in missing or found == own != "left out", f"'{key}' is listed as '{found}', and is {own}")
+    require(set(listed) <= known | set(missing), "a key is listed that the scenario does not have")
+    return missing
 
 
 def weighs_time(scenario):
     """True if the objective has a cost of time, so that the horizon is free."""
     objective = option(scenario, "objective", "least-effort")
-    if isinstance(objective, str):
-        return objective != "least-effort"
-    return number(option(objective, "time", 0.0)) > 0.0
+    return objective != "least-effort" if isinstance(objective, str) else option(objective, "time", 0.0) > 0.0
 
 
 def cover(intervals, segments, claims):
-    """The segments, middles, half widths and claims of intervals that cover the horizon, and per pair of shapes the
-    intervals with a direction, and these."""
+    """The segments, middles, half widths and claims of the intervals, and the directions of pairs of shapes there."""
     segment, before, found, directions = 0, -1.0, [], {}
-    for interval in intervals:
-        require(isinstance(interval, list) and len(interval) == 5, "an interval has five entries")
-        own, (begin, end), reserves = interval[0], numbers(interval[1:3]), numbers(interval[3], claims)
+    for own, begin, end, reserves, listed in intervals:
         if before == 1.0:
             segment, before = segment + 1, -1.0
         m, w = 0.5 * (begin + end), 0.5 * (end - begin)
-        exact = m - w == begin and m + w == end and w > 0.0 and end <= 1.0 and not isinstance(own, bool)
-        good = own == segment and segment < segments and begin == before and exact
-        require(good, "the intervals do not cover the horizon")
-        require(all(x >= -TOLERANCE for x in reserves), "a reserve is negative")
+        is_exact = m - w == begin and m + w == end and w > 0.0
+        is_next = own == segment < segments and begin == before
+        require(is_exact and is_next, "the intervals do not cover the horizon")
+        require(len(reserves) == claims, "a reserve is missing")
         before = end
         found.append((segment, m, w, reserves))
-        for i, j, n in interval[4]:
-            directions.setdefault((i, j), []).append((len(found) - 1, numbers(n, 3)))
+        for i, j, n in listed:
+            directions.setdefault((i, j), []).append((len(found) - 1, n))
     require(segment == segments - 1 and before == 1.0, "the intervals do not cover the horizon")
     return found, directions
 
 
 def check(robot, scenario, run, certificate):
-    """Checks a certificate, given the texts of the robot, of the scenario (or of a summary that contains it), of the
-    summary of the solve and of the certificate; returns what is certified in words, or raises `Refused`."""
-
-    def refuse(name):
-        raise Refused(f"{name} is no number")
-
+    """Checks a certificate, given the texts of the robot, of the scenario (or of the summary, which has it), of the
+    summary of the solve and of the certificate; returns a `Report`, or raises `Refused`."""
     try:
-        scenario, run, certificate = (json.loads(x, parse_constant=refuse) for x in (scenario, run, certificate))
-        return _check(robot, option(option(scenario, "provenance"), "scenario", scenario), run, certificate)
-    except (ValueError, TypeError, KeyError, AttributeError, LookupError, ElementTree.ParseError) as error:
+        with np.errstate(all="ignore"):
+            return _check(robot, scenario, run, certificate)
+    except (ArithmeticError, LookupError, MemoryError, RecursionError, TypeError, ValueError, SyntaxError) as error:
         raise Refused(f"unreadable: {error!r}") from error
 
 
@@ -1077,11 +1209,10 @@ def check_intervals(scenario, robot, motion, tube, limits, pairs, promises, inte
     of, middles, halves, claims = (np.array(list(column)) for column in zip(*intervals))
     claims = dict(zip(promises, claims.reshape(len(intervals), len(promises)).T))
 
-    def place(what, k):
-        if len(k) == 0:
-            return ""
-        first = intervals[int(np.min(k))]
-        return f"segment {first[0]} from {first[1] - first[2]} to {first[1] + first[2]}: {what} is not proved"
+    def refuse(what, wrong):
+        """Refuses the first of the intervals on which this is not proved."""
+        for segment, m, w, _ in [intervals[k] for k in sorted(wrong)[:1]]:
+            raise Refused(f"segment {segment} from {m - w} to {m + w}: {what} is not proved")
 
     always, rounding = np.full(len(intervals), True), 1e-15 * motion.horizon
     begin, end = (motion.time(of, x) for x in (middles - halves, middles + halves))
@@ -1098,84 +1229,71 @@ def check_intervals(scenario, robot, motion, tube, limits, pairs, promises, inte
         scale = max(abs(x) for x in bounds if math.isfinite(x)) or 1.0
         name, value = f"{promise} of joint '{robot.joints[joint].name}'", quantities[KINDS.index(promise)][joint]
         rows.append((promise, (name, value, bounds, scale), always))
-    for condition in option(scenario, "keep", []):
-        from_s, to_s = (number(option(condition, *key)) for key in (("from_s", 0.0), ("to_s", motion.horizon)))
+    for i, condition in enumerate(option(scenario, "keep", [])):
+        from_s, to_s = option(condition, "from_s", 0.0), option(condition, "to_s", math.inf)
+        require(from_s < min(to_s, motion.horizon), f"keep[{i}] from {from_s} to {to_s} s is at no time of the motion")
         inside = (end + rounding > from_s) & (begin - rounding < to_s)
         rows += [("keep", row, inside) for row in states.kept(condition)]
     for promise, row, inside in rows:
         good = proved(row, claims[promise]) | ~inside
-        require(np.all(good), place(row[0], np.flatnonzero(~good)))
+        refuse(row[0], np.flatnonzero(~good))
     if pairs:
         obstacles, placed = obstacles_of(scenario), robot.placed(states.places)
         for promise, own in pairs.items():
             if robot.has_balls:
-                check_balls(promise, own, claims[promise], robot, obstacles, placed, place)
+                check_balls(promise, own, claims[promise], robot, obstacles, placed, refuse)
             else:
-                check_shapes(promise, own, claims[promise], robot, obstacles, placed, directions, place)
+                check_shapes(promise, own, claims[promise], robot, obstacles, placed, directions, refuse)
 
 
-def _check(robot, scenario, run, certificate):
-    def given(key):
-        return get(certificate, key)
-
-    require(given("format") == "aghf-certificate-3", "another format")
-    require(number(given("tolerance")) == TOLERANCE, "another tolerance")
-    require(given("robot_xxh64") == f"{xxh64(robot.encode()):016x}", "another robot")
-    curve, names = get(run, "curve"), given("joints")
-    require(names == get(curve, "joints"), "the joints are not those of the run")
-    own = [joints[: len(names)] for joints in get(curve, "coefficients")]
-    require(given("coefficients") == own, "the coefficients are not those of the run")
-    coefficients = np.array([[numbers(joint, len(own[0][0])) for joint in segment] for segment in own])
-    require(coefficients.ndim == 3 and coefficients.shape[1] == len(names), "a joint has no coefficients")
-    horizon = number(given("horizon_s"))
-    require(horizon == get(curve, "horizon_s"), "the horizon is not that of the run")
-    free = option(scenario, "free_horizon")
-    if free:
-        wanted = [get(free, key) for key in ("shortest_s", "longest_s")]
+def _check(robot_text, scenario_text, run_text, certificate_text):
+    run, certificate = read(run_text, "run"), read(certificate_text, "certificate")
+    texts = robot_text, scenario_text, run_text
+    robot_hash, scenario_hash, run_hash = (hashlib.sha256(text.encode()).hexdigest() for text in texts)
+    require(certificate["robot_sha256"] == robot_hash, "the certificate is of another robot")
+    require(certificate["run_sha256"] == run_hash, "the certificate is of another motion")
+    if scenario_text == run_text:
+        scenario = option(option(run, "provenance"), "scenario")
+        accept(scenario, "scenario")
     else:
-        wanted = [0.0, math.inf] if weighs_time(scenario) else [get(scenario, "horizon_s")] * 2
-    require(0.0 < horizon and wanted[0] <= horizon <= wanted[1], "the horizon is not that of the scenario")
-    robot = Robot(robot, scenario, names)
-    missing = not_certified(scenario, robot, given("not_certified"))
-    require(given("complete") is (not missing), "'complete' is wrong")
+        known = scenario_hash in certificate["scenario_sha256"]
+        require(known, "the certificate is of another scenario; `aghf scenarios FILE` writes a scenario in full")
+        scenario = read(scenario_text, "scenario")
+    motion, names = Motion(run["curve"]), run["curve"]["joints"]
+    free, fixed = option(scenario, "free_horizon", {}), scenario["horizon_s"]
+    least, most = (0.0, math.inf) if weighs_time(scenario) else (fixed, fixed)
+    is_asked = option(free, "shortest_s", least) <= motion.horizon <= option(free, "longest_s", most)
+    require(is_asked, "the horizon is not that of the scenario")
+    robot = Robot(robot_text, scenario, names)
+    require(set(certificate["meshes"]) == robot.meshes, "the meshes are not those of the robot")
+    missing = left_out(scenario, robot, certificate["keys"])
+    require(certificate["complete"] is (not missing), "'complete' is wrong")
     limits = limits_of(scenario, robot)
-    check_limits(limits, given("limits"))
-
-    motion = Motion(coefficients, horizon)
-    check_deviations(scenario, given("deviations"), motion)
-    check_places(scenario, certificate, robot, motion)
-    pairs = pairs_of(scenario, certificate, robot)
+    check_ends(scenario, motion)
+    pairs = pairs_of(scenario, robot)
     promises = [kind for kind in KINDS if any(limit[0] == kind for limit in limits)]
     promises += [key for key in ("keep", "stand") if option(scenario, key)] + list(pairs)
-    require(given("promises") == promises, f"the promises are {promises}")
-    intervals, directions = cover(given("intervals"), motion.segments, len(promises))
-    tube = number(given("tracking_error"))
-    require(tube >= 0.0, "the tracking error is negative")
+    require(certificate["promises"] == promises, f"the promises are {promises}")
+    check_places(scenario, certificate, robot, motion)
+    intervals, directions = cover(certificate["intervals"], motion.segments, len(promises))
+    tube = certificate["tracking_error"]
     check_intervals(scenario, robot, motion, tube, limits, pairs, promises, intervals, directions)
-    outcome = "certified in part" if missing else "certified"
-    tail = f"; not certified: {', '.join(missing)}" if missing else ""
-    proved = ", ".join(["horizon", "ends", *(k for k in ("goal", "waypoints") if option(scenario, k)), *promises])
-    ignored = option(option(scenario, "self_collision"), "ignored_pairs", [])
-    named = {frozenset(pair) for pair in ignored}
-    count = sum(frozenset(pair) not in named for pair in given("may_overlap"))
-    if count:
-        tail += f"; assumed: {count} pairs of links that the scenario does not name may overlap or never meet"
+    proved = ", ".join(["horizon", "ends", *(k for k in ("goal", "waypoints") if entries(scenario, k)), *promises])
     within = f" for positions within {tube:g} of the motion" if tube else ""
-    return f"{outcome} at all times{within}, by {len(intervals)} intervals: {proved}{tail}"
+    tail = f"; not certified: {', '.join(missing)}" if missing else ""
+    outcome = "certified in part" if missing else "certified"
+    return Report(f"{outcome} at all times{within}, by {len(intervals)} intervals: {proved}{tail}", not missing)
 
 
 def main(files):
     try:
         require(len(files) == 4, "usage: python -m aghf.check_certificate ROBOT.urdf SCENARIO SUMMARY CERTIFICATE")
-        texts = []
-        for file in files:
-            with open(file, encoding="utf-8", newline="") as opened:
-                texts.append(opened.read())
-        print(check(*texts))
+        report = check(*(Path(file).read_bytes().decode() for file in files))
     except (OSError, UnicodeError, Refused) as fault:
         print(f"refused: {fault}", file=sys.stderr)
         return 1
-    return 0
+    print(report.text)
+    return 0 if report.is_complete else 4
 
 
 if __name__ == "__main__":

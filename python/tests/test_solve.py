@@ -47,7 +47,8 @@ def test_arrays_are_part_of_a_scenario_and_options_have_the_names_of_the_program
     s = [record["s"] for record in rested]
     assert s == sorted(s) and s[0] < s[-1]
     by_flow = aghf.solve("pendulum_2_swingup", method="flow")
-    assert by_flow.success and by_flow.summary["method"] == "flow" and by_flow.minima == []
+    assert by_flow.success and by_flow.verdict == "at s_max"
+    assert by_flow.summary["method"] == "flow" and by_flow.minima == []
 
 
 def test_the_files_of_a_solve(tmp_path):
