@@ -1,6 +1,9 @@
 //! Rows that are kept for a part of the time.
 
-use super::{AnyConstraint, Constraint, Evaluator, RowLabel, StageConstraint, StageInput, Weights};
+use super::{
+    AnyConstraint, Constraint, Constraints, Evaluator, RowLabel, StageConstraint, StageInput,
+    Weights,
+};
 use crate::error::{Error, Result, plain};
 use crate::model::Model;
 use nalgebra::DMatrix;
@@ -47,8 +50,42 @@ impl Between {
         })
     }
 
+    /// The rows.
+    pub(crate) fn rows(&self) -> &[AnyConstraint] {
+        &self.rows
+    }
+
+    /// The times between which they are kept, s.
+    pub(crate) fn times(&self) -> [f64; 2] {
+        self.times
+    }
+
+    /// Computes the rows as if they were kept at all times: these are continuous in time.
+    pub(crate) fn at_all_times(&self, at: &StageInput<'_, f64>, g: &mut [f64]) -> Result<()> {
+        let mut evaluator = Evaluator::new(&self.model);
+        evaluator.at(&[at.q, at.v].concat())?.value(&self.rows, g)
+    }
+
     fn is_kept(&self, t: f64) -> bool {
         (self.times[0]..=self.times[1]).contains(&t)
+    }
+}
+
+impl<K: Constraint> Constraints<K> {
+    /// The constraints that are kept between two times, each with its first row.
+    pub(crate) fn between(&self) -> impl Iterator<Item = (usize, &Between)> {
+        let first_of_stage = self.first_of_stage();
+        let others = self.stage.others();
+        others.filter_map(move |(first, other)| Some((first_of_stage + first, other.between()?)))
+    }
+
+    /// The times between which each row is kept, s, infinite for most.
+    pub(crate) fn times(&self) -> Vec<[f64; 2]> {
+        let mut times = vec![[f64::NEG_INFINITY, f64::INFINITY]; self.dim()];
+        for (first, between) in self.between() {
+            times[first..first + between.dim()].fill(between.times);
+        }
+        times
     }
 }
 
@@ -64,8 +101,7 @@ impl StageConstraint for Between {
             }
             return Ok(());
         }
-        let mut evaluator = Evaluator::new(&self.model);
-        evaluator.at(&[at.q, at.v].concat())?.value(&self.rows, g)
+        self.at_all_times(at, g)
     }
 
     fn derivatives(
@@ -102,6 +138,10 @@ impl StageConstraint for Between {
         let mut block = hessian.view_mut((0, 0), (n, n));
         block += found.hessian();
         Ok(())
+    }
+
+    fn between(&self) -> Option<&Between> {
+        Some(self)
     }
 
     fn scale(&self, row: usize) -> f64 {

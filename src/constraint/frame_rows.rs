@@ -4,8 +4,8 @@ use super::{Constraint, PlacedState, RowKind, RowLabel, WeightedDerivatives, Wei
 use crate::error::{Error, Result};
 use crate::model::{Frame, Model};
 use crate::scalar::{AlgebraOver, Scalar};
-use crate::spatial::{apply, apply_transpose, dot, multiply, outer, rotation_of_z_to};
-use nalgebra::{Matrix3, UnitVector3, Vector3};
+use crate::spatial::{apply, apply_transpose, dot, multiply, outer, rotation_of_z_to, unit_vector};
+use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_3, PI};
 
 /// A row on the position `d` and the rotation `M` of a frame in a reference,
@@ -263,8 +263,7 @@ impl FrameRows {
     }
 
     fn unit(&self, what: &str, v: &Vector3<f64>) -> Result<Vector3<f64>> {
-        let found = UnitVector3::try_new(*v, 0.0).filter(|unit| unit.iter().all(|x| x.is_finite()));
-        found.map(UnitVector3::into_inner).ok_or_else(|| {
+        unit_vector(v).ok_or_else(|| {
             let [x, y, z] = [v.x, v.y, v.z];
             self.refused(
                 what,

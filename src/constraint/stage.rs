@@ -2,7 +2,7 @@
 //! $(t, q, v, a, u)$.
 
 use super::label::unit_of;
-use super::{Phase, RateLimit, RowKind, RowLabel, Side, StandingFoot};
+use super::{Between, Phase, RateLimit, RowKind, RowLabel, Side, StandingFoot};
 use crate::error::{Error, Result, check_length};
 use crate::model::Model;
 use crate::scalar::Scalar;
@@ -91,6 +91,11 @@ pub trait StageConstraint: fmt::Debug + Send + Sync {
         let _ = at;
         rates.fill(0.0);
         Ok(())
+    }
+
+    /// The rows of the state that are kept between two times, at these times too, if that is what they are.
+    fn between(&self) -> Option<&Between> {
+        None
     }
 
     /// The value of each row at a bad violation, in the unit of its label: rows are measured relative to it. One by
@@ -330,10 +335,8 @@ impl StageConstraints {
                 return foot.label(row - first);
             }
             let other = self.others().take_while(|(first, _)| *first <= row).last();
-            return match other {
-                Some((first, other)) => other.label(row - first, model),
-                None => RowLabel::numbered(row),
-            };
+            let label = |(first, of): (usize, &dyn StageConstraint)| of.label(row - first, model);
+            return other.map_or_else(|| RowLabel::numbered(row), label);
         };
         let Some(joint) = model.joints().get(rate.joint) else {
             return RowLabel::numbered(row);

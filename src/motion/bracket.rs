@@ -1,4 +1,9 @@
-//! A maximum over time between three values.
+//! Maxima over time between values.
+
+use std::array::from_fn;
+
+/// The number of values that are compared at a time.
+const LANES: usize = 4;
 
 /// The fraction of a bracket within which a vertex is too close to the middle to narrow the bracket.
 const NEARLY: f64 = 0.05;
@@ -102,4 +107,59 @@ impl Bracket {
             (self.times[2 * side], self.values[2 * side]) = (time, value);
         }
     }
+}
+
+/// An upper bound of the [`maxima`] of values and of those that [`Bracket::may_exceed`] asks for, computed for many of
+/// them side by side.
+pub(super) fn bound(values: &[f64], equality: bool) -> f64 {
+    let height = |value: f64| if equality { value.abs() } else { value };
+    let larger = |a: f64, b: f64| if b > a { b } else { a };
+    let mut most = [f64::NEG_INFINITY; LANES];
+    let mut rest = values;
+    while let Some(near) = rest.first_chunk::<{ LANES + 2 }>() {
+        let above: [_; LANES] = from_fn(|k| height(3.0 * near[k + 1] - near[k] - near[k + 2]));
+        most = from_fn(|k| larger(most[k], larger(height(near[k]), above[k])));
+        rest = &rest[LANES..];
+    }
+    let windows = rest
+        .windows(3)
+        .map(|near| 3.0 * near[1] - near[0] - near[2]);
+    let others = rest.iter().copied().chain(windows).map(height);
+    most.into_iter()
+        .chain(others)
+        .fold(f64::NEG_INFINITY, larger)
+}
+
+/// The largest of values at successive times, or of their absolute values for an equality, and its position in
+/// intervals; then the largest of these and of the maxima of all parabolas through three neighbours: near the middle
+/// one, and out to an end at the first and last three.
+pub(super) fn maxima(values: &[f64], equality: bool) -> [(f64, f64); 2] {
+    let (mut largest, mut position) = (f64::NEG_INFINITY, 0.0);
+    for (k, value) in values.iter().enumerate() {
+        let height = if equality { value.abs() } else { *value };
+        if height > largest {
+            (largest, position) = (height, k as f64);
+        }
+    }
+    let sampled = (largest, position);
+    let last = values.len().saturating_sub(3);
+    for (k, window) in values.windows(3).enumerate() {
+        let sign = if equality { window[1].signum() } else { 1.0 };
+        let [a, b, c] = [window[0], window[1], window[2]].map(|value| sign * value);
+        let (slope, bend) = (0.5 * (c - a), 2.0 * b - a - c);
+        // Within an interval from the middle a parabola is higher by at most half its second difference.
+        if b + 0.5 * bend <= largest {
+            continue;
+        }
+        let from = if k == 0 { -1.0 } else { -0.5 };
+        let to = if k == last { 1.0 } else { 0.5 };
+        if bend > 0.0 && slope >= from * bend && slope <= to * bend {
+            let shift = slope / bend;
+            let height = b + 0.5 * slope * shift;
+            if height > largest {
+                (largest, position) = (height, (k + 1) as f64 + shift);
+            }
+        }
+    }
+    [sampled, (largest, position)]
 }

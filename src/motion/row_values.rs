@@ -10,7 +10,8 @@ use crate::model::Model;
 use crate::scalar::{LANES, Lanes, Wide};
 use crate::transcription::Shared;
 
-/// All rows at all times of a segment. Those that are maxima of many functions are exact near their bounds.
+/// All rows at all times of a segment, also those that are kept for a part of the time. Those that are maxima of many
+/// functions are exact near their bounds.
 pub(super) struct Rows<'a, K> {
     model: &'a Model,
     constraints: Shared<'a, Constraints<K>>,
@@ -131,7 +132,11 @@ impl<'a, K: Constraint> Rows<'a, K> {
                     let z: Vec<f64> = self.z.iter().chain(&self.u).map(|z| z.0[lane]).collect();
                     let [q, v, a, _, u] = [0, 1, 2, 3, 4].map(|part| &z[part * n..(part + 1) * n]);
                     let mut g = vec![0.0; other.dim()];
-                    other.value(&StageInput { t, q, v, a, u }, &mut g)?;
+                    let at = StageInput { t, q, v, a, u };
+                    match other.between() {
+                        Some(between) => between.at_all_times(&at, &mut g)?,
+                        None => other.value(&at, &mut g)?,
+                    }
                     for (to, g) in of_stage[row..].iter_mut().zip(g) {
                         to.0[lane] = g;
                     }

@@ -1,16 +1,14 @@
 //! The violations of constraints along a motion, for reports and for the success criterion.
 
-use super::bracket::Bracket;
+use super::bracket::{Bracket, bound, maxima};
 use super::row_values::Rows;
 use crate::constraint::{Constraint, Constraints, TorqueLimits};
 use crate::curve::{Chebyshev, Curve};
 use crate::error::{Error, Result};
 use crate::linalg::multiply;
 use crate::model::Model;
-use crate::scalar::LANES;
 use crate::transcription::Shared;
 use nalgebra::{DMatrix, DVector};
-use std::array::from_fn;
 
 /// The largest value over time of one row of constraints.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,8 +28,9 @@ pub struct Violation {
 /// On each segment of the curve the rows are evaluated at `intervals + 1` equally spaced times, both ends included,
 /// because the control may jump between segments. A maximum between the times is that of the parabola through three
 /// neighbours, with an error of O(h^3) for a spacing of `h`; if it may be a violation, it is refined by parabolas
-/// through further values of the row until it is settled. Each entry depends on its row alone. Cost per time: O(N p)
-/// for the curve, O(N) for the dynamics, and that of the rows.
+/// through further values of the row until it is settled. Each entry depends on its row alone. A row that is kept
+/// between two times is evaluated at these as well; if the motion is at no time between them, its entry is negative and
+/// infinite. Cost per time: O(N p) for the curve, O(N) for the dynamics, and that of the rows.
 ///
 /// # Errors
 /// The curve or the constraints have another number of joints, a torque limit is negative or not finite, or `intervals`
@@ -73,6 +72,8 @@ pub(crate) struct LargestRows<'a, K> {
     rows: Rows<'a, K>,
     scales: Vec<f64>,
     equalities: Vec<bool>,
+    /// The times between which each row is kept, s.
+    kept: Vec<[f64; 2]>,
     /// A function from equal parts of a segment to the parts at which it is evaluated, and the number of intervals.
     part: fn(f64) -> f64,
     intervals: usize,
@@ -106,6 +107,7 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
         let equalities = (0..scales.len()).map(|row| constraints.is_equality(row));
         Ok(Self {
             equalities: equalities.collect(),
+            kept: constraints.times(),
             rows: Rows::new(model, constraints, &scales),
             scales,
             part,
@@ -171,7 +173,11 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
                 if bound(values, *equality) <= self.above {
                     continue;
                 }
-                let [sampled, estimate] = maxima(values, *equality);
+                let kept = self.kept[largest.row];
+                let [sampled, estimate] = match kept.iter().any(|time| time.is_finite()) {
+                    true => [largest_between(values, (begin, &self.times), kept); 2],
+                    false => maxima(values, *equality),
+                };
                 let middle = (estimate.1.round() as usize).clamp(1, (intervals - 1).max(1));
                 let mut by_parabola = true;
                 for k in (1..intervals).filter(|_| !equality) {
@@ -180,7 +186,9 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
                         times: around.map(|k| self.times[k]),
                         values: around.map(|k| values[k]),
                     };
-                    if bracket.is_valid() && bracket.may_exceed(0.0) {
+                    let [from, to] = kept.map(|time| time - begin);
+                    let is_kept = bracket.times[0] <= to && bracket.times[2] >= from;
+                    if is_kept && bracket.is_valid() && bracket.may_exceed(0.0) {
                         self.uncertain.push((segment, largest.row, bracket));
                         by_parabola &= k != middle;
                     }
@@ -193,7 +201,40 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
             }
         }
         self.refine(motion)?;
+        self.at_ends_of_times(motion)?;
         Ok(&self.largest)
+    }
+
+    /// Evaluates rows that are kept between two times at these.
+    fn at_ends_of_times(&mut self, motion: &mut impl Motion) -> Result<()> {
+        for segment in 0..motion.segments() {
+            let (begin, length) = (motion.begin(segment), motion.length(segment));
+            let ends = self.kept.iter().flatten().map(|end| end - begin);
+            self.times.clear();
+            self.times
+                .extend(ends.filter(|end| (0.0..=length).contains(end)));
+            self.times.sort_unstable_by(f64::total_cmp);
+            self.times.dedup();
+            if self.times.is_empty() {
+                continue;
+            }
+            let states = motion.states(segment, &self.times, false);
+            self.rows
+                .evaluate(states, (begin, &self.times), &self.scales)?;
+            for largest in &mut self.largest {
+                let ends = self.kept[largest.row];
+                let Some(values) = self.rows.of_row(largest.row) else {
+                    continue;
+                };
+                for (end, value) in self.times.iter().zip(values) {
+                    let at_s = begin + end;
+                    if ends.iter().any(|of| of - begin == *end) && *value > largest.by {
+                        (largest.by, largest.at_s) = (*value, at_s);
+                    }
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Evaluates rows at the estimated times of their maxima, and estimates them again until they are settled.
@@ -231,13 +272,33 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
             }
             for (row, bracket) in &self.own {
                 let (time, height) = bracket.maximum();
-                if height > self.largest[*row].by {
+                let [from, to] = self.kept[*row];
+                let is_kept = (from..=to).contains(&(begin + time));
+                if is_kept && height > self.largest[*row].by {
                     (self.largest[*row].by, self.largest[*row].at_s) = (height, begin + time);
                 }
             }
         }
         Ok(())
     }
+}
+
+/// The largest of values at times after `begin`, between the times at which the row is kept, and its position in
+/// intervals.
+fn largest_between(
+    values: &[f64],
+    (begin, times): (f64, &[f64]),
+    [from, to]: [f64; 2],
+) -> (f64, f64) {
+    let at = values.iter().zip(times).enumerate();
+    let kept = at.filter(|(_, (_, time))| (from..=to).contains(&(begin + **time)));
+    kept.fold((f64::NEG_INFINITY, 0.0), |most, (k, (value, _))| {
+        if *value > most.0 {
+            (*value, k as f64)
+        } else {
+            most
+        }
+    })
 }
 
 /// A curve through nodes.
@@ -335,59 +396,4 @@ fn interpolation(chebyshev: &Chebyshev, times: &[f64]) -> DMatrix<f64> {
         table.set_column(k, &weights);
     }
     table
-}
-
-/// An upper bound of the [`maxima`] of values and of those that [`Bracket::may_exceed`] asks for, computed for many of
-/// them side by side.
-fn bound(values: &[f64], equality: bool) -> f64 {
-    let height = |value: f64| if equality { value.abs() } else { value };
-    let larger = |a: f64, b: f64| if b > a { b } else { a };
-    let mut most = [f64::NEG_INFINITY; LANES];
-    let mut rest = values;
-    while let Some(near) = rest.first_chunk::<{ LANES + 2 }>() {
-        let above: [_; LANES] = from_fn(|k| height(3.0 * near[k + 1] - near[k] - near[k + 2]));
-        most = from_fn(|k| larger(most[k], larger(height(near[k]), above[k])));
-        rest = &rest[LANES..];
-    }
-    let windows = rest
-        .windows(3)
-        .map(|near| 3.0 * near[1] - near[0] - near[2]);
-    let others = rest.iter().copied().chain(windows).map(height);
-    most.into_iter()
-        .chain(others)
-        .fold(f64::NEG_INFINITY, larger)
-}
-
-/// The largest of values at successive times, or of their absolute values for an equality, and its position in
-/// intervals; then the largest of these and of the maxima of all parabolas through three neighbours: near the middle
-/// one, and out to an end at the first and last three.
-fn maxima(values: &[f64], equality: bool) -> [(f64, f64); 2] {
-    let (mut largest, mut position) = (f64::NEG_INFINITY, 0.0);
-    for (k, value) in values.iter().enumerate() {
-        let height = if equality { value.abs() } else { *value };
-        if height > largest {
-            (largest, position) = (height, k as f64);
-        }
-    }
-    let sampled = (largest, position);
-    let last = values.len().saturating_sub(3);
-    for (k, window) in values.windows(3).enumerate() {
-        let sign = if equality { window[1].signum() } else { 1.0 };
-        let [a, b, c] = [window[0], window[1], window[2]].map(|value| sign * value);
-        let (slope, bend) = (0.5 * (c - a), 2.0 * b - a - c);
-        // Within an interval from the middle a parabola is higher by at most half its second difference.
-        if b + 0.5 * bend <= largest {
-            continue;
-        }
-        let from = if k == 0 { -1.0 } else { -0.5 };
-        let to = if k == last { 1.0 } else { 0.5 };
-        if bend > 0.0 && slope >= from * bend && slope <= to * bend {
-            let shift = slope / bend;
-            let height = b + 0.5 * slope * shift;
-            if height > largest {
-                (largest, position) = (height, (k + 1) as f64 + shift);
-            }
-        }
-    }
-    [sampled, (largest, position)]
 }

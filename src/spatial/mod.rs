@@ -13,7 +13,7 @@ mod vector;
 pub use articulated::ArticulatedInertia;
 pub use coriolis::Coriolis;
 pub use inertia::Inertia;
-pub use placement::{Placement, rotation_of_z_to};
+pub use placement::{Placement, rotation_of_z_to, unit_vector};
 #[cfg(feature = "solvers")]
 pub(crate) use product::outer;
 pub(crate) use product::{

@@ -74,11 +74,23 @@ impl<S: Scalar> Placement<S> {
     }
 }
 
+/// The unit vector in the direction of a vector of any length; `None` if that is zero or not finite.
+#[must_use]
+pub fn unit_vector(v: &Vector3<f64>) -> Option<Vector3<f64>> {
+    // Scaled first, so that squares neither overflow nor vanish.
+    let scaled = v / v.amax();
+    scaled
+        .iter()
+        .all(|x| x.is_finite())
+        .then(|| scaled.normalize())
+}
+
 /// A rotation that maps the `z` axis to a direction, a vector of any length but zero.
 #[must_use]
 pub fn rotation_of_z_to(direction: &Vector3<f64>) -> Matrix3<f64> {
     // Against the axis any half turn will do.
-    let turn = UnitQuaternion::rotation_between(&Vector3::z(), direction)
+    let direction = unit_vector(direction).unwrap_or_else(Vector3::z);
+    let turn = UnitQuaternion::rotation_between(&Vector3::z(), &direction)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
     turn.to_rotation_matrix().into_inner()
 }

@@ -100,6 +100,17 @@ impl<S: Scalar> Horizons<S> {
     }
 }
 
+impl Horizons<f64> {
+    /// The normalised time at a time in s; `None` if that is outside the motion.
+    pub(crate) fn normalised(&self, time: f64) -> Option<f64> {
+        (0..self.parts.len()).find_map(|part| {
+            let own = (time - self.begin(part)) / self.parts[part];
+            let of_part = (0.0..=self.share()).contains(&own);
+            of_part.then(|| part as f64 * self.share() + own)
+        })
+    }
+}
+
 /// The two functions of a segment with unit slopes at its ends, among this number of them.
 pub(super) fn slopes(functions: usize, shared: usize) -> [usize; 2] {
     [shared - 2, functions - 2]

@@ -80,6 +80,8 @@ pub(crate) struct Attributes {
     pub clearances: Vec<bool>,
     /// The distance from its bound from which on a row is constant; infinite if there is none.
     pub cutoffs: Vec<f64>,
+    /// The times between which a row is kept, s; infinite for most.
+    pub times: Vec<[f64; 2]>,
 }
 
 // By hand, since a derived `Clone` would require it of the constraints, which are a reference.
@@ -137,6 +139,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             cutoffs: (0..scales.len()).map(cutoff).collect(),
             units,
             equalities: equalities.collect(),
+            times: constraints.times(),
             scales,
         };
         Ok(Self {
@@ -220,11 +223,18 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
     /// At the points of a grid rows that are far keep the last value that was computed.
     pub fn at(&mut self, points: Points<'_, f64>, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
         self.of_state(points, Which::Near, h)?;
-        self.others(points, h, costs)
+        self.others(points, false, h, costs)
     }
 
-    /// Computes the rows that do not concern the state alone, and the running cost.
-    fn others(&mut self, points: Points<'_, f64>, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
+    /// Computes the rows that do not concern the state alone, those that are kept for a part of the time also `always`,
+    /// and the running cost.
+    fn others(
+        &mut self,
+        points: Points<'_, f64>,
+        always: bool,
+        h: &mut [f64],
+        costs: &mut [f64],
+    ) -> Result<()> {
         self.of_rates(points, h);
         self.of_foot(points, h)?;
         if !self.with_control() {
@@ -253,7 +263,10 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             for (first, other) in stage.others() {
                 let own = rates + first..rates + first + other.dim();
                 let at = points.point(g).with_control(u.as_slice());
-                other.value(&at, &mut h[own.clone()])?;
+                match other.between().filter(|_| always) {
+                    Some(between) => between.at_all_times(&at, &mut h[own.clone()])?,
+                    None => other.value(&at, &mut h[own.clone()])?,
+                }
                 for (h, scale) in h[own.clone()].iter_mut().zip(&scales[own]) {
                     *h *= scale;
                 }
@@ -304,8 +317,8 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         Ok(())
     }
 
-    /// Computes the rows without the running cost, which is skipped if only the state has constraints. Returns true if
-    /// these are all rows of the state.
+    /// Computes the rows without the running cost, which is skipped if only the state has constraints, also those that
+    /// are kept for a part of the time. Returns true if these are all rows of the state.
     pub fn of_all(
         &mut self,
         points: Points<'_, f64>,
@@ -315,7 +328,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         if self.with_control() {
             let mut costs = std::mem::take(&mut self.costs);
             costs.resize(points.count(), 0.0);
-            let done = self.others(points, h, &mut costs);
+            let done = self.others(points, true, h, &mut costs);
             self.costs = costs;
             done?;
         } else {

@@ -3,7 +3,7 @@
 use super::horizons::place_in;
 use super::place::scale;
 use super::{Horizons, Rows, Which};
-use crate::constraint::Constraint;
+use crate::constraint::{Constraint, StageConstraint};
 use crate::cost::{CostWithControl, Points};
 use crate::curve::{Basis, Functions};
 use crate::error::Result;
@@ -151,7 +151,90 @@ impl Scan {
         for _ in 0..Bracket::REFINEMENTS {
             self.refine(rows, coefficients, horizons, look)?;
         }
+        self.keep_times(rows, coefficients, (horizons, floor), look)?;
         Ok(deviation)
+    }
+
+    /// Removes maxima at times at which their rows are not kept, and adds the rows above `floor` at the first and the
+    /// last time at which they are.
+    fn keep_times<K: Constraint, P: CostWithControl>(
+        &self,
+        rows: &mut Rows<'_, K, P>,
+        coefficients: &DMatrix<f64>,
+        (horizons, floor): (&Horizons<f64>, f64),
+        look: &mut Look,
+    ) -> Result<()> {
+        let segments = self.basis.segments();
+        let of_rows = &rows.attributes.times;
+        look.found.retain(|maximum| {
+            let [from, to] = of_rows[maximum.row];
+            let part = horizons.part(maximum.segment, segments);
+            (from..=to).contains(&horizons.time(part, maximum.time))
+        });
+        let constraints = rows.constraints.clone();
+        for (first, between) in constraints.between() {
+            for time in between.times() {
+                let Some(normalised) = horizons.normalised(time) else {
+                    continue;
+                };
+                let segment = ((normalised * segments as f64) as usize).min(segments - 1);
+                let phase = segment * rows.cost.phases() / segments;
+                let Look {
+                    functions,
+                    one,
+                    few: [[states, jerks], ..],
+                    h,
+                    ..
+                } = look;
+                let at = (segment, normalised);
+                self.place_at(coefficients, horizons, at, functions, one);
+                states.copy_from(&one.columns(0, 3));
+                jerks.copy_from(&one.column(3));
+                let points = Points {
+                    first: 0,
+                    phase,
+                    times: &[time],
+                    states,
+                    jerks: Some(jerks),
+                };
+                h.resize(rows.count(), 0.0);
+                rows.of_all(points, Which::Only(&[]), h)?;
+                let own = h[first..first + between.dim()].iter().enumerate();
+                look.found
+                    .extend(
+                        own.filter(|(_, height)| **height > floor)
+                            .map(|(row, height)| Maximum {
+                                row: first + row,
+                                segment,
+                                time: normalised,
+                                height: *height,
+                            }),
+                    );
+            }
+        }
+        Ok(())
+    }
+
+    /// Places the curve at a normalised time of a segment, with derivatives in s.
+    fn place_at(
+        &self,
+        coefficients: &DMatrix<f64>,
+        horizons: &Horizons<f64>,
+        (segment, time): (usize, f64),
+        functions: &mut Functions,
+        one: &mut DMatrix<f64>,
+    ) {
+        let segments = self.basis.segments();
+        let local = 2.0 * (time * segments as f64 - segment as f64) - 1.0;
+        self.basis.functions_in(local, functions);
+        let first = self.basis.first(segment);
+        let part = horizons.part(segment, segments);
+        let factor = self.factor(horizons, part);
+        place_in(coefficients, first, &functions.transposed, factor, one);
+        let horizon = horizons.parts()[part];
+        scale(one, horizon);
+        let factor = horizon.powi(-3);
+        one.column_mut(3).apply(|x| *x *= factor);
     }
 
     /// Evaluates the rows at the times of a part and one time before and after, and lists those that may have a maximum
@@ -275,19 +358,10 @@ impl Scan {
             times.clear();
             for (k, (at, _, bracket)) in few_maxima.iter().enumerate() {
                 let (segment, time) = (found[*at].segment, bracket.next());
-                let local = 2.0 * (time * segments as f64 - segment as f64) - 1.0;
-                self.basis.functions_in(local, functions);
-                let first = self.basis.first(segment);
-                let part = horizons.part(segment, segments);
-                let factor = self.factor(horizons, part);
-                place_in(coefficients, first, &functions.transposed, factor, one);
-                let horizon = horizons.parts()[part];
-                scale(one, horizon);
+                self.place_at(coefficients, horizons, (segment, time), functions, one);
                 states.columns_mut(3 * k, 3).copy_from(&one.columns(0, 3));
-                let factor = horizon.powi(-3);
-                jerks
-                    .column_mut(k)
-                    .zip_apply(&one.column(3), |to, x| *to = x * factor);
+                jerks.set_column(k, &one.column(3));
+                let part = horizons.part(segment, segments);
                 times.push(horizons.time(part, time));
             }
             let points = Points {

@@ -57,7 +57,8 @@ pub fn read_robot(text: &str, file: &str) -> Result<Robot> {
         if !["link", "joint"].contains(&kind) {
             continue;
         }
-        let Some(name) = node.attribute("name") else {
+        let name = node.attribute("name");
+        let Some(name) = name.filter(|name| !name.trim().is_empty()) else {
             let line = document.text_pos_at(node.range().start).row;
             return refuse(format!("the {kind} at line {line} has no name"));
         };

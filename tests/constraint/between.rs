@@ -1,13 +1,16 @@
 //! Rows that are kept for a part of the time.
 
-use crate::common::{assert_refused, robot};
+use crate::common::{assert_refused, config, robot};
 use aghf::constraint::{
     AnyConstraint, Between, Constraint, Constraints, Evaluator, FrameRows, PointSpeedLimit,
     StageConstraint, StageConstraints, StageInput, TorqueLimits, Weights,
 };
+use aghf::curve::{Chebyshev, Curve};
 use aghf::model::{Frame, Model};
+use aghf::motion::violations;
 use aghf::spatial::Placement;
 use nalgebra::{DMatrix, Vector3};
+use proptest::prelude::*;
 use std::sync::Arc;
 
 fn rows(model: &Model) -> Vec<AnyConstraint> {
@@ -125,4 +128,51 @@ fn the_excess_of_a_row_is_in_its_unit() {
     assert!((excess(1, 2.0 * (0.4_f64.cos() - 2.0_f64.cos())) - 1.6).abs() < 1e-14);
     assert!((excess(2, 0.0 - 0.5_f64.powi(2)) + 0.5).abs() < 1e-14);
     assert_eq!(excess(2, f64::INFINITY), f64::INFINITY);
+}
+
+proptest! {
+    #![proptest_config(config(64))]
+
+    /// The largest value of a row that is kept between two times is that of a dense evaluation between them, at these
+    /// times too, and a motion that ends before has none.
+    #[test]
+    fn violations_are_those_within_the_times(
+        entries in proptest::collection::vec(-1.0..1.0, 14 * 7), from in -0.2..2.2, length in 1e-3..1.5,
+        steps in 3..40_usize
+    ) {
+        let (model, to) = (robot("kinova_gen3"), from + length);
+        let rows = rows(&model);
+        let between = Between::new(model.clone(), rows.clone(), [from, to]).expect("times");
+        let scales: Vec<f64> = (0..3).map(|row| between.scale(row)).collect();
+        let all = Constraints {
+            state: Vec::<AnyConstraint>::new(),
+            torque: TorqueLimits(Vec::new()),
+            stage: StageConstraints { others: vec![Arc::new(between)], ..StageConstraints::default() },
+        };
+        let chebyshev = Chebyshev::new(6, 2.0).expect("a degree");
+        let curve = Curve::new(chebyshev, DMatrix::from_vec(14, 7, entries)).expect("nodes");
+        let found = violations(&model, &curve, &all, steps).expect("its joints");
+        let mut most = [f64::NEG_INFINITY; 3];
+        let (first, last) = (from.max(0.0), to.min(2.0));
+        let mut evaluator = Evaluator::<f64>::new(&model);
+        for k in (0..=2000).filter(|_| first <= last) {
+            let t = first + (last - first) * f64::from(k) / 2000.0;
+            let mut g = vec![0.0; 3];
+            let state = curve.at(t).0;
+            evaluator.at(state.as_slice()).and_then(|placed| placed.value(&rows, &mut g)).expect("its rows");
+            for ((most, g), scale) in most.iter_mut().zip(&g).zip(&scales) {
+                *most = most.max(g / scale);
+            }
+        }
+        for (violation, most) in found.iter().zip(most) {
+            // A maximum between the times may be missed where the row is kept, as for any row.
+            prop_assert!(violation.by <= most + 1e-3 * most.abs().max(1.0), "{violation:?} {most}");
+            let is_kept = (first..=last).contains(&violation.at_s);
+            prop_assert!(is_kept == most.is_finite(), "{violation:?}");
+        }
+        let fine = violations(&model, &curve, &all, 2000).expect("its joints");
+        for (violation, most) in fine.iter().zip(most).filter(|(_, most)| most.is_finite()) {
+            prop_assert!((violation.by - most).abs() < 1e-4 * most.abs().max(1.0), "{violation:?} {most}");
+        }
+    }
 }

@@ -119,7 +119,7 @@ proptest! {
     /// Scaled rows are lengths and angles: exactly for positions, to first order at the boundary for angles.
     #[test]
     fn scaled_rows_are_lengths_and_angles(
-        e in unit(), n in unit(), angle in 0.0..PI, d in unit(), bound in 0.05..3.0_f64
+        e in unit(), n in unit(), angle in 0.0..PI, d in unit(), bound in 0.05..3.0_f64, power in -290..290_i32
     ) {
         let turned = |by: f64| placement((e * by).into(), (d * 0.7).into());
         let there = turned(angle);
@@ -141,7 +141,9 @@ proptest! {
         // The axis n turned by `angle` about an axis across it.
         let across = UnitVector3::new_normalize(n.cross(&e));
         let tilted = Placement::new(Rotation3::from_axis_angle(&across, angle).into_inner(), d);
-        let along = scaled(|rows| rows.axis_along(&(n * 2.0), &(n * 0.1)), tilted);
+        // Vectors of any length, whose squares may overflow or vanish.
+        let long = [power, -power].map(|power| n * 10.0_f64.powi(power));
+        let along = scaled(|rows| rows.axis_along(&long[0], &long[1]), tilted);
         let [first, second, opposite] = along[..] else { panic!("{along:?}") };
         prop_assert!((first.hypot(second) - angle.sin()).abs() < 1e-13);
         prop_assert_eq!(opposite > 0.0, angle > PI / 3.0);

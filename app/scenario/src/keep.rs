@@ -9,6 +9,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
+/// The shortest time for which a condition is kept, relative to the horizon: within it a motion changes by about as
+/// much as a condition may be exceeded.
+const SHORTEST: f64 = 1e-6;
+
 /// A condition that is kept along the way: a set of poses or a bound on a speed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -49,6 +53,18 @@ impl Scenario {
         let rows = &self.own.constraints;
         (0..rows.dim()).any(|row| rows.is_equality(row))
     }
+
+    /// The conditions that begin after the end of a motion, in words.
+    pub(super) fn not_reached(&self, end_s: f64) -> impl Iterator<Item = String> {
+        let all = self.file.keep.iter().enumerate();
+        all.filter_map(move |(i, kept)| {
+            let from = kept.from_s.filter(|from| *from > end_s)?;
+            let [from, end] = [from, end_s].map(plain);
+            Some(format!(
+                "keep[{i}] is not tested: the motion ends at {end} s, and it is kept from {from} s on"
+            ))
+        })
+    }
 }
 
 /// The rows of all conditions; `path` names the scenario in errors.
@@ -61,6 +77,7 @@ pub(super) fn kept_rows(file: &ScenarioFile, model: &Model, path: &str) -> Resul
             state.extend(rows);
             continue;
         }
+        kept.check_times(file, &key, path)?;
         let between = Between::new(model.clone(), rows, kept.times());
         let between = between.map_err(|e| Error::input(path, key, e.to_string()))?;
         stage.push(Arc::new(between) as Arc<dyn StageConstraint>);
@@ -81,8 +98,34 @@ impl Kept {
         }
     }
 
+    /// Refuses times between which the motion has no time, or less than can be resolved.
+    fn check_times(&self, file: &ScenarioFile, key: &str, path: &str) -> Result<()> {
+        let longest = match file.free_horizon {
+            Some(free) => free.longest_s,
+            None if file.objective.weighs_time() => f64::INFINITY,
+            None => file.horizon_s,
+        };
+        let [from, to] = self.times();
+        let (begin, end) = (from.max(0.0), to.min(longest));
+        let least = SHORTEST * longest.min(file.horizon_s);
+        if end - begin >= least {
+            return Ok(());
+        }
+        let at = |time: Option<f64>, otherwise: &str| {
+            time.map_or(otherwise.to_owned(), |time| format!("{} s", plain(time)))
+        };
+        let (from, to) = (at(self.from_s, "the start"), at(self.to_s, "the end"));
+        let condition = format!(
+            "it is kept from {from} to {to}, of which the motion, {} s at most, has less than {} s",
+            plain(longest),
+            plain(least)
+        );
+        Err(Error::input(path, key, condition))
+    }
+
     /// The times between which it is kept, s.
-    pub(super) fn times(&self) -> [f64; 2] {
+    #[must_use]
+    pub fn times(&self) -> [f64; 2] {
         let [from, to] = [self.from_s, self.to_s];
         [
             from.unwrap_or(f64::NEG_INFINITY),

@@ -3,6 +3,7 @@
 use super::ScenarioFile;
 use super::json::{by_name, read_json};
 use aghf::error::{Error, Result};
+use aghf::spatial::unit_vector;
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -302,7 +303,11 @@ fn obstacle(
         "half_space" => {
             let normal = Vector3::from(at.read::<[f64; 3]>(taken("normal")?)?);
             let offset = at.number(&taken("offset_m")?)?;
-            pose(normal.normalize() * offset, &normal, at)?
+            pose(
+                unit_vector(&normal).unwrap_or_default() * offset,
+                &normal,
+                at,
+            )?
         }
         _ => {
             let centre = taken("center_m")?;
@@ -328,11 +333,11 @@ fn obstacle(
 
 /// The pose at a position whose `z` axis has this direction.
 fn pose(position: Vector3<f64>, z: &Vector3<f64>, at: &Place<'_>) -> Result<Value> {
-    if *z == Vector3::zeros() {
+    let Some(z) = unit_vector(z) else {
         return at.refuse("the direction has length zero");
-    }
+    };
     // Opposite to the axis any half turn is right.
-    let turn = UnitQuaternion::rotation_between(&Vector3::z(), z)
+    let turn = UnitQuaternion::rotation_between(&Vector3::z(), &z)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
     // A zero without a sign.
     let position: Vec<_> = position.iter().map(|x| x + 0.0).collect();

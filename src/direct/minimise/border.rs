@@ -2,6 +2,7 @@
 
 use super::point_rows::{Place, PointDerivatives};
 use super::program::Program;
+use super::windows::{InHorizon, pair};
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::error::Result;
@@ -169,7 +170,9 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// The place of a point on a curve, at its own time, that of a waypoint, or the end for a goal.
     fn place_of_point(&self, point: usize, coefficients: &DMatrix<f64>) -> Place {
         let rows = &self.points[point];
-        let time = rows.time.or(self.times.get(point).copied());
+        let of_motion = |time: f64| (time / self.horizons.whole()).min(1.0);
+        let time = rows.time.or(rows.time_s.map(of_motion));
+        let time = time.or(self.times.get(point).copied());
         Place::new(
             &self.basis,
             coefficients,
@@ -227,6 +230,18 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         Ok(())
     }
 
+    /// The derivatives of a place in the horizon, through the coefficients and the slopes that depend on it.
+    fn rates_of_point(&self, point: usize, place: &Place) -> DMatrix<f64> {
+        match &place.in_part {
+            None => self.place_of_point(point, &self.rates).q,
+            Some(in_part) => {
+                let first = self.grid.first(place.segment);
+                let own = self.coefficients.columns(first, in_part.ncols());
+                own * in_part.transpose()
+            }
+        }
+    }
+
     /// Adds the derivatives of the rows of a point in the unknowns of the border.
     ///
     /// The configuration $q = \sum_m \phi_m(\tau) c_m$ and its slope are bilinear in functions and coefficients: their
@@ -239,20 +254,14 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let part = self.horizons.part(place.segment, grid.segments);
         let mut parts = self.free.parts.iter();
         let horizon = parts.position(|(of, _)| *of == part);
-        let rates = match &place.in_part {
-            None => self.place_of_point(point, &self.rates).q,
-            Some(in_part) => {
-                let first = grid.first(place.segment);
-                let own = self.coefficients.columns(first, in_part.ncols());
-                own * in_part.transpose()
-            }
-        };
+        let rates = self.rates_of_point(point, place);
         // The unknown, with the derivatives of configuration and slope in it.
-        // Two neighbouring columns, one below the other.
-        let pair = |of: &DMatrix<f64>, first: usize| {
-            DVector::from_column_slice(of.columns(first, 2).into_owned().as_slice())
-        };
-        let in_horizon = horizon.map(|k| (k, pair(&rates, 0)));
+        let time_s = self.points[point].time_s;
+        let at_time = time_s.map(|time| InHorizon::new(place, &rates, time));
+        let in_horizon = horizon.map(|k| match &at_time {
+            Some(at) => (k, at.first.clone()),
+            None => (k, pair(&rates, 0)),
+        });
         let in_time = self.unknown_time(point);
         let in_time = in_time.map(|k| (k, pair(&place.q, 1)));
         let Kkt {
@@ -285,6 +294,12 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             }
         }
         if let Some((k, _)) = in_horizon {
+            if let Some(at) = &at_time {
+                let mut column = hessian.border.column_mut(k);
+                let column = column.as_mut_slice();
+                hessian.corner[(k, k)] +=
+                    at.add_second((place, grid), &of.of_multipliers, measure, column);
+            }
             if let Some(in_part) = &place.in_part {
                 let mut column = hessian.border.column_mut(k);
                 place.scatter_functions(
@@ -308,7 +323,14 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 impl Place {
     /// Adds `factor` times the derivatives in the unknown coefficients of a function of $q$ and $q'$, or, with `d` one,
     /// those of its derivative in time where the functions themselves change.
-    fn scatter(&self, grid: &Grid<f64>, of: &DVector<f64>, d: usize, factor: f64, out: &mut [f64]) {
+    pub(super) fn scatter(
+        &self,
+        grid: &Grid<f64>,
+        of: &DVector<f64>,
+        d: usize,
+        factor: f64,
+        out: &mut [f64],
+    ) {
         self.scatter_functions(grid, (&self.functions, d), of, factor, out);
     }
 

@@ -10,7 +10,7 @@ use crate::transcription::{Grid, Maximum};
 use nalgebra::DVector;
 
 /// The points of its segment beside a maximum, at which rows are kept.
-fn beside(grid: &Grid<f64>, maximum: &Maximum) -> [Option<usize>; 2] {
+pub(super) fn beside(grid: &Grid<f64>, maximum: &Maximum) -> [Option<usize>; 2] {
     let after = grid.times.partition_point(|t| *t < maximum.time);
     let own = maximum.segment * grid.points()..(maximum.segment + 1) * grid.points();
     let asked = |g: &usize| !grid.collocated[g % grid.points()];
@@ -185,15 +185,14 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             if maximum.row < states && (at_ends || (of_phase && changes(maximum.time))) {
                 continue;
             }
-            for g in beside(grid, maximum).into_iter().flatten() {
+            for at in self.rows_beside(maximum).into_iter().flatten() {
                 let share = match of_phase {
-                    true => share_in_phase(phases, grid.times[g]),
+                    true => share_in_phase(phases, grid.times[at / count]),
                     false => 1.0,
                 };
                 let reserve = share * self.reserves[maximum.row];
-                let at = g * count + maximum.row;
                 if !grow {
-                    let beside = reserve + maximum.height - integrand.h[at];
+                    let beside = reserve + maximum.height - self.value_of(at);
                     self.margins[at] = self.margins[at].max(beside);
                 } else if maximum.height > 0.0 {
                     self.margins[at] += 2.0 * maximum.height + reserve;

@@ -3,9 +3,9 @@
 //! `program` is the nonlinear program: coefficients and horizon are the unknowns, and the rows of the constraints at
 //! the points of the quadrature its rows. `integrand` adds the weighted rows to the running cost, and `margins`
 //! evaluates the rows between the points, `end_rows` those beside an end that is at a bound; `point_rows` has those of
-//! waypoints and of a goal that is a set, `border` the unknowns beside the coefficients, and `ends` those of a periodic
-//! motion. `working_set` lists rows:
-//! clearances while they are near their bound, all others always.
+//! waypoints and of a goal that is a set, `windows` those at the ends of the time in which a row is kept, `border` the
+//! unknowns beside the coefficients, and `ends` those of a periodic motion. `working_set` lists rows: clearances while
+//! they are near their bound, all others always.
 
 mod border;
 mod candidate;
@@ -22,6 +22,7 @@ mod rate_rows;
 mod real_time;
 mod stage_terms;
 mod unknowns;
+mod windows;
 pub(crate) mod working_set;
 
 pub(super) use candidate::Candidate;
@@ -134,6 +135,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         .goal
         .map(|goal| &goal.alternatives[candidate.alternative][..]);
     program.add_goal_and_waypoints(&settings.waypoints, goal);
+    program.add_windows(&rows.constraints);
     if let Some(period) = &settings.period {
         program.set_period(period);
     }

@@ -25,6 +25,12 @@ pub(super) struct PointRows<'g> {
     linear: Vec<(DVector<f64>, f64)>,
     /// The normalised time, if it is neither that of a waypoint nor that of a goal.
     pub time: Option<f64>,
+    /// The time in s at which the rows are those of the whole state, if it is one: a later end of the motion is none.
+    pub time_s: Option<f64>,
+    /// The factor from slopes to velocities: zero where the rows are those at rest.
+    rate: f64,
+    /// True if the motion ends before the time in s.
+    is_idle: bool,
     /// True for each equality.
     pub equalities: Vec<bool>,
     /// The values at the last evaluation.
@@ -44,6 +50,8 @@ pub(super) struct Place {
     pub in_part: Option<DMatrix<f64>>,
     /// The configuration and its first three derivatives, one column each.
     pub q: DMatrix<f64>,
+    /// The horizon in whose time the slopes are, s.
+    pub horizon: f64,
 }
 
 /// The derivatives of weighted rows in $(q, q')$, the configuration and the slope, without the measure.
@@ -67,8 +75,8 @@ impl Place {
     ) -> Self {
         let (segment, mut functions) = basis.functions_at(time);
         let own = coefficients.columns(basis.first(segment), functions.ncols());
+        let horizon = horizons.parts()[horizons.part(segment, basis.segments())];
         let in_part = horizons.reference().map(|reference| {
-            let horizon = horizons.parts()[horizons.part(segment, basis.segments())];
             let shared = basis.continuity().order();
             let [stretched, rates] = functions_in_part(&functions, shared, (horizon, reference));
             functions = stretched;
@@ -80,6 +88,7 @@ impl Place {
             functions,
             in_part,
             q,
+            horizon,
         }
     }
 }
@@ -115,6 +124,9 @@ impl<'g> PointRows<'g> {
             given,
             linear: Vec::new(),
             time: None,
+            time_s: None,
+            rate: 0.0,
+            is_idle: false,
             first,
         }
     }
@@ -133,6 +145,19 @@ impl<'g> PointRows<'g> {
             time: Some(time),
             linear,
             ..rows
+        }
+    }
+
+    /// The rows of the state at a time in s.
+    pub fn of_time(
+        model: &'g Model,
+        constraints: &'g [AnyConstraint],
+        time_s: f64,
+        first: usize,
+    ) -> Self {
+        Self {
+            time_s: Some(time_s),
+            ..Self::new(model, constraints, (Vec::new(), false), first)
         }
     }
 
@@ -162,7 +187,15 @@ impl<'g> PointRows<'g> {
     /// Computes the rows at a place of a curve.
     pub fn evaluate(&mut self, place: &Place) -> Result<()> {
         let n = self.state.len() / 2;
+        if let Some(time) = self.time_s {
+            (self.rate, self.is_idle) = (1.0 / place.horizon, time >= place.horizon);
+        }
+        if self.is_idle {
+            self.h.fill(-1.0);
+            return Ok(());
+        }
         self.state[..n].copy_from_slice(place.q.column(0).as_slice());
+        self.state[n..].copy_from_slice((place.q.column(1) * self.rate).as_slice());
         let (rows, others) = self.h.split_at_mut(self.scales.len());
         let (given, others) = others.split_at_mut(self.given.len());
         let (rates, linear) = others.split_at_mut(others.len() - self.linear.len());
@@ -182,9 +215,12 @@ impl<'g> PointRows<'g> {
         self.rates.evaluate(place, rates)
     }
 
-    /// The largest violation, in m or rad, except of linear rows, which are multiples of rows that are scanned between
-    /// the points.
+    /// The largest violation, in m or rad, except of rows that are scanned between the points too: linear ones, which
+    /// are multiples of these, and those at times in s.
     pub fn violation(&self) -> f64 {
+        if self.time_s.is_some() {
+            return 0.0;
+        }
         let rows = self.h.iter().zip(&self.equalities);
         let rows = rows.take(self.h.len() - self.linear.len());
         let violations = rows.map(|(h, equality)| if *equality { h.abs() } else { *h });
@@ -209,6 +245,9 @@ impl<'g> PointRows<'g> {
         for (at, term) in terms {
             let row = at - self.first;
             out.cost += term.cost;
+            if self.is_idle {
+                continue;
+            }
             if let Some(row) = row.checked_sub(first_linear) {
                 let slope = &self.linear[row].0;
                 out.gradient.rows_mut(0, n).axpy(term.slope, slope, 1.0);
@@ -232,26 +271,45 @@ impl<'g> PointRows<'g> {
             multipliers[row] = scale * term.multiplier;
             curvatures[row] = scale * scale * term.curvature;
         }
-        if rows > 0 {
-            let mut placed = self.evaluator.at(&self.state)?;
-            let weights = Weights {
-                first_order: &slopes,
-                gauss_newton: None,
-            };
-            let first = placed.weighted_derivatives(self.constraints, weights)?;
-            let mut own = out.gradient.rows_mut(0, n);
-            own += first.gradient().rows(0, n);
-            let weights = Weights {
-                first_order: &multipliers,
-                gauss_newton: Some(&curvatures),
-            };
-            let both = placed.weighted_derivatives(self.constraints, weights)?;
-            let mut own = out.of_multipliers.rows_mut(0, n);
-            own += both.gradient().rows(0, n);
-            let mut own = out.hessian.view_mut((0, 0), (n, n));
-            own += both.hessian().view((0, 0), (n, n));
+        if rows > 0 && !self.is_idle {
+            self.add_constraints([&slopes, &multipliers, &curvatures], &mut out)?;
         }
         self.rates.add(&of_rates, &mut out)?;
         Ok(out)
+    }
+
+    /// Adds the derivatives of the rows of the constraints with these slopes, multipliers and curvatures.
+    fn add_constraints(
+        &mut self,
+        [slopes, multipliers, curvatures]: [&[f64]; 3],
+        out: &mut PointDerivatives,
+    ) -> Result<()> {
+        let (n, factors) = (self.state.len() / 2, [1.0, self.rate]);
+        let mut placed = self.evaluator.at(&self.state)?;
+        let weights = Weights {
+            first_order: slopes,
+            gauss_newton: None,
+        };
+        let first = placed.weighted_derivatives(self.constraints, weights)?;
+        for (i, factor) in factors.into_iter().enumerate() {
+            let own = first.gradient().rows(i * n, n);
+            out.gradient.rows_mut(i * n, n).axpy(factor, &own, 1.0);
+        }
+        let weights = Weights {
+            first_order: multipliers,
+            gauss_newton: Some(curvatures),
+        };
+        let both = placed.weighted_derivatives(self.constraints, weights)?;
+        for i in 0..2 {
+            let own = both.gradient().rows(i * n, n);
+            let mut to = out.of_multipliers.rows_mut(i * n, n);
+            to.axpy(factors[i], &own, 1.0);
+            for j in 0..2 {
+                let own = both.hessian().view((i * n, j * n), (n, n));
+                let mut to = out.hessian.view_mut((i * n, j * n), (n, n));
+                to += own * (factors[i] * factors[j]);
+            }
+        }
+        Ok(())
     }
 }

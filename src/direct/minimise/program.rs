@@ -4,6 +4,7 @@ use super::ends::PeriodicEnds;
 use super::free::Free;
 use super::integrand::Integrand;
 use super::point_rows::PointRows;
+use super::windows::Window;
 use super::working_set::{WorkingSet, equalities};
 use super::{Candidate, Context, Stage};
 use crate::constraint::{AnyConstraint, Constraint};
@@ -49,6 +50,7 @@ pub(in crate::direct) struct Program<'g, 'a, K, P> {
     /// The rows of the waypoints, those of a goal and those of ends, and the index of the first one among all rows.
     pub(super) points: Vec<PointRows<'g>>,
     pub(super) first_of_points: usize,
+    pub(super) windows: Vec<Window>,
     /// The rows that are at their bounds at the start, and at the end.
     pub(super) rows_of_ends: [Vec<usize>; 2],
     /// The normalised times of the waypoints, and the indices of those whose times are unknown.
@@ -113,6 +115,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             horizons: candidate.horizons.clone(),
             free: Free::new(context.free_horizon, &context.settings.parts),
             points: Vec::new(),
+            windows: Vec::new(),
             first_of_points: points * rows.count(),
             rows_of_ends: Default::default(),
             times: candidate.times.clone(),

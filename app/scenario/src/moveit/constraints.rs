@@ -3,11 +3,11 @@
 use super::has_entries;
 use super::messages::{Constraints, OrientationConstraint, PositionConstraint, Request};
 use crate::goal::PositionBox;
-use crate::obstacles::Pose as PoseOfKey;
+use crate::obstacles::{Pose as PoseOfKey, unit_quaternion};
 use crate::{AxisDirection, Goal, Kept};
 use aghf::error::{Error, Result, plain};
 use aghf::model::Model;
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
@@ -219,13 +219,9 @@ impl OrientationConstraint {
                 ..any
             }),
             [axis] => {
-                let [x, y, z, w] = orientation;
-                let Some(rotation) = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6)
-                else {
-                    return refuse(
-                        "orientation",
-                        "a quaternion of length 1 is needed".to_owned(),
-                    );
+                let rotation = match unit_quaternion(orientation) {
+                    Ok(rotation) => rotation,
+                    Err(condition) => return refuse("orientation", condition),
                 };
                 let of_frame = Vector3::ith(*axis, 1.0);
                 Ok(Goal {

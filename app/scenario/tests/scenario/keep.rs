@@ -1,12 +1,15 @@
 //! Conditions that are kept along the way.
 
 use crate::written::{load, solved_once, with};
-use aghf::dynamics::{forward_kinematics, frame_placement};
+use aghf::curve::Curve;
+use aghf::dynamics::{Data, forward_kinematics, frame_jacobian, frame_placement};
 use aghf::model::Model;
 use aghf::spatial::Placement;
-use aghf_scenario::Scenario;
+use aghf_scenario::certify::{Texts, certify};
 use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge, sufficient_samples};
-use nalgebra::Vector3;
+use aghf_scenario::{DirectOptions, Scenario, Solve};
+use nalgebra::{DMatrix, DVector, Vector3};
+use proptest::prelude::*;
 use serde_json::{Value, json};
 
 const TOOL: &str = "end_effector_link";
@@ -152,7 +155,7 @@ fn what_cannot_be_kept_is_refused() {
         ),
         (
             json!({ "speed": speed, "from_s": 2.0, "to_s": 1.0 }),
-            "keep[0]: rows: times: they are 2 s and 1 s",
+            "keep[0]: it is kept from 2 s to 1 s",
         ),
         (
             json!({ "speed": with(speed.clone(), json!({ "most_m_s": 0 })) }),
@@ -181,4 +184,198 @@ fn what_cannot_be_kept_is_refused() {
         error.contains("q_start: it violates position along z of frame"),
         "{error}"
     );
+}
+
+/// Windows for which the motion has no time, or too little, are refused with their times, whatever their order.
+#[test]
+fn empty_windows_are_refused() {
+    let speed = |window: Value| {
+        with(
+            json!({ "speed": { "frame": TOOL, "most_m_s": 0.2 } }),
+            window,
+        )
+    };
+    let load = |scenario: Value, window: Value| {
+        load(
+            "window",
+            &with(scenario, json!({ "keep": [speed(window)] })),
+        )
+    };
+    let fixed = kinova(json!([]));
+    for (window, words) in [
+        (
+            json!({ "from_s": 2.0, "to_s": 1.0 }),
+            "from 2 s to 1 s, of which the motion, 3 s at most",
+        ),
+        (json!({ "from_s": 1.0, "to_s": 1.0 }), "from 1 s to 1 s"),
+        (
+            json!({ "from_s": 1.0, "to_s": 1.0000001 }),
+            "from 1 s to 1.0000001 s",
+        ),
+        (json!({ "from_s": 3.0 }), "from 3 s to the end"),
+        (
+            json!({ "from_s": 2000.0, "to_s": 3000.0 }),
+            "from 2000 s to 3000 s",
+        ),
+        (json!({ "to_s": 0.0 }), "from the start to 0 s"),
+        (json!({ "from_s": -2.0, "to_s": -1.0 }), "from -2 s to -1 s"),
+        (
+            json!({ "from_s": -2.0, "to_s": 1e-9 }),
+            "from -2 s to 1e-9 s",
+        ),
+        (
+            json!({ "from_s": 2.9999999, "to_s": 9.0 }),
+            "from 2.9999999 s to 9 s",
+        ),
+    ] {
+        let error = load(fixed.clone(), window).expect_err("it is refused");
+        assert!(
+            error.starts_with("keep[0]: it is kept ") && error.contains(words),
+            "{error}"
+        );
+    }
+    load(fixed, json!({ "from_s": 2.99, "to_s": 9.0 })).expect("it is good");
+}
+
+/// A free horizon may end before a window, which only the motion shows: then a note says so.
+#[test]
+fn a_window_beyond_the_end_of_the_motion_is_noted() {
+    let load = |from: f64| {
+        let speed = json!({ "speed": { "frame": TOOL, "most_m_s": 2.0 }, "from_s": from });
+        let free = json!({
+            "free_horizon": { "shortest_s": 1.0, "longest_s": 4.0 }, "objective": { "time": 300.0, "effort": 1.0 },
+        });
+        load("window_free", &with(kinova(json!([speed])), free))
+    };
+    let error = load(4.0).expect_err("it is refused");
+    assert!(error.contains("the motion, 4 s at most"), "{error}");
+    let late = load(3.9).expect("it is good");
+    let report = solved_once(&late);
+    assert!(report.curve.horizon() < 3.9, "{}", report.curve.horizon());
+    let note = "keep[0] is not tested: the motion ends at ";
+    assert!(
+        report
+            .summary
+            .notes
+            .iter()
+            .any(|found| found.starts_with(note))
+    );
+    let early = load(0.1).expect("it is good");
+    let notes = solved_once(&early).summary.notes;
+    assert!(
+        !notes.iter().any(|found| found.starts_with(note)),
+        "{notes:?}"
+    );
+}
+
+/// The shortest horizon of a motion with a condition in a window, if it is free, s.
+const SHORTEST: f64 = 1.0;
+
+/// A motion between random configurations of one of two robots with a condition in a random window, short or long,
+/// which the motion without it breaks by some share; on a given horizon or a free one.
+#[derive(Debug)]
+struct Windowed {
+    scenario: Value,
+    tool: &'static str,
+    times: [f64; 2],
+    share: f64,
+    is_speed: bool,
+}
+
+impl Windowed {
+    fn any() -> impl Strategy<Value = Self> {
+        let length = prop_oneof![0.02..0.1, 0.1..0.5, 0.5..2.0];
+        let windows = (0.0..1.9, length).prop_map(|(from, length)| [from, from + length]);
+        let ends = proptest::array::uniform14(-1.0..1.0);
+        let all = (ends, any::<[bool; 3]>(), windows, 0.6..0.95);
+        all.prop_map(|(ends, [planar, is_free, is_speed], times, share)| {
+            let (robot, tool, n) = match planar {
+                true => ("pendulum_3", "link_3", 3),
+                false => ("kinova_gen3", TOOL, 7),
+            };
+            let rest = [0.0, 0.5, 0.0, 1.6, 0.0, 1.0, 0.0];
+            let of_end = |end: usize, range: f64| -> Vec<f64> {
+                (0..n).map(|i| rest[i] + range * ends[7 * end + i]).collect()
+            };
+            let mut scenario = json!({
+                "robot": robot, "horizon_s": 2.0, "q_start": of_end(0, 0.3), "q_goal": of_end(1, 0.7),
+                "v_start": vec![0.0; n], "v_goal": vec![0.0; n],
+            });
+            if is_free {
+                scenario["free_horizon"] = json!({ "shortest_s": SHORTEST, "longest_s": 3.0 });
+                scenario["objective"] = json!({ "time": 40.0, "effort": 1.0 });
+            }
+            Self { scenario, tool, times, share, is_speed }
+        })
+    }
+
+    /// The times of the window on a motion, many of them, its ends included; none beyond the end of the motion.
+    fn dense(&self, curve: &Curve) -> impl Iterator<Item = f64> {
+        let [from, to] = self.times;
+        let last = to.min(curve.horizon());
+        let times = (0..=2000).map(move |k| from + (last - from) * f64::from(k) / 2000.0);
+        times.filter(move |_| from <= last)
+    }
+
+    /// The largest speed of the tool, or its largest distance from a place, in the window.
+    fn largest(&self, model: &Model, curve: &Curve, place: &Vector3<f64>) -> f64 {
+        let n = model.dof();
+        let frame = model
+            .frames()
+            .iter()
+            .find(|frame| frame.name == self.tool)
+            .expect("a link");
+        let (mut data, mut jacobian) = (Data::new(model), DMatrix::zeros(6, n));
+        self.dense(curve).fold(f64::NEG_INFINITY, |most, t| {
+            let (x, _) = curve.at(t);
+            let (q, v) = x.as_slice().split_at(n);
+            let value = if self.is_speed {
+                frame_jacobian(model, &mut data, q, frame, &mut jacobian).expect("its joints");
+                (&jacobian * DVector::from_column_slice(v))
+                    .rows(3, 3)
+                    .norm()
+            } else {
+                (pose_of(model, self.tool, q).translation - place).norm()
+            };
+            most.max(value)
+        })
+    }
+}
+
+proptest! {
+    #![proptest_config(crate::common::config(6))]
+
+    /// A condition in a window is broken nowhere in it, at its ends neither, as a dense evaluation and the certificate
+    /// say.
+    #[test]
+    fn a_condition_is_kept_at_the_ends_of_its_window(of in Windowed::any()) {
+        let free = load("window_free", &of.scenario).expect("it is good");
+        let curve = solved_once(&free).curve;
+        let middle = 0.5 * (of.times[0] + of.times[1]).min(curve.horizon());
+        let place = pose_of(&free.model, of.tool, &curve.at(middle).0.as_slice()[..free.model.dof()]).translation;
+        let mut bound = of.share * of.largest(&free.model, &curve, &place);
+        if !of.is_speed && of.times[1] >= SHORTEST {
+            // The end of the motion is given.
+            let last = pose_of(&free.model, of.tool, &free.file.q_goal).translation;
+            bound = bound.max(1.01 * (last - place).norm());
+        }
+        prop_assume!(bound > 1e-3);
+        let condition = if of.is_speed {
+            json!({ "speed": { "frame": of.tool, "most_m_s": bound } })
+        } else {
+            json!({ "poses": { "frame": of.tool, "position_m": place.as_slice(), "tolerance_m": bound } })
+        };
+        let times = json!({ "from_s": of.times[0], "to_s": of.times[1] });
+        let kept = with(of.scenario.clone(), json!({ "keep": [with(condition, times)] }));
+        let kept = load("window_kept", &kept).expect("it is good");
+        let options = DirectOptions { starts: Some(1), time_limit_s: Some(20.0), ..DirectOptions::default() };
+        let found = Solve::new(&kept).options(options).run().expect("it is good");
+        let most = of.largest(&kept.model, &found.curve, &place);
+        let texts = Texts { scenario: &[], run: "" };
+        let proved = certify(&kept, &found.summary.curve, texts, &[], 0.0).expect("its joints");
+        if found.summary.success {
+            prop_assert!(most < bound + 1e-6, "{}", most - bound);
+            prop_assert!(proved.failures.is_empty(), "{:?}", proved.failures);
+        }
+    }
 }

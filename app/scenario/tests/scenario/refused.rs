@@ -100,3 +100,42 @@ fn too_many_pairs_of_balls_and_obstacles_are_refused() {
         None
     );
 }
+
+/// A quaternion whose length is not 1 is refused wherever there is one, also if its square overflows or vanishes.
+#[test]
+fn quaternions_of_another_length_are_refused() {
+    type Place = fn(Value) -> Value;
+    let places: [Place; 5] = [
+        |turn| {
+            let pose = json!({ "position_m": [0, 0, 3], "orientation_xyzw": turn });
+            json!({ "obstacles": [{ "shape": { "half_space": {} }, "pose": pose }] })
+        },
+        |turn| json!({ "goal": { "frame": "link_2", "orientation_xyzw": turn } }),
+        |turn| json!({ "keep": [{ "poses": { "frame": "link_2", "orientation_xyzw": turn } }] }),
+        |turn| {
+            let pose = json!({ "position_m": [0, 0, 0], "orientation_xyzw": turn });
+            json!({ "keep": [{ "poses": { "frame": "link_2", "box": { "size_m": [1, 1, null], "pose": pose } } }] })
+        },
+        |turn| json!({ "waypoints": [{ "poses": { "frame": "link_2", "orientation_xyzw": turn } }] }),
+    ];
+    for place in places {
+        for length in [
+            0.0,
+            5e-324,
+            1e-170,
+            1e-155,
+            0.9,
+            1.1,
+            1e155,
+            1e200,
+            f64::MAX,
+        ] {
+            let turn = json!([0.0, length, 0.0, 0.0]);
+            let error = load("turned", &with(good(), place(turn))).expect_err("it is refused");
+            assert!(
+                error.contains("the orientation x y z w has length"),
+                "{length}: {error}"
+            );
+        }
+    }
+}
