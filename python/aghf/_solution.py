@@ -35,9 +35,10 @@ class Solution:
     Attributes
     ----------
     verdict : str
-        "optimal", "valid", which keeps everything but has not converged, or "not valid".
+        "optimal", "valid", which keeps everything but has not converged, "at s_max", the curve at the end of the
+        published flow, or "not valid".
     success : bool
-        True if the motion is valid.
+        True unless the motion is not valid.
     horizon : float
         The duration of the motion, s.
     summary : dict

@@ -2,6 +2,7 @@
 
 use super::by_direct::search_directly;
 use super::by_flow::{solve_by_flow, solve_by_flow_to_rest};
+use super::feasibility::three_digits;
 use super::passive::effort_of_joints;
 use super::search::Search;
 use super::summary::{Details, Summary, Verdict};
@@ -13,7 +14,9 @@ use aghf::flow::rest::RestRecord;
 use aghf::flow::{EffortSummary, FlowRecord};
 use aghf::motion::{Feedback, Interrupt, Stopped, simulate};
 
-/// The allowed violation of enforced quantities after the flow, in their own unit: penalties are not exact.
+/// The allowed violation of enforced quantities after the flow, in their own unit: penalties are not exact. Also the
+/// largest difference of the velocities of a motion from the rates of its positions, as
+/// [`judge`](crate::judge::Tolerances) accepts it.
 const LIMIT_TOLERANCE: f64 = 1e-3;
 
 /// The number of intervals on which the effort of passive joints is integrated.
@@ -180,7 +183,10 @@ pub(super) fn report_of(
     found: Solution,
 ) -> Result<SolveReport> {
     let (model, passive) = (&scenario.model, scenario.passive());
-    let (curve, effort) = (found.curve, found.effort);
+    let joints = model.joints().iter().map(|joint| joint.name().to_owned());
+    // The motion of the report is the one in its file.
+    let written = CurveFile::new(&found.curve, joints.collect());
+    let (curve, effort) = (written.curve(model, &scenario.name)?, found.effort);
     let method = options.method();
     let final_error = |feedback| -> Result<Option<f64>> {
         let simulation = simulate(model, &curve, feedback, &passive)?;
@@ -190,6 +196,8 @@ pub(super) fn report_of(
     let feasibility = Feasibility::of(scenario, &curve)?;
     let conclusion = Conclusion::new(Outcome {
         method,
+        s_max: found.details.s_max(),
+        defect: effort.dynamics_defect,
         has_passive: !passive.is_empty(),
         feasibility: &feasibility,
         overflow: !effort.control_effort.is_finite(),
@@ -198,16 +206,16 @@ pub(super) fn report_of(
         stopped: found.stopped,
     });
     let verdict = conclusion.verdict;
-    let success = verdict.is_valid();
+    let success = verdict.is_success();
     let mut notes = scenario.notes(method);
     notes.extend(scenario.far_obstacles()?);
     if let Details::Direct(details) = &found.details {
         notes.extend(details.start.clone());
     }
+    notes.extend(scenario.not_reached(curve.horizon()));
     notes.extend(conclusion.notes);
-    let reasons = conclusion.reasons.into_iter();
-    let reasons: Vec<String> = reasons.chain(scenario.fixed_horizon()).collect();
-    let joints = model.joints().iter().map(|joint| joint.name().to_owned());
+    let mut reasons = conclusion.reasons;
+    reasons.extend(scenario.fixed_horizon());
     let effort_of_passive = effort_of_joints(model, &curve, &passive, INTERVALS)?;
     let summary = Summary {
         scenario: scenario.name.clone(),
@@ -231,7 +239,7 @@ pub(super) fn report_of(
         outside_limits: scenario.outside_limits(),
         notes,
         provenance: Provenance::new(scenario, options)?,
-        curve: CurveFile::new(&curve, joints.collect()),
+        curve: written,
     };
     Ok(SolveReport {
         summary,
@@ -258,6 +266,10 @@ fn missed(final_error: Option<f64>, threshold: f64) -> Option<String> {
 /// The end of a solve, as far as the verdict depends on it.
 struct Outcome<'a> {
     method: Method,
+    /// The end of the published flow.
+    s_max: Option<f64>,
+    /// The largest difference of velocities from the rates of positions, rad/s or m/s.
+    defect: f64,
     has_passive: bool,
     feasibility: &'a Feasibility,
     /// True if the torques are no finite numbers.
@@ -281,7 +293,11 @@ struct Conclusion {
 impl Conclusion {
     fn new(outcome: Outcome<'_>) -> Self {
         let Outcome {
-            method, failure, ..
+            method,
+            s_max,
+            defect,
+            failure,
+            ..
         } = outcome;
         let tolerance = match method {
             Method::Direct => DirectSettings::FEASIBLE,
@@ -294,13 +310,22 @@ impl Conclusion {
         // Before its end the curve of the published flow is no motion: velocities are not the rates of positions.
         let ended = completed || method != Method::Flow;
         let kept = outcome.feasibility.holds(tolerance) && !outcome.overflow;
-        let verdict = match ended && kept && (outcome.missed.is_none() || !simulated) {
+        // The published flow ends with a defect that decreases with s_max and with k.
+        let is_motion = s_max.is_some() || defect <= LIMIT_TOLERANCE;
+        let reaches_goal = outcome.missed.is_none() || !simulated;
+        let verdict = match ended && kept && is_motion && reaches_goal {
+            true if s_max.is_some() => Verdict::AtSMax,
             true if completed => Verdict::Optimal,
             true => Verdict::Valid,
             false => Verdict::NotValid,
         };
+        let off = three_digits(defect, f64::round);
+        let off = format!("velocities differ from the rates of positions by up to {off}");
         let (mut notes, mut reasons) = (Vec::new(), Vec::new());
-        if verdict.is_valid() {
+        if verdict.is_success() {
+            notes.extend(s_max.map(|s_max| {
+                format!("the curve of the flow at s = {s_max:e}, which is no minimum: its {off}")
+            }));
             let controlled = |missed| format!("{missed}: the motion needs a better controller");
             notes.extend(outcome.missed.map(controlled));
             notes.extend(match (failure, outcome.stopped) {
@@ -316,6 +341,7 @@ impl Conclusion {
             reasons.extend(failure);
             reasons.extend(outcome.feasibility.reason(tolerance));
             reasons.extend(outcome.overflow.then_some(overflow));
+            reasons.extend((!is_motion).then(|| format!("{off}, beyond {LIMIT_TOLERANCE}")));
             reasons.extend(missed);
         }
         Self {

@@ -16,14 +16,18 @@ pub enum Verdict {
     Optimal,
     /// It keeps everything that the scenario enforces.
     Valid,
+    /// The curve of the published flow at `s_max` as a successful one in the paper: it keeps the constraints, and the
+    /// simulation with feedback ends at the goal. It is neither a minimum nor, as its velocities differ from the rates
+    /// of its positions by [`Summary::dynamics_defect`], exactly a motion.
+    AtSMax,
     /// It violates something, or there is none.
     NotValid,
 }
 
 impl Verdict {
-    /// True if the motion keeps everything that the scenario enforces.
+    /// True unless the motion is not valid.
     #[must_use]
-    pub fn is_valid(self) -> bool {
+    pub fn is_success(self) -> bool {
         self != Self::NotValid
     }
 }
@@ -33,6 +37,7 @@ impl fmt::Display for Verdict {
         f.pad(match self {
             Self::Optimal => "optimal",
             Self::Valid => "valid",
+            Self::AtSMax => "at s_max",
             Self::NotValid => "not valid",
         })
     }
@@ -51,12 +56,13 @@ pub struct Summary {
     pub degree: usize,
     /// The number of polynomials on equal parts of the horizon.
     pub segments: usize,
-    /// The verdict. A motion is valid if it is free of collisions, satisfies the enforced limits, and leaves passive
-    /// joints without torque ([`Feasibility::holds`]). After a flow, and with passive joints after any method, the
-    /// simulation with feedback must also end within the threshold of the goal, and the published flow must have come
-    /// to its end. It is optimal if the method terminated normally as well.
+    /// The verdict. A motion is valid if it is free of collisions, satisfies the enforced limits, leaves passive joints
+    /// without torque ([`Feasibility::holds`]), and has the rates of its positions as velocities, to 1e-3. After a
+    /// flow, and with passive joints after any method, the simulation with feedback must also end within the threshold
+    /// of the goal. It is optimal if the method terminated normally as well. The published flow does not test whether
+    /// it is at rest, so at its end a curve is at most [at s_max](Verdict::AtSMax).
     pub verdict: Verdict,
-    /// True if the motion is valid.
+    /// True unless the motion is not valid.
     pub success: bool,
     /// The largest final error of the simulation with feedback, where that decides.
     pub success_threshold: f64,
@@ -100,6 +106,16 @@ pub enum Details {
     Rest(RestDetails),
     /// Details of the direct method.
     Direct(Box<DirectDetails>),
+}
+
+impl Details {
+    /// The end of the published flow.
+    pub(super) fn s_max(&self) -> Option<f64> {
+        match self {
+            Self::Flow(details) => Some(details.s_max),
+            Self::Rest(_) | Self::Direct(_) => None,
+        }
+    }
 }
 
 /// The parameters and the work of a flow.

@@ -2,10 +2,10 @@
 
 use super::compare::summary_at;
 use super::options::OptionArgs;
-use super::output::{OutArgs, SamplingArgs};
+use super::output::{OutArgs, SamplingArgs, spare};
 use super::progress::Progress;
 use super::stages::Stages;
-use super::{FAILED, RobotArgs, print, print_json, signals, tell};
+use super::{FAILED, RobotArgs, print, print_json, signals};
 use crate::output::{OutputFolder, REPORT_FILES, summary_table, walk_table, write_report};
 use crate::report::{Motion, page};
 use aghf::error::{Error, Result};
@@ -26,10 +26,10 @@ const TIME_LIMIT: Duration = Duration::from_secs(60);
 /// folder, out/SCENARIO or out/SCENARIO-2 and so on, gets trajectory.csv (t in s, then q, v, a and u of every joint;
 /// for more rows see `aghf sample`), summary.json, from which the solve can be repeated, and report.html, a page that
 /// shows the motion (`aghf view` opens it). The verdict is optimal; valid, if the motion keeps everything but the
-/// search has not converged; or not valid, with the worst violations: then the files are called trajectory.failed.csv
-/// and so on, next to those of an earlier motion. Ctrl-C, or a limit of 60 s unless --time-limit-s is given, ends the
-/// search with the best motion so far. A walk, a scenario with phases, gets a folder of such files per phase: phase_1
-/// and so on.
+/// search has not converged; at s_max, the curve at the end of the published flow with its dynamics defect; or not
+/// valid, with the worst violations: then the files are called trajectory.failed.csv and so on, next to those of an
+/// earlier motion. Ctrl-C, or a limit of 60 s unless --time-limit-s is given, ends the search with the best motion so
+/// far. A walk, a scenario with phases, gets a folder of such files per phase: phase_1 and so on.
 #[derive(Debug, Args)]
 pub(super) struct SolveArgs {
     /// A built-in scenario, or the path of a JSON file, "-" for the standard input: a scenario, or the summary.json of
@@ -86,8 +86,7 @@ impl SolveArgs {
             let longest = scenario.horizon_bounds().map(|free| free.longest_s);
             let _ = sampling.times(longest.unwrap_or(scenario.file.horizon_s))?;
         }
-        let default = Path::new("out").join(&scenario.name);
-        let folder = self.out.folder(&default, &REPORT_FILES)?;
+        let folder = (self.out).folder(Path::new("out"), &scenario.name, &REPORT_FILES)?;
         let folders = phase_folders(&folder, scenario.file.phases.len())?;
         let interrupt = match options.keys()?.contains_key("time_limit_s") {
             true => Interrupt::default(),
@@ -127,13 +126,7 @@ impl SolveArgs {
         let page = page.as_deref();
         let files =
             write_report(&scenario, &outcome, page, &folder, sampling).or_else(|error| {
-                // A motion is not lost if the folder has meanwhile been removed, filled, or taken by another process.
-                tell(&format!("aghf: {error}"));
-                let spare = OutputFolder::private(&scenario.name)?;
-                tell(&format!(
-                    "aghf: the files are in {}",
-                    spare.path().display()
-                ));
+                let spare = spare(&error, &scenario.name)?;
                 write_report(&scenario, &outcome, page, &spare, sampling)
             })?;
         if self.json {
@@ -151,12 +144,7 @@ impl SolveArgs {
     fn write_walk(&self, walk: &Walk, folders: &[OutputFolder], name: &str) -> Result<ExitCode> {
         let written = self.write_phases(walk, folders);
         let folder = written.or_else(|error| {
-            tell(&format!("aghf: {error}"));
-            let spare = OutputFolder::private(name)?;
-            tell(&format!(
-                "aghf: the files are in {}",
-                spare.path().display()
-            ));
+            let spare = spare(&error, name)?;
             self.write_phases(walk, &phase_folders(&spare, walk.phases.len())?)
         })?;
         if self.json {

@@ -9,6 +9,7 @@ mod tables;
 
 #[path = "../output"]
 mod output {
+    mod files;
     mod folder;
     mod walk;
 }

@@ -1,7 +1,11 @@
 //! The published flow on the built-in scenarios.
 
 use crate::common::assert_refused;
-use aghf_scenario::{FlowOptions, Limit, Scenario, Solve, builtin_scenarios};
+use aghf_scenario::judge::{Tolerances, Trajectory, judge, sufficient_samples};
+use aghf_scenario::{
+    FlowOptions, Limit, RestOptions, Scenario, Solve, SolveOptions, SolveReport, Verdict,
+    builtin_scenarios,
+};
 
 /// The scenarios in which the flow reaches the goal with a torque beyond its limit: the penalty that stands for the
 /// limit in its action is finite.
@@ -42,4 +46,62 @@ fn every_built_in_scenario_succeeds() {
             assert!(torque, "{name}: {violations:?}");
         }
     }
+}
+
+/// Solves a scenario, and returns whether the judge accepts the motion.
+fn judged(name: &str, options: SolveOptions) -> (SolveReport, bool) {
+    let scenario = Scenario::load(name).expect("built in");
+    let found = Solve::new(&scenario).options(options).run();
+    let report = found.expect("it is good");
+    let intervals = sufficient_samples(&scenario, &report.curve).expect("its joints") - 1;
+    let samples = aghf::motion::sample(&scenario.model, &report.curve, intervals);
+    let motion = Trajectory::of_samples(samples.expect("its joints"));
+    let judged = judge(&scenario, &motion, Tolerances::default()).expect("its joints");
+    (report, judged.valid)
+}
+
+/// No flow is called optimal or valid with a motion that the judge refuses: wherever the published one stops, its
+/// verdict is that it is there, with its defect, and a flow to rest with a soft penalty is not valid.
+#[test]
+fn a_verdict_does_not_contradict_the_judge() {
+    let mut refused = [0, 0];
+    for name in ["pendulum_1_swingup", "pendulum_2_swingup", "kinova_free_04"] {
+        for s_max in [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1] {
+            let options = FlowOptions {
+                s_max: Some(s_max),
+                ..FlowOptions::default()
+            };
+            let (SolveReport { summary, .. }, is_good) = judged(name, options.into());
+            let defect = summary.dynamics_defect;
+            println!(
+                "| {name} | {s_max:e} | {} | {defect:.1e} | {is_good} |",
+                summary.verdict
+            );
+            assert_eq!(summary.verdict, Verdict::AtSMax, "{name} {s_max}");
+            let words = format!("the curve of the flow at s = {s_max:e}, which is no minimum");
+            let note = summary.notes.iter().find(|note| note.starts_with(&words));
+            let note = note.unwrap_or_else(|| panic!("{:?}", summary.notes));
+            let told: Option<f64> = note.rsplit(' ').next().and_then(|last| last.parse().ok());
+            let off = told.map(|told| (told / defect - 1.0).abs());
+            assert!(off.is_some_and(|off| off < 0.01), "{note} {defect}");
+            refused[0] += usize::from(!is_good);
+        }
+        for k in [1e2, 1e4, 1e6, 1e8] {
+            let options = RestOptions {
+                k: Some(k),
+                ..RestOptions::default()
+            };
+            let (SolveReport { summary, .. }, is_good) = judged(name, SolveOptions::Rest(options));
+            println!(
+                "| {name} | {k:e} | {} | {:.1e} | {is_good} |",
+                summary.verdict, summary.dynamics_defect
+            );
+            assert!(
+                is_good || summary.verdict == Verdict::NotValid,
+                "{name} {k}: {summary:?}"
+            );
+            refused[1] += usize::from(!is_good);
+        }
+    }
+    assert!(refused.iter().all(|count| *count > 0), "{refused:?}");
 }

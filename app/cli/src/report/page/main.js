@@ -188,7 +188,8 @@ const addMotion = (motion, i) => {
   if (![short(motion.horizon), short(motion.effort)].includes(short(motion.cost))) numbers.push(["cost", short(motion.cost)]);
   if (clearances) numbers.push(["smallest clearance", `${short(1000 * motion.least_clearance)} mm`]);
   numbers.push(["joints", String(motion.joints.length)]);
-  const badge = element("span", motion.failure ? "badge bad" : "badge good", motion.verdict);
+  const isGood = ["optimal", "valid"].includes(motion.verdict);
+  const badge = element("span", isGood ? "badge good" : `badge${motion.failure ? " bad" : ""}`, motion.verdict);
   const title = element("div", "title", "", [element("h1", "", motion.name), element("span", "robot", `${motion.robot}, ${motion.method}`), badge]);
   const figures = element("dl", "figures", "", numbers.flatMap(([name, value]) => [element("div", "", "", [element("dt", "", name), element("dd", "", value)])]));
   header.append(element("div", "head", "", [title, figures]));
