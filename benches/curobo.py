@@ -122,7 +122,7 @@ def solved(aghf: Path, values: dict, arm: Arm, folder: Path) -> dict:
         return {**found, "fault": f"{summary['verdict']}: {summary['failure']}"}
     subprocess.run([aghf, "judge", scenario, table, "--json", verdict, "--force"], capture_output=True)
     checks = json.loads(verdict.read_text())["checks"]
-    bad = [f"{c['check']} {c.get('value')}" for c in checks if c["outcome"] not in ("pass", "not_checked")]
+    bad = [f"{c['check']} {c.get('value')}" for c in checks if c["outcome"] in ("fail", "undecided", "not_checked")]
     return {**found, **arm.measures(table), **({"fault": f"the judge: {'; '.join(bad)}"} if bad else {})}
 
 

@@ -260,7 +260,7 @@ def judge(scenario_file, motion, tolerance=1e-3, overlap=1e-4, kinds="qvau"):
 
 def verdict_of(verdict):
     """The outcome of a verdict of the judge, and the checks that are not passed."""
-    bad = [check for check in verdict["checks"] if check["outcome"] not in ("pass", "not_checked")]
+    bad = [check for check in verdict["checks"] if check["outcome"] in ("fail", "undecided", "not_checked")]
     return verdict["valid"], "; ".join(f"{c['check']} {c.get('value', math.nan):.3g}" for c in bad)
 
 

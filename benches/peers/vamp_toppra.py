@@ -183,10 +183,11 @@ def sampled(model, pieces, rate=1000):
 
 
 def with_horizon(values, duration, folder):
-    """The scenario with the duration of a motion: that of the peer is its own choice as ours is."""
+    """The scenario with the duration of a motion, which is the choice of the peer as ours is, and with jumps of the
+    acceleration, which TOPP-RA has."""
     changed = {key: value for key, value in values.items() if key not in ("free_horizon", "objective")}
     file = Path(folder) / "scenario.json"
-    file.write_text(json.dumps({**changed, "horizon_s": duration}))
+    file.write_text(json.dumps({**changed, "horizon_s": duration, "continuity": "velocity"}))
     return file
 
 

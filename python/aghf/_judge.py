@@ -27,8 +27,8 @@ def judge(
     """Judges whether samples from any source are a motion of a scenario, as ``aghf judge`` does.
 
     The judge shares model, dynamics and distances with the optimiser, and nothing else; between the samples a motion is
-    the cubic Hermite curve of ``q`` and ``v``, and clearances are proved there too. ``judge(scenario, *samples)``
-    judges `Samples`.
+    the quintics through ``q``, ``v`` and ``a``, without ``a`` the cubics through ``q`` and ``v``, and limits and
+    clearances are proved there too. ``judge(scenario, *samples)`` judges `Samples`.
 
     Parameters
     ----------
@@ -39,7 +39,8 @@ def judge(
     q : (T, N)
         The positions.
     v, a, tau : (T, N), optional
-        The velocities, accelerations and torques. Those that are not given are derived.
+        The velocities, accelerations, which need velocities, and torques. What depends on rates that the positions
+        alone do not determine is not checked.
     tolerance : float
         The accepted deviation of everything but clearances, absolute, or relative to the largest torque.
     overlap_m : float
@@ -48,8 +49,9 @@ def judge(
     Returns
     -------
     dict
-        ``valid``, ``verdict``, the ``checks`` with their outcomes and worst values, and what was ``derived``: the
-        contents of the file that ``aghf judge --json`` writes.
+        ``valid``, ``verdict``, which is ``valid``, ``valid_in_part`` if some checks are not made, or ``not_valid``, the
+        motion ``between_samples`` in words, and the ``checks`` with their outcomes and worst values: the contents of
+        the file that ``aghf judge --json`` writes.
 
     Raises
     ------

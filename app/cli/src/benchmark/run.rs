@@ -140,12 +140,12 @@ fn solve(problem: &Problem) -> Result<Row> {
         clearance.then_some(row.proved_at_least).flatten()
     });
     row.least_clearance_m = of_clearance.reduce(f64::min);
-    row.end = match (judgement.verdict, summary.verdict) {
-        (Verdict::NotValid, _) => {
+    row.end = match (judgement.valid, summary.verdict) {
+        (false, _) => {
             row.reason = verdict(&judgement);
             End::NotValid
         }
-        (_, Verdict::Optimal) => End::Optimal,
+        (true, Verdict::Optimal) => End::Optimal,
         _ => End::Valid,
     };
     Ok(row)

@@ -1,10 +1,10 @@
 //! `aghf judge`.
 
 use super::compare::summary_at;
-use super::{CHECK_FAILED, RobotArgs, print};
+use super::{CHECK_FAILED, IN_PART, RobotArgs, print};
 use crate::output::{REPORT_FILES, judgement_table, refuse_existing, write_json, write_text};
 use aghf::error::{Error, Result};
-use aghf_scenario::judge::{Tolerances, Trajectory, judge};
+use aghf_scenario::judge::{Tolerances, Trajectory, Verdict, judge};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -13,10 +13,14 @@ use std::process::ExitCode;
 ///
 /// The trajectory is a trajectory_msgs/JointTrajectory in a file that ends in .yaml, .yml or .json, as `aghf export`
 /// writes it, or a table, a CSV file as `aghf solve` writes it: a column t in s, a column q_JOINT for every joint, and
-/// for all joints or none v_JOINT, a_JOINT and u_JOINT, in rad or m, per s, per s^2, N m or N. Missing quantities are
-/// derived, and the verdict reports this. Boundary states, rates, inverse dynamics, limits and clearances are checked,
-/// clearances at all times between the samples. The verdict is valid, or not valid with the worst row; exit code 1 if a
-/// check fails or cannot be decided.
+/// for all joints or none v_JOINT, a_JOINT (not without v_JOINT) and u_JOINT, in rad or m, per s, per s^2, N m or N.
+///
+/// Between its rows the table means the quintics through q, v and a, without a the cubics through q and v. Limits,
+/// torques, conditions along the way and clearances are proved for these at all times. Of positions alone the rates are
+/// derived with their uncertainty; what they leave open is not checked.
+///
+/// Exit code 0 if the trajectory is valid, 4 if it is valid in part: no check fails, and those that are named are not
+/// made. Exit code 1 if it is not valid, with the worst row: a check fails or cannot be decided.
 #[derive(Debug, Args)]
 pub(super) struct Judge {
     /// A built-in or generated scenario, or the path of a JSON file, "-" for the standard input.
@@ -61,10 +65,10 @@ impl Judge {
             write_text(&format!("{text}\n"), path)?;
             print(&format!("wrote {}", path.display()))?;
         }
-        Ok(if judgement.valid {
-            ExitCode::SUCCESS
-        } else {
-            ExitCode::from(CHECK_FAILED)
+        Ok(match judgement.verdict {
+            Verdict::Valid => ExitCode::SUCCESS,
+            Verdict::ValidInPart => ExitCode::from(IN_PART),
+            Verdict::NotValid => ExitCode::from(CHECK_FAILED),
         })
     }
 }

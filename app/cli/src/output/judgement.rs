@@ -1,7 +1,7 @@
 //! The table of a judgement.
 
 use super::table::{short, table};
-use aghf_scenario::judge::{Judgement, Outcome, Row, Worst};
+use aghf_scenario::judge::{Judgement, Outcome, Row, Verdict, Worst};
 
 /// Formats a judgement as a table with one line per kind of check.
 #[must_use]
@@ -15,6 +15,7 @@ pub fn judgement_table(judgement: &Judgement) -> String {
             Outcome::Fail => "FAIL",
             Outcome::Undecided => "UNDECIDED",
             Outcome::NotChecked => "not checked",
+            Outcome::NotApplicable => "-",
         };
         let note = note.clone().unwrap_or_default();
         let [worst, bound, at, place] = match &row.worst {
@@ -37,21 +38,26 @@ pub fn judgement_table(judgement: &Judgement) -> String {
         between_samples,
         ..
     } = judgement;
-    let mut text = format!(
+    let text = format!(
         "{table}\n{}: {samples} samples over {} s; between them {between_samples}",
         judgement.scenario,
         short(*duration_s)
     );
-    if !judgement.derived.is_empty() {
-        text += &format!("\nderived: {}", judgement.derived.join("; "));
-    }
     format!("{text}\n{}", verdict(judgement))
 }
 
-/// The verdict in words, with the worst row of a motion that is not valid.
+/// The verdict in words, with the worst row of a motion that is not valid, or the checks that are not made.
 pub fn verdict(judgement: &Judgement) -> String {
     let Some(row) = judgement.worst() else {
-        return judgement.verdict.to_string();
+        let rows = judgement.checks.iter();
+        let left_out = rows.filter(|row| row.outcome == Outcome::NotChecked);
+        let names: Vec<_> = left_out.map(|row| row.check.name()).collect();
+        return match judgement.verdict {
+            Verdict::ValidInPart => {
+                format!("{}; not checked: {}", judgement.verdict, names.join(", "))
+            }
+            verdict => verdict.to_string(),
+        };
     };
     let name = row.check.name();
     let undecided = match row.outcome {

@@ -97,7 +97,8 @@ pub(super) fn clearances(
                 Check::SelfCollision if !scenario.keeps_links_clear() => "links may overlap",
                 _ => "there is nothing to keep clear of",
             };
-            rows.push(Row::not_checked(check, overlap, why));
+            let outcome = Outcome::NotApplicable;
+            rows.push(Row::without_value(check, overlap, outcome, why));
             continue;
         }
         let search = Search::new(&scene, Reach::new(model), &pairs, overlap);
@@ -195,7 +196,7 @@ impl<'a> Search<'a> {
             nodes: [0, 0],
         };
         let all: Vec<Gap> = (0..self.pairs.len()).map(root).collect();
-        let intervals = self.scene.intervals.cubics.len();
+        let intervals = self.scene.intervals.joints.len();
         for k in 0..intervals {
             self.look(k, 0.0, &all)?;
         }
@@ -217,9 +218,9 @@ impl<'a> Search<'a> {
 
     /// Places the robot at the fraction `s` of interval `k`.
     fn place(&mut self, k: usize, s: f64) -> Result<()> {
-        let cubics = &self.scene.intervals.cubics[k];
+        let joints = &self.scene.intervals.joints[k];
         self.q.clear();
-        self.q.extend(cubics.iter().map(|cubic| cubic.position(s)));
+        self.q.extend(joints.iter().map(|joint| joint.at(0, s)));
         self.reach.place(&self.q)
     }
 
@@ -252,10 +253,10 @@ impl<'a> Search<'a> {
     fn prove(&mut self, k: usize, range: [f64; 2], gaps: &[Gap]) -> Result<(f64, Vec<Gap>)> {
         let middle = 0.5 * (range[0] + range[1]);
         self.place(k, middle)?;
-        let cubics = &self.scene.intervals.cubics[k];
+        let joints = &self.scene.intervals.joints[k];
         self.ways.clear();
         self.ways
-            .extend(cubics.iter().map(|cubic| cubic.way_from_middle(range)));
+            .extend(joints.iter().map(|joint| joint.way_from_middle(range)));
         let mut left = Vec::new();
         let mut visited = 0;
         let mut open = gaps.to_vec();

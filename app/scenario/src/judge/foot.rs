@@ -1,18 +1,19 @@
 //! A standing foot: the force of the ground by the laws of Newton and Euler, body by body.
 
-use super::{Check, Intervals, Row, Trajectory, Worst};
+use super::hermite::Model;
+use super::intervals::{Bounded, Measured, Proof};
+use super::{Check, Intervals, Row};
 use crate::{Scenario, Stand};
 use aghf::dynamics::forward_kinematics;
 use aghf::error::{Error, Result};
-use aghf::model::{JointKind, Model};
+use aghf::model::{JointKind, Model as Robot};
+use aghf::scalar::Zero;
 use aghf::spatial::{Inertia, Placement};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
-/// Checks the force of the ground at the samples, with their accelerations, and halfway between them; `None` without a
-/// foot.
+/// Proves the bounds on the force of the ground at all times; `None` without a foot.
 pub(super) fn standing(
     scenario: &Scenario,
-    trajectory: &Trajectory,
     intervals: &Intervals,
     tolerance: f64,
 ) -> Result<Option<Row>> {
@@ -21,33 +22,23 @@ pub(super) fn standing(
     };
     let model = &scenario.model;
     let (middle, axes) = sole(stand, model)?;
-    let mut row = Row::new(Check::Foot, tolerance);
-    let mut take = |q: &[f64], v: &[f64], a: &[f64], at_s: f64| -> Result<()> {
+    let (middle, axes) = (
+        middle.map(Model::constant),
+        axes.transpose().map(Model::constant),
+    );
+    let mut proof = Proof::new(Row::new(Check::Foot, tolerance), intervals);
+    let throughout = [f64::NEG_INFINITY, f64::INFINITY];
+    let place = |name: &str| format!("{name} of foot '{}'", stand.frame);
+    proof.enclose(throughout, place, |[q, v, a]| {
         let (force, moment) = ground(model, q, v, a)?;
-        let moment = axes.transpose() * (moment - middle.cross(&force));
-        for (name, value, bounds, unit) in measures(stand, &(axes.transpose() * force), &moment) {
-            let place = || format!("{name} of foot '{}'", stand.frame);
-            row.take(Worst::between(value, bounds, unit, at_s), place);
-        }
-        Ok(())
-    };
-    let Trajectory { times, q, v, a, .. } = trajectory;
-    for k in 0..times.len() {
-        take(&q[k], &v[k], &a[k], times[k] - times[0])?;
-    }
-    for (k, cubics) in intervals.cubics.iter().enumerate() {
-        let [q, v, a]: [Vec<f64>; 3] = [
-            cubics.iter().map(|c| c.position(0.5)).collect(),
-            cubics.iter().map(|c| c.velocity(0.5)).collect(),
-            cubics.iter().map(|c| c.acceleration(0.5)).collect(),
-        ];
-        take(&q, &v, &a, intervals.time(k, 0.5))?;
-    }
-    Ok(Some(row))
+        let moment = axes * (moment - middle.cross(&force));
+        Ok(measures(stand, &(axes * force), &moment))
+    })?;
+    Ok(Some(proof.row))
 }
 
 /// The middle of the sole and its axes in the base frame.
-fn sole(stand: &Stand, model: &Model) -> Result<(Vector3<f64>, Matrix3<f64>)> {
+fn sole(stand: &Stand, model: &Robot) -> Result<(Vector3<f64>, Matrix3<f64>)> {
     let mut frames = model.frames().iter();
     let missing = || Error::input(model.name(), &*stand.frame, "the robot has no such link");
     let link = frames.find(|frame| frame.name == stand.frame);
@@ -66,53 +57,77 @@ fn sole(stand: &Stand, model: &Model) -> Result<(Vector3<f64>, Matrix3<f64>)> {
 /// The quantities of a force and a moment in the axes of the sole with their bounds and units.
 fn measures(
     stand: &Stand,
-    force: &Vector3<f64>,
-    moment: &Vector3<f64>,
-) -> Vec<(&'static str, f64, [f64; 2], &'static str)> {
-    let (up, none) = (force.z, f64::NEG_INFINITY);
+    force: &Vector3<Model>,
+    moment: &Vector3<Model>,
+) -> Vec<Measured<'static>> {
+    let (up, none) = (Bounded::of(&force.z), f64::NEG_INFINITY);
+    let over = |of: Model| Bounded::of(&(of / force.z));
     let (l, b) = (stand.half_length_m, stand.half_width_m);
-    let slip = force.xy().norm() / up;
-    let mut all = vec![
-        ("normal force", up, [0.0, f64::INFINITY], "N"),
-        ("centre of pressure along", -moment.y / up, [-l, l], "m"),
-        ("centre of pressure across", moment.x / up, [-b, b], "m"),
-        ("friction", slip, [none, stand.friction], ""),
+    let slip = Bounded::of_length(&Vector3::new(
+        force.x / force.z,
+        force.y / force.z,
+        Model::zero(),
+    ));
+    let all = [
+        Some(("normal force", up, [0.0, f64::INFINITY], "N")),
+        Some(("centre of pressure along", over(-moment.y), [-l, l], "m")),
+        Some(("centre of pressure across", over(moment.x), [-b, b], "m")),
+        Some(("friction", slip, [none, stand.friction], "")),
+        (stand.torsion).map(|most| ("torsion", over(moment.z), [-most, most], "m")),
     ];
-    if let Some(most) = stand.torsion {
-        all.push(("torsion", (moment.z / up).abs(), [none, most], "m"));
-    }
-    all
+    let all = all.into_iter().flatten();
+    all.map(|(place, of, bounds, unit)| Measured {
+        of,
+        bounds,
+        unit,
+        place,
+    })
+    .collect()
 }
 
 /// The motion of a body: its angular velocity and acceleration, and the acceleration of its origin.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Moving {
-    turn: Vector3<f64>,
-    turn_rate: Vector3<f64>,
-    acceleration: Vector3<f64>,
+    turn: Vector3<Model>,
+    turn_rate: Vector3<Model>,
+    acceleration: Vector3<Model>,
 }
 
 impl Moving {
+    /// The base at rest.
+    fn base() -> Self {
+        Self {
+            turn: Vector3::zeros(),
+            turn_rate: Vector3::zeros(),
+            acceleration: Vector3::zeros(),
+        }
+    }
+
     /// The acceleration of a point of the body at `r` from its origin.
-    fn at(&self, r: &Vector3<f64>) -> Vector3<f64> {
+    fn at(&self, r: &Vector3<Model>) -> Vector3<Model> {
         self.acceleration + self.turn_rate.cross(r) + self.turn.cross(&self.turn.cross(r))
     }
 }
 
 /// The force of the ground and its moment about the origin of the base: the sums over all bodies of mass times
 /// acceleration less gravity, and of the moments of these with the rates of the angular momenta.
-fn ground(model: &Model, q: &[f64], v: &[f64], a: &[f64]) -> Result<(Vector3<f64>, Vector3<f64>)> {
+fn ground(
+    model: &Robot,
+    q: &[Model],
+    v: &[Model],
+    a: &[Model],
+) -> Result<(Vector3<Model>, Vector3<Model>)> {
     let mut placements = vec![Placement::identity(); model.dof()];
     forward_kinematics(model, q, &mut placements)?;
     let still = Placement::identity();
-    let (mut force, mut moment) = of_body(model, &Moving::default(), model.base_inertia(), &still);
+    let (mut force, mut moment) = of_body(model, &Moving::base(), model.base_inertia(), &still);
     let mut moving: Vec<Moving> = Vec::with_capacity(model.dof());
     for (i, joint) in model.joints().iter().enumerate() {
         let (parent, from) = match joint.parent() {
             Some(parent) => (moving[parent], placements[parent].translation),
-            None => Default::default(),
+            None => (Moving::base(), Vector3::zeros()),
         };
-        let axis = placements[i].rotation * joint.axis();
+        let axis = placements[i].rotation * joint.axis().map(Model::constant);
         let rate = axis * v[i];
         let mut own = Moving {
             acceleration: parent.at(&(placements[i].translation - from)),
@@ -120,7 +135,7 @@ fn ground(model: &Model, q: &[f64], v: &[f64], a: &[f64]) -> Result<(Vector3<f64
         };
         match joint.kind() {
             JointKind::Prismatic => {
-                own.acceleration += axis * a[i] + parent.turn.cross(&rate) * 2.0;
+                own.acceleration += axis * a[i] + parent.turn.cross(&rate) * Model::constant(2.0);
             }
             JointKind::Revolute | JointKind::Continuous => {
                 own.turn += rate;
@@ -137,11 +152,11 @@ fn ground(model: &Model, q: &[f64], v: &[f64], a: &[f64]) -> Result<(Vector3<f64
 
 /// The force on a body and its moment about the origin of the base.
 fn of_body(
-    model: &Model,
+    model: &Robot,
     moving: &Moving,
     inertia: &Inertia<f64>,
-    placement: &Placement<f64>,
-) -> (Vector3<f64>, Vector3<f64>) {
+    placement: &Placement<Model>,
+) -> (Vector3<Model>, Vector3<Model>) {
     let Inertia {
         mass,
         first_moment,
@@ -154,9 +169,11 @@ fn of_body(
     };
     // Steiner's theorem, backwards.
     let about_centre = rotational - (Matrix3::identity() * c.dot(&c) - c * c.transpose()) * *mass;
-    let about_centre = placement.rotation * about_centre * placement.rotation.transpose();
-    let r = placement.rotation * c;
-    let force = (moving.at(&r) - model.gravity()) * *mass;
+    let constant = Model::constant;
+    let about_centre =
+        placement.rotation * about_centre.map(constant) * placement.rotation.transpose();
+    let r = placement.rotation * c.map(constant);
+    let force = (moving.at(&r) - model.gravity().map(constant)) * constant(*mass);
     let spin = about_centre * moving.turn_rate + moving.turn.cross(&(about_centre * moving.turn));
     (force, (placement.translation + r).cross(&force) + spin)
 }

@@ -17,7 +17,8 @@ type List = fn(&JointTrajectoryPoint) -> &Vec<f64>;
 
 impl Trajectory {
     /// The motion in a message for `model`, with its joints in any order. All points have positions, and all or none
-    /// each of velocities, accelerations and effort. `file` names the message in errors. Cost O(N) per point.
+    /// each of velocities, accelerations, not without velocities, and effort. `file` names the message in errors. Cost
+    /// O(N) per point.
     ///
     /// # Errors
     /// The joints are not those of the robot; a list has another length; the times do not ascend; or there are fewer
@@ -62,6 +63,6 @@ impl Trajectory {
             let of_point = |point| joints.iter().map(|i| list(point)[*i]).collect();
             *table = Some(points.iter().map(of_point).collect());
         }
-        Ok(Self::of_tables(times, tables))
+        Self::of_tables(file, times, tables)
     }
 }

@@ -4,25 +4,44 @@
 //! shares only the model, its kinematics and inverse dynamics, the distances of [`geometry`](aghf::geometry), and the
 //! scenario: no curve, no constraint row, no derivative.
 //!
-//! **Between samples** the motion of each joint is the cubic polynomial with the positions and velocities of both
-//! samples (Hermite). Velocities and accelerations that a table lacks are derived at the samples from polynomials of
-//! degree four through five neighbours. At a jump of the acceleration their error is about as large as the jump, so
-//! that tables with jumps should contain both.
+//! **Between samples** a table means a motion, which the judgement names, for each joint and interval:
+//!
+//! | columns | motion | its rates |
+//! | --- | --- | --- |
+//! | q, v, a | the quintic through q, v and a, as a `joint_trajectory_controller` executes it | given |
+//! | q, v | the cubic through q and v | given |
+//! | q | the quintic through q and the first and second derivatives of polynomials of degree four through five samples | uncertain |
+//!
+//! If accelerations may jump (`continuity` is `velocity`), an acceleration of the table is left out at the end of an
+//! interval whose motion without it does not have it: a table has a row at each jump, with the acceleration of either
+//! side.
+//!
+//! **Positions alone** determine rates only to the deviations from sample to sample that they may hide: a fourth
+//! difference of `D` hides rates of order `m` of $D (2 / h)^m / 16$ at an interval `h`, and less than five samples hide
+//! all. A check of rates passes if the motion passes with this on either side. It fails if any motion through the
+//! samples does, by their divided differences, less four times the uncertainty, or for torques, feet and speeds if the
+//! derived rates do with that. Otherwise it is *not checked*.
 //!
 //! | check | compared quantities |
 //! | --- | --- |
-//! | horizon | the time from the first to the last sample with `horizon_s`, or with the bounds of `free_horizon` |
+//! | horizon | the time from the first to the last sample with the bounds of `free_horizon`, or, unless the objective weighs time, with `horizon_s` |
 //! | start, goal | the first and last positions and velocities with those of the scenario; angles are compared without removing whole turns; a free final velocity is not checked |
-//! | v is the rate of q | on each interval the mean velocity with the mean of the velocities at its ends, except for the difference that accelerations like those of this interval and its neighbours explain: an eighth of the interval times their spread |
-//! | a is the rate of v | in the same way, except for half of the spread of the accelerations at the two samples and their neighbours and of those extrapolated from the two samples before and the two after, so that accelerations may jump |
+//! | continuity | the accelerations at an end at rest with zero; between the quintics they are continuous; not checked for cubics |
+//! | v is the rate of q, a is the rate of v | on each interval the mean rate with the mean of those at its ends, except for what the accelerations of the neighbouring samples explain |
 //! | u is inverse dynamics | at the samples, with their accelerations |
-//! | passive joints, torque limits | the torques of the table and of inverse dynamics at the samples, and inverse dynamics of the cubic halfway between them |
-//! | position and velocity limits | the extrema of the cubics, in closed form |
+//! | passive joints | the torques of the table and of inverse dynamics at the samples and halfway between them, because a polynomial keeps none at zero for longer |
+//! | position, velocity, acceleration, jerk limits | the Bernstein coefficients of the motion; jumps of accelerations, as those between cubics, over the time between the middles of two intervals count as jerks |
+//! | torque limits | the torques of the table, and inverse dynamics at all times |
 //! | goal, if it is a set | the pose of the frame in the last sample with the set that it misses least |
 //! | waypoints | the configurations or poses of the way in their order, each where the motion passes it first after the one before: the samples that are nearer than their neighbours, and the nearest time about them |
-//! | kept along the way | the poses of frames at all times, and speeds of points at the samples and halfway between them |
-//! | standing foot | the force of the ground by the laws of Newton and Euler, body by body, at the samples and halfway between them |
+//! | kept along the way | the poses of frames and the speeds of points at all times between those of the condition, both included |
+//! | standing foot | the force of the ground by the laws of Newton and Euler, body by body, at all times |
 //! | obstacles, self-collision | the distances of the balls of the robot, at all times |
+//! | added constraints | not checked: constraints that a program added |
+//!
+//! **At all times** means proved: a quantity is enclosed on each interval, by Bernstein coefficients, or by polynomials
+//! of degree two with a bound on their error ([`TaylorModel`](aghf::scalar::TaylorModel)), and intervals are halved
+//! until that is within the bounds and the tolerance. If the work exceeds a limit, the check is undecided.
 //!
 //! **Clearances** are proved. A ball is within a [bound](Reach) of its position in the middle of an interval, so that
 //! its distance from an obstacle, or the gap to a ball of another link, is at least the one in the middle minus that
@@ -34,29 +53,36 @@
 //!
 //! Poses that are kept are proved in the same way, to the accepted excess.
 //!
-//! An excess up to the [`Tolerances`] passes.
+//! An excess up to the [`Tolerances`] passes. A trajectory is *valid* if all checks pass that apply, *valid in part* if
+//! some are not checked, and otherwise *not valid*.
 
 mod checks;
 mod clearance;
-mod cubic;
+mod ends;
 mod foot;
+mod hermite;
+mod intervals;
 mod message;
 mod poses;
+mod rates;
 mod reach;
 mod rows;
+mod torques;
 mod trajectory;
 mod verdict;
 mod waypoints;
 
-pub use cubic::Cubic;
+pub use hermite::Hermite;
 pub use reach::{Reach, carriers};
 pub use rows::sufficient_samples;
 pub use trajectory::Trajectory;
-pub use verdict::{Check, Judgement, Outcome, Row, Tolerances, Worst};
+pub use verdict::{Check, Judgement, Outcome, Row, Tolerances, Verdict, Worst};
 
-use crate::{Scenario, Verdict};
+use crate::{Continuous, Scenario};
+use aghf::constraint::AnyConstraint;
 use aghf::error::{Error, Result, check_length, plain};
 use aghf::model::{Joint, JointKind};
+use intervals::Intervals;
 
 /// Judges a trajectory of the robot of `scenario`.
 ///
@@ -82,62 +108,60 @@ pub fn judge(
         }
     }
     check(scenario, trajectory)?;
-    let checks = checks_of(scenario, trajectory, tolerances)?;
-    let valid = checks.iter().all(|row| row.outcome.is_good());
+    let intervals = Intervals::new(trajectory, jumps(scenario));
+    let checks = checks_of(scenario, trajectory, &intervals, tolerances)?;
+    let verdict = match checks.iter().map(|row| row.outcome).max() {
+        None | Some(Outcome::NotApplicable | Outcome::Pass) => Verdict::Valid,
+        Some(Outcome::NotChecked) => Verdict::ValidInPart,
+        Some(Outcome::Undecided | Outcome::Fail) => Verdict::NotValid,
+    };
     Ok(Judgement {
-        verdict: if valid {
-            Verdict::Valid
-        } else {
-            Verdict::NotValid
-        },
-        valid,
+        verdict,
+        valid: verdict == Verdict::Valid,
         scenario: scenario.name.clone(),
         samples: trajectory.times.len(),
         duration_s: trajectory.duration(),
-        between_samples: "the cubic Hermite curve of q and v",
-        derived: derived(trajectory),
+        between_samples: intervals.words,
         tolerances,
         checks,
     })
+}
+
+/// True if accelerations may jump.
+fn jumps(scenario: &Scenario) -> bool {
+    scenario.file.continuity() == Continuous::Velocity
 }
 
 /// The checks of all promises of the scenario.
 fn checks_of(
     scenario: &Scenario,
     trajectory: &Trajectory,
+    intervals: &Intervals,
     tolerances: Tolerances,
 ) -> Result<Vec<Row>> {
-    let intervals = Intervals::new(trajectory);
     let Tolerances {
         tolerance,
         overlap_m,
     } = tolerances;
-    let mut checks = checks::by_joint(scenario, trajectory, &intervals, tolerance)?;
-    checks.extend(clearance::clearances(scenario, &intervals, overlap_m)?);
-    checks.extend(poses::kept(scenario, trajectory, &intervals, tolerance)?);
-    checks.extend(waypoints::passed(scenario, &intervals, tolerance)?);
-    checks.extend(foot::standing(scenario, trajectory, &intervals, tolerance)?);
+    let mut checks = checks::by_joint(scenario, trajectory, intervals, tolerance)?;
+    checks.extend(clearance::clearances(scenario, intervals, overlap_m)?);
+    checks.extend(poses::kept(scenario, intervals, tolerance)?);
+    checks.extend(waypoints::passed(scenario, intervals, tolerance)?);
+    checks.extend(foot::standing(scenario, intervals, tolerance)?);
+    checks.extend(added(scenario, tolerance));
     Ok(checks)
 }
 
-/// The quantities that a trajectory does not give, with their derivation.
-fn derived(trajectory: &Trajectory) -> Vec<&'static str> {
-    let given = [
-        (
-            trajectory.has_velocities,
-            "v from five neighbouring samples of q",
-        ),
-        (
-            trajectory.has_accelerations,
-            "a from five neighbouring samples of v",
-        ),
-        (
-            trajectory.u.is_some(),
-            "u by inverse dynamics from q, v and a",
-        ),
-    ];
-    let missing = given.into_iter().filter(|(given, _)| !given);
-    missing.map(|(_, derivation)| derivation).collect()
+/// The row of the constraints that no key has, which the judge does not know; `None` if there are none.
+fn added(scenario: &Scenario, tolerance: f64) -> Option<Row> {
+    let of_keys = |kept: &&crate::Kept| kept.from_s.is_some() || kept.to_s.is_some();
+    let stage = scenario.own.stage.len();
+    let stage = stage.saturating_sub(scenario.file.keep.iter().filter(of_keys).count());
+    let is_added = |constraint: &&AnyConstraint| matches!(constraint, AnyConstraint::Other(_));
+    let count = scenario.own.constraints.iter().filter(is_added).count() + stage;
+    let note = format!("{count} of a program, which the judge does not know");
+    let check = Check::AddedConstraints;
+    (count > 0).then(|| Row::without_value(check, tolerance, Outcome::NotChecked, &note))
 }
 
 /// Refuses a trajectory whose numbers of joints or samples are inconsistent.
@@ -149,8 +173,8 @@ fn check(scenario: &Scenario, trajectory: &Trajectory) -> Result<()> {
     }
     let tables = [
         ("q", Some(&trajectory.q)),
-        ("v", Some(&trajectory.v)),
-        ("a", Some(&trajectory.a)),
+        ("v", trajectory.v.as_ref()),
+        ("a", trajectory.a.as_ref()),
         ("u", trajectory.u.as_ref()),
     ];
     for (what, table) in tables {
@@ -161,38 +185,6 @@ fn check(scenario: &Scenario, trajectory: &Trajectory) -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// The motion between the samples.
-struct Intervals {
-    /// The time after the start at which each interval begins, and its duration, s.
-    times: Vec<[f64; 2]>,
-    /// The cubics of the joints in each interval.
-    cubics: Vec<Vec<Cubic>>,
-}
-
-impl Intervals {
-    fn new(trajectory: &Trajectory) -> Self {
-        let Trajectory { times, q, v, .. } = trajectory;
-        let interval = |k: usize| times[k + 1] - times[k];
-        let cubics = |k: usize| {
-            let cubic = |i| Cubic::new([q[k][i], q[k + 1][i]], [v[k][i], v[k + 1][i]], interval(k));
-            (0..q[k].len()).map(cubic).collect()
-        };
-        let all = 0..times.len() - 1;
-        Self {
-            times: (all.clone())
-                .map(|k| [times[k] - times[0], interval(k)])
-                .collect(),
-            cubics: all.map(cubics).collect(),
-        }
-    }
-
-    /// The time after the start, s, at the fraction `s` of interval `k`.
-    fn time(&self, k: usize, s: f64) -> f64 {
-        let [begin, interval] = self.times[k];
-        begin + s * interval
-    }
 }
 
 /// The name of a joint for messages.

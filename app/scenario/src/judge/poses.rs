@@ -1,6 +1,8 @@
 //! Goals and conditions on the way: the poses of frames, at the end or at all times.
 
-use super::{Check, Intervals, Outcome, Reach, Row, Trajectory, Worst, carriers};
+use super::hermite::Model as Polynomial;
+use super::intervals::{Bounded, Measured, Proof};
+use super::{Check, Intervals, Outcome, Reach, Row, Worst, carriers};
 use crate::obstacles::Pose;
 use crate::{AxisDirection, Goal, Kept, PointSpeed, Scenario};
 use aghf::dynamics::{forward_kinematics, frame_placement};
@@ -8,9 +10,6 @@ use aghf::error::{Error, Result};
 use aghf::model::{Frame, JointKind, Model};
 use aghf::spatial::Placement;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
-
-/// The largest number of configurations at which one condition is evaluated between samples: a few seconds.
-const MOST_PLACED: usize = 2_000_000;
 
 /// A quantity of a pose with its bounds.
 pub(super) struct Measure {
@@ -191,137 +190,100 @@ pub(super) fn place_of(goal: &Goal, measure: &Measure) -> String {
 }
 
 /// The rows of the conditions along the way.
-pub(super) fn kept(
-    scenario: &Scenario,
-    trajectory: &Trajectory,
-    intervals: &Intervals,
-    tolerance: f64,
-) -> Result<Vec<Row>> {
+pub(super) fn kept(scenario: &Scenario, intervals: &Intervals, tolerance: f64) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for kept in &scenario.file.keep {
+        let mut proof = Proof::new(Row::new(Check::Kept, tolerance), intervals);
         if let Some(poses) = &kept.poses {
-            rows.push(kept_poses(scenario, kept, poses, intervals, tolerance)?);
+            kept_poses(&mut proof, scenario, kept, poses, intervals)?;
         }
         if let Some(speed) = &kept.speed {
-            rows.push(kept_speed(
-                scenario, kept, speed, trajectory, intervals, tolerance,
-            )?);
+            kept_speed(&mut proof, scenario, kept, speed)?;
         }
+        if proof.row.worst.is_none() {
+            proof.row.note = Some("the motion ends before it is kept".to_owned());
+        }
+        rows.push(proof.row);
     }
     Ok(rows)
 }
 
-/// The fractions of interval `k` within the times of a condition.
-fn within(kept: &Kept, intervals: &Intervals, k: usize) -> Option<[f64; 2]> {
-    let [begin, end] = [0.0, 1.0].map(|s| intervals.time(k, s));
-    let share = |t: f64| ((t - begin) / (end - begin)).clamp(0.0, 1.0);
-    let range = [
-        share(kept.from_s.unwrap_or(begin)),
-        share(kept.to_s.unwrap_or(end)),
-    ];
-    let inside =
-        kept.from_s.is_none_or(|from| from <= end) && kept.to_s.is_none_or(|to| to >= begin);
-    inside.then_some(range)
-}
-
 /// Proves a set of poses at all times: in a part of an interval between two samples a quantity differs from the one in
 /// its middle at most as much as the [bound](Reach) on the way of the origin, or the sum of the turns of the joints;
-/// parts are halved until the quantity is within its bound by this, or exceeds it by at most half of the tolerance.
+/// parts are halved until the quantity is within its bound by this.
 fn kept_poses(
+    proof: &mut Proof<'_>,
     scenario: &Scenario,
     kept: &Kept,
     goal: &Goal,
     intervals: &Intervals,
-    tolerance: f64,
-) -> Result<Row> {
+) -> Result<()> {
     let model = &scenario.model;
     let poses = Poses::new(goal, model)?;
     let (path, mut reach) = (poses.path(), Reach::new(model));
     let turning = |i: &&usize| model.joints()[**i].kind() != JointKind::Prismatic;
-    let mut row = Row::new(Check::Kept, tolerance);
-    let (mut placed, mut undecided) = (0, None);
-    for (k, cubics) in intervals.cubics.iter().enumerate() {
-        let mut open: Vec<_> = within(kept, intervals, k).into_iter().collect();
-        while let Some([from, to]) = open.pop() {
-            let middle = 0.5 * (from + to);
-            let q: Vec<_> = cubics.iter().map(|cubic| cubic.position(middle)).collect();
-            let ways: Vec<_> = cubics
+    proof.derived = false;
+    for (k, joints) in intervals.joints.iter().enumerate() {
+        let Some(part) = intervals.within(k, kept.times()) else {
+            continue;
+        };
+        proof.cover(k, part, |proof, part| {
+            let middle = 0.5 * (part[0] + part[1]);
+            let ways: Vec<_> = joints
                 .iter()
-                .map(|cubic| cubic.way_from_middle([from, to]))
+                .map(|joint| joint.way_from_middle(part))
                 .collect();
-            reach.place(&q)?;
+            reach.place(&intervals.at(0, k, middle))?;
             let (origin, measures) = poses.at(reach.placements())?;
             let way = reach.way(&origin, &path, &ways);
             let turn: f64 = path.iter().filter(turning).map(|i| ways[*i]).sum();
-            placed += 1;
             let mut proved = true;
             for measure in measures {
                 let at_s = intervals.time(k, middle);
-                row.take(measure.worst(at_s), || place_of(goal, &measure));
+                proof
+                    .row
+                    .take(measure.worst(at_s), || place_of(goal, &measure));
                 let by = if measure.turns { turn } else { way };
-                proved &= measure.excess() + by <= tolerance;
+                proved &= measure.excess() + by <= proof.row.tolerance;
             }
-            if proved || row.outcome == Outcome::Fail {
-                continue;
-            }
-            if placed >= MOST_PLACED || middle <= from || middle >= to {
-                undecided = undecided.or(Some(intervals.time(k, middle)));
-                continue;
-            }
-            open.extend([[middle, to], [from, middle]]);
-        }
+            Ok(proved || proof.row.outcome > Outcome::Pass)
+        })?;
     }
-    if let (Some(at_s), Outcome::Pass) = (undecided, row.outcome) {
-        row.outcome = Outcome::Undecided;
-        row.note = Some(format!("not proved at {at_s} s after the start"));
-    }
-    Ok(row)
+    Ok(())
 }
 
-/// Checks the speed of a point at the samples and halfway between them.
+/// Proves a bound on the speed of a point.
 fn kept_speed(
+    proof: &mut Proof<'_>,
     scenario: &Scenario,
     kept: &Kept,
     bound: &PointSpeed,
-    trajectory: &Trajectory,
-    intervals: &Intervals,
-    tolerance: f64,
-) -> Result<Row> {
+) -> Result<()> {
     let model = &scenario.model;
     let frame = frame_of(model, &bound.frame)?;
     let path = carriers(model, frame.body);
-    let mut row = Row::new(Check::Kept, tolerance);
+    let constant = Polynomial::constant;
     let mut placements = vec![Placement::identity(); model.dof()];
-    let mut take = |q: &[f64], v: &[f64], at_s: f64| -> Result<()> {
-        let inside =
-            kept.from_s.is_none_or(|from| from <= at_s) && kept.to_s.is_none_or(|to| at_s <= to);
-        if !inside {
-            return Ok(());
-        }
+    let place = |name: &str| format!("speed of frame '{name}'");
+    proof.enclose(kept.times(), place, |[q, v, _]| {
         forward_kinematics(model, q, &mut placements)?;
         let of_frame = frame_placement(frame, &placements)?;
-        let point = of_frame.rotation * Vector3::from(bound.point_m) + of_frame.translation;
+        let point = of_frame.rotation * Vector3::from(bound.point_m).map(constant);
+        let point = point + of_frame.translation;
         let mut velocity = Vector3::zeros();
         for i in &path {
             let (joint, placement) = (&model.joints()[*i], &placements[*i]);
-            let axis = placement.rotation * joint.axis() * v[*i];
+            let axis = placement.rotation * joint.axis().map(constant) * v[*i];
             velocity += match joint.kind() {
                 JointKind::Prismatic => axis,
                 _ => axis.cross(&(point - placement.translation)),
             };
         }
-        let worst = [f64::NEG_INFINITY, bound.most_m_s];
-        let worst = Worst::between(velocity.norm(), worst, "m/s", at_s);
-        row.take(worst, || format!("speed of frame '{}'", bound.frame));
-        Ok(())
-    };
-    for (k, t) in trajectory.times.iter().enumerate() {
-        take(&trajectory.q[k], &trajectory.v[k], t - trajectory.times[0])?;
-    }
-    for (k, cubics) in intervals.cubics.iter().enumerate() {
-        let q: Vec<_> = cubics.iter().map(|cubic| cubic.position(0.5)).collect();
-        let v: Vec<_> = cubics.iter().map(|cubic| cubic.velocity(0.5)).collect();
-        take(&q, &v, intervals.time(k, 0.5))?;
-    }
-    Ok(row)
+        Ok(vec![Measured {
+            of: Bounded::of_length(&velocity),
+            bounds: [f64::NEG_INFINITY, bound.most_m_s],
+            unit: "m/s",
+            place: &bound.frame,
+        }])
+    })
 }

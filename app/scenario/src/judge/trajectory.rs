@@ -9,9 +9,6 @@ use csv::{ReaderBuilder, StringRecord, Trim};
 use std::ffi::OsStr;
 use std::path::Path;
 
-/// The number of neighbouring samples through which a polynomial is differentiated.
-const NEIGHBOURS: usize = 5;
-
 /// The quantities of a joint, by the first letters of their column names.
 const QUANTITIES: [&str; 4] = ["q", "v", "a", "u"];
 
@@ -24,17 +21,12 @@ pub struct Trajectory {
     pub times: Vec<f64>,
     /// The positions.
     pub q: Vec<Vec<f64>>,
-    /// The velocities.
-    pub v: Vec<Vec<f64>>,
-    /// The accelerations.
-    pub a: Vec<Vec<f64>>,
+    /// The velocities; `None` if the table has none.
+    pub v: Option<Vec<Vec<f64>>>,
+    /// The accelerations; `None` if the table has none, as a table without velocities.
+    pub a: Option<Vec<Vec<f64>>>,
     /// The torques or forces; `None` if the table has none.
     pub u: Option<Vec<Vec<f64>>>,
-    /// True if the table has velocities; otherwise they are those of the polynomials of degree four through five
-    /// neighbouring positions.
-    pub has_velocities: bool,
-    /// True if the table has accelerations; otherwise they come from the velocities in the same way.
-    pub has_accelerations: bool,
 }
 
 impl Trajectory {
@@ -54,8 +46,9 @@ impl Trajectory {
     }
 
     /// Parses a CSV table with a header for `model`. The columns, in any order, are `t` in s and `q_JOINT` for every
-    /// joint, and, each for all joints or for none, `v_JOINT`, `a_JOINT` and `u_JOINT`, as `aghf solve` writes them.
-    /// Lines that begin with `#` are ignored. `file` names the table in errors. Cost O(N) per sample.
+    /// joint, and, each for all joints or for none, `v_JOINT`, `a_JOINT`, not without `v_JOINT`, and `u_JOINT`, as
+    /// `aghf solve` writes them. Lines that begin with `#` are ignored. `file` names the table in errors. Cost O(N) per
+    /// sample.
     ///
     /// # Errors
     /// A column is unknown, duplicate or missing; a line has another number of fields than the header; a field is not a
@@ -117,14 +110,14 @@ impl Trajectory {
             let condition = format!("{} samples are given, at least 2 are needed", times.len());
             return Err(Error::input(file, "table", condition));
         }
-        Ok(Self::of_tables(times, tables))
+        Self::of_tables(file, times, tables)
     }
 
     /// The motion with `q` and, if they are given, `v`, `a` and `u` at ascending times; see the fields.
     ///
     /// # Errors
     /// Names the argument and its fault: there are fewer than two times, they do not ascend, a table is missing or has
-    /// another number of rows, or a number is not finite.
+    /// another number of rows, accelerations are given without velocities, or a number is not finite.
     pub fn new(times: Vec<f64>, tables: [Option<Vec<Vec<f64>>>; 4]) -> Result<Self> {
         let refuse = |what: &str, condition| Err(Error::input("motion", what, condition));
         let count = times.len();
@@ -153,46 +146,36 @@ impl Trajectory {
                 return refuse(name, format!("{x} is no finite number"));
             }
         }
-        Ok(Self::of_tables(times, tables))
+        Self::of_tables("motion", times, tables)
     }
 
-    /// The motion with these `q, v, a, u` at the times; velocities and accelerations that are not given are derived.
-    pub(super) fn of_tables(times: Vec<f64>, [q, v, a, u]: [Option<Vec<Vec<f64>>>; 4]) -> Self {
-        let (has_velocities, has_accelerations) = (v.is_some(), a.is_some());
-        let q = q.unwrap_or_default();
-        let v = v.unwrap_or_else(|| rates(&times, &q));
-        let a = a.unwrap_or_else(|| rates(&times, &v));
-        Self {
-            times,
-            q,
-            v,
-            a,
-            u,
-            has_velocities,
-            has_accelerations,
+    /// The motion of a `file` with these `q, v, a, u` at the times; refuses accelerations without velocities.
+    pub(super) fn of_tables(
+        file: &str,
+        times: Vec<f64>,
+        [q, v, a, u]: [Option<Vec<Vec<f64>>>; 4],
+    ) -> Result<Self> {
+        if a.is_some() && v.is_none() {
+            let condition = "velocities are needed with them";
+            return Err(Error::input(file, "accelerations", condition));
         }
+        let q = q.unwrap_or_default();
+        Ok(Self { times, q, v, a, u })
     }
 
     /// The motion through samples of a curve, ascending in time.
     #[must_use]
     pub fn of_samples(samples: impl IntoIterator<Item = Sample>) -> Self {
-        let mut all = Self {
-            times: Vec::new(),
-            q: Vec::new(),
-            v: Vec::new(),
-            a: Vec::new(),
-            u: Some(Vec::new()),
-            has_velocities: true,
-            has_accelerations: true,
-        };
+        let (mut times, mut tables) = (Vec::new(), [const { Vec::new() }; 4]);
         for Sample { t, q, v, a, u, .. } in samples {
-            all.times.push(t);
-            all.q.push(q);
-            all.v.push(v);
-            all.a.push(a);
-            all.u.get_or_insert_default().push(u);
+            times.push(t);
+            for (table, row) in tables.iter_mut().zip([q, v, a, u]) {
+                table.push(row);
+            }
         }
-        all
+        let [q, v, a, u] = tables;
+        let [v, a, u] = [v, a, u].map(Some);
+        Self { times, q, v, a, u }
     }
 
     /// The time from the first to the last sample, s.
@@ -255,38 +238,4 @@ impl Columns {
         }
         Ok(Self { time, of_joints })
     }
-}
-
-/// The derivatives in time at the samples, by the polynomials through [`NEIGHBOURS`] of them, or through all if there
-/// are fewer. The error is of fourth order in the spacing if the fifth derivative is bounded.
-fn rates(times: &[f64], samples: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let count = NEIGHBOURS.min(times.len());
-    let rate = |k: usize| {
-        let first = k.saturating_sub(count / 2).min(times.len() - count);
-        let weights = derivative_weights(&times[first..first + count], k - first);
-        let mut rate = vec![0.0; samples[k].len()];
-        for (weight, sample) in weights.iter().zip(&samples[first..]) {
-            for (rate, x) in rate.iter_mut().zip(sample) {
-                *rate += weight * x;
-            }
-        }
-        rate
-    };
-    (0..times.len()).map(rate).collect()
-}
-
-/// The weights of the values at `times` in the derivative of the polynomial through them at time `k`.
-fn derivative_weights(times: &[f64], k: usize) -> Vec<f64> {
-    let others = |j: usize| (0..times.len()).filter(move |m| *m != j);
-    let weight = |j: usize| {
-        if j == k {
-            return others(k).map(|m| (times[k] - times[m]).recip()).sum();
-        }
-        let product: f64 = others(j)
-            .filter(|m| *m != k)
-            .map(|m| (times[k] - times[m]) / (times[j] - times[m]))
-            .product();
-        product / (times[j] - times[k])
-    };
-    (0..times.len()).map(weight).collect()
 }

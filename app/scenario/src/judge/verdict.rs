@@ -1,7 +1,7 @@
 //! The judgement of a trajectory, check by check.
 
-use crate::Verdict;
 use serde::Serialize;
+use std::fmt;
 
 /// The accepted deviations.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -23,12 +23,34 @@ impl Default for Tolerances {
     }
 }
 
+/// The verdict on a trajectory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// It keeps everything that the scenario promises.
+    Valid,
+    /// No check fails, and some promises of the scenario are not checked.
+    ValidInPart,
+    /// A check fails or is undecided.
+    NotValid,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Valid => "valid",
+            Self::ValidInPart => "valid in part",
+            Self::NotValid => "not valid",
+        })
+    }
+}
+
 /// The judgement of a trajectory.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judgement {
-    /// Valid if no check fails or is undecided, otherwise not valid.
+    /// The verdict.
     pub verdict: Verdict,
-    /// True if it is valid.
+    /// True if all of it is valid.
     pub valid: bool,
     /// The scenario.
     pub scenario: String,
@@ -36,10 +58,8 @@ pub struct Judgement {
     pub samples: usize,
     /// The time from the first to the last sample, s.
     pub duration_s: f64,
-    /// The assumed motion between samples, in words.
-    pub between_samples: &'static str,
-    /// The quantities that were derived because the table lacks them, in words.
-    pub derived: Vec<&'static str>,
+    /// The motion between samples that the table means, in words.
+    pub between_samples: String,
     /// The accepted deviations.
     pub tolerances: Tolerances,
     /// The checks.
@@ -48,7 +68,7 @@ pub struct Judgement {
 
 impl Judgement {
     /// The check that fails or is undecided with the largest excess as a multiple of its tolerance; `None` if the
-    /// trajectory is valid.
+    /// trajectory is valid, at least in part.
     #[must_use]
     pub fn worst(&self) -> Option<&Row> {
         let failed = self.checks.iter().filter(|row| !row.outcome.is_good());
@@ -63,7 +83,8 @@ pub struct Row {
     pub check: Check,
     /// The outcome.
     pub outcome: Outcome,
-    /// The worst place; `None` if nothing was checked.
+    /// The worst place; `None` if nothing was checked. The value is one that the motion has; if the check is passed,
+    /// all others are within the bounds and the tolerance.
     #[serde(flatten)]
     pub worst: Option<Worst>,
     /// The accepted excess over the bound, in the unit of `worst`.
@@ -128,25 +149,27 @@ impl Worst {
     }
 }
 
-/// The outcome of a check.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+/// The outcome of a check, in the order of severity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
+    /// The scenario, or the table, has no such condition.
+    NotApplicable,
     /// The condition is satisfied.
     Pass,
-    /// The condition is violated.
-    Fail,
+    /// The condition is not checked, because the table does not determine its quantity or the judge does not know it.
+    NotChecked,
     /// The condition could be neither proved nor refuted.
     Undecided,
-    /// The condition does not apply.
-    NotChecked,
+    /// The condition is violated.
+    Fail,
 }
 
 impl Outcome {
-    /// Returns true if the outcome is compatible with a valid trajectory.
+    /// Returns true if the outcome is compatible with a trajectory that is valid, at least in part.
     #[must_use]
     pub fn is_good(self) -> bool {
-        matches!(self, Self::Pass | Self::NotChecked)
+        self <= Self::NotChecked
     }
 }
 
@@ -164,6 +187,8 @@ pub enum Check {
     GoalPosition,
     /// The last velocities.
     GoalVelocity,
+    /// Continuous accelerations that are zero at rest.
+    Continuity,
     /// Velocities as rates of positions.
     VelocityIsRate,
     /// Accelerations as rates of velocities.
@@ -192,6 +217,8 @@ pub enum Check {
     Obstacles,
     /// Clearances between links.
     SelfCollision,
+    /// Constraints that a program added to the scenario.
+    AddedConstraints,
 }
 
 impl Check {
@@ -204,6 +231,7 @@ impl Check {
             Self::StartVelocity => "start velocity",
             Self::GoalPosition => "goal position",
             Self::GoalVelocity => "goal velocity",
+            Self::Continuity => "continuity",
             Self::VelocityIsRate => "v is the rate of q",
             Self::AccelerationIsRate => "a is the rate of v",
             Self::Dynamics => "u is inverse dynamics",
@@ -218,6 +246,7 @@ impl Check {
             Self::Foot => "standing foot",
             Self::Obstacles => "obstacles",
             Self::SelfCollision => "self-collision",
+            Self::AddedConstraints => "added constraints",
         }
     }
 }
@@ -237,7 +266,7 @@ impl Row {
     pub(super) fn new(check: Check, tolerance: f64) -> Self {
         Self {
             check,
-            outcome: Outcome::NotChecked,
+            outcome: Outcome::NotApplicable,
             worst: None,
             tolerance,
             proved_at_least: None,
@@ -245,10 +274,16 @@ impl Row {
         }
     }
 
-    /// A check that does not apply, with the reason.
-    pub(super) fn not_checked(check: Check, tolerance: f64, why: &str) -> Self {
+    /// A check without a value, with the reason.
+    pub(super) fn without_value(
+        check: Check,
+        tolerance: f64,
+        outcome: Outcome,
+        note: &str,
+    ) -> Self {
         Self {
-            note: Some(why.to_owned()),
+            outcome,
+            note: Some(note.to_owned()),
             ..Self::new(check, tolerance)
         }
     }
@@ -261,21 +296,39 @@ impl Row {
 
     /// Updates the worst value; `place` names its place.
     pub(super) fn take(&mut self, found: Worst, place: impl FnOnce() -> String) {
+        self.take_within(found, 0.0, place);
+    }
+
+    /// The same with a value that may be off by `error`: the row fails if the value is beyond the tolerance for all of
+    /// it.
+    pub(super) fn take_within(&mut self, found: Worst, error: f64, place: impl FnOnce() -> String) {
         let excess = found.excess();
-        if self
-            .worst
-            .as_ref()
-            .is_none_or(|worst| excess > worst.excess())
-        {
-            self.outcome = if excess <= self.tolerance {
-                Outcome::Pass
-            } else {
-                Outcome::Fail
-            };
+        let fails = excess - error > self.tolerance;
+        let outcome = if fails { Outcome::Fail } else { Outcome::Pass };
+        // The worst of a row that fails is one of those that fail.
+        let more_severe = fails && self.outcome < Outcome::Fail;
+        let less_severe = !fails && self.outcome == Outcome::Fail;
+        let worse = |worst: &Worst| excess > worst.excess() && !less_severe;
+        if more_severe || self.worst.as_ref().is_none_or(worse) {
             self.worst = Some(Worst {
                 place: Some(place()),
                 ..found
             });
+        }
+        self.outcome = self.outcome.max(outcome);
+    }
+
+    /// Notes that nothing is proved at a time after the start, which is due to derived rates or to the limit of work.
+    pub(super) fn leave(&mut self, derived: bool, at_s: f64) {
+        let (outcome, note) = match derived {
+            true => (
+                Outcome::NotChecked,
+                format!("the positions alone do not determine it at {at_s:.4} s"),
+            ),
+            false => (Outcome::Undecided, format!("not proved at {at_s:.4} s")),
+        };
+        if outcome > self.outcome {
+            (self.outcome, self.note) = (outcome, Some(note));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Points on the way: whether a trajectory passes them in their order.
 
 use super::poses::{Poses, place_of};
-use super::{Check, Cubic, Intervals, Row, Worst};
+use super::{Check, Intervals, Row, Worst};
 use crate::{PointOnTheWay, Scenario};
 use aghf::dynamics::forward_kinematics;
 use aghf::error::Result;
@@ -34,11 +34,7 @@ impl Passages<'_> {
         let k = after.saturating_sub(1);
         let [begin, interval] = self.intervals.times[k];
         let s = (at_s - begin) / interval;
-        let cubics = &self.intervals.cubics[k];
-        let values = |of: fn(&Cubic, f64) -> f64| -> Vec<f64> {
-            cubics.iter().map(|cubic| of(cubic, s)).collect()
-        };
-        let q = values(Cubic::position);
+        let q = self.intervals.at(0, k, s);
         let mut all = Vec::new();
         let mut add = |excess: f64, worst: Worst, place: String| all.push((excess, worst, place));
         let exactly = |value: f64, aim: f64, unit| {
@@ -64,8 +60,8 @@ impl Passages<'_> {
                 );
             }
         }
-        let v = values(Cubic::velocity);
-        for (i, joint) in joints().filter(|_| point.stop) {
+        let v = self.intervals.at(1, k, s);
+        for (i, joint) in joints().filter(|_| point.stop && !self.intervals.is_derived()) {
             let (excess, worst) = exactly(v[i], 0.0, super::unit_of(joint, ["rad/s", "m/s"]));
             add(excess, worst, super::joint_name(joint));
         }
@@ -87,7 +83,7 @@ impl Passages<'_> {
     /// deviation, among the given time, or the nearest times around each sample that is nearer than its neighbours.
     fn first(&mut self, point: &PointOnTheWay, from_s: f64, tolerance: f64) -> Result<Passage> {
         if let Some(time) = point.time_s {
-            return self.at(point, time);
+            return self.at(point, time.min(self.intervals.duration()));
         }
         let ends = self
             .intervals
@@ -156,10 +152,17 @@ pub(super) fn passed(
     };
     let (mut row, mut from_s) = (Row::new(Check::Waypoints, tolerance), 0.0);
     for (i, point) in points.iter().enumerate() {
+        if let Some(time) = point.time_s {
+            let found = Worst::between(time, [from_s, intervals.duration()], "s", time);
+            row.take(found, || format!("time of waypoint {i}"));
+        }
         let Passage { at_s, worst } = passages.first(point, from_s, tolerance)?;
         let (_, worst, place) = worst;
         row.take(worst, || format!("{place} at waypoint {i}"));
         from_s = at_s;
+    }
+    if intervals.is_derived() && points.iter().any(|point| point.stop) {
+        row.leave(true, from_s);
     }
     Ok(Some(row))
 }

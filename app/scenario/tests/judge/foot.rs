@@ -20,8 +20,9 @@ fn the_force_of_the_ground_is_the_wrench_of_the_root() {
     let plain = scenario("plain", stand(json!({ "sole": sole })));
     let motion = good(&plain.model, FROM, TO, 101);
     assert_eq!(failed(&verdict(&plain, &motion)), []);
+    let [v, a] = [&motion.v, &motion.a].map(|of| of.as_ref().expect("it is given"));
     let contacts = (0..motion.times.len()).map(|k| {
-        let z = [&motion.q[k][..], &motion.v[k][..], &motion.a[k][..]];
+        let z = [&motion.q[k][..], &v[k][..], &a[k][..]];
         plain.contact(z).expect("its joints").expect("it stands")
     });
     let contacts: Vec<_> = contacts.collect();

@@ -5,14 +5,18 @@
 mod common;
 
 mod clearance;
-mod cubic;
+mod ends;
 mod foot;
 mod gantry;
+mod hermite;
+mod intervals;
 mod message;
 mod poses;
+mod rates;
 mod reach;
 mod robot;
 mod rows;
+mod torques;
 mod trajectory;
 mod verdict;
 mod waypoints;

@@ -13,19 +13,13 @@ fn message() -> Value {
 }
 
 #[test]
-fn joints_are_found_by_name_and_what_is_missing_is_derived() {
+fn joints_are_found_by_name() {
     let scenario = scenario("message", json!({}));
     let read = JointTrajectory::parse(&message().to_string(), "m.json").expect("it is one");
     let motion = Trajectory::of_message(&read, "m.json", &scenario.model).expect("it is good");
     assert_eq!(motion.times, [5e-7, 2.0 + 5e-7]);
     assert_eq!(motion.q, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
-    // A straight line through two points.
-    assert!(
-        motion.v.iter().flatten().all(|v| (v - 1.5).abs() < 1e-12),
-        "{:?}",
-        motion.v
-    );
-    assert!(!motion.has_velocities && !motion.has_accelerations && motion.u.is_none());
+    assert!([motion.v, motion.a, motion.u].iter().all(Option::is_none));
 }
 
 /// A change of a message, and the element and the words that its error has.
@@ -77,13 +71,14 @@ fn a_motion_survives_a_message() {
     use aghf::motion::Sample;
     let scenario = scenario("message_whole", json!({}));
     let whole = good(&scenario.model, FROM, TO, 11);
+    let [v, a, u] = [&whole.v, &whole.a, &whole.u].map(|of| of.as_ref().expect("given"));
     let samples = (0..11).map(|k| Sample {
         t: whole.times[k],
         q: whole.q[k].clone(),
-        v: whole.v[k].clone(),
-        a: whole.a[k].clone(),
-        u: whole.u.as_ref().expect("given")[k].clone(),
-        qdot: whole.v[k].clone(),
+        v: v[k].clone(),
+        a: a[k].clone(),
+        u: u[k].clone(),
+        qdot: v[k].clone(),
     });
     let samples: Vec<_> = samples.collect();
     assert_eq!(Trajectory::of_samples(samples.clone()), whole);

@@ -60,6 +60,19 @@ fn a_given_time_counts() {
     let half = |time: f64| json!([{ "q": at(0.5), "time_s": time }]);
     assert!(failed(&judged("half", half(0.5))).is_empty());
     assert_eq!(failed(&judged("third", half(0.35))), [Check::Waypoints]);
+    // The motion is over before it, or just before it and elsewhere.
+    for (time, share) in [(1.5, 1.0), (1.0 + 1e-6, 0.9)] {
+        let mut scenario = scenario(
+            "after",
+            json!({ "waypoints": [{ "q": at(share), "time_s": 0.5 }] }),
+        );
+        scenario.file.waypoints[0].time_s = Some(time);
+        let motion = good(&scenario.model, FROM, TO, 101);
+        assert_eq!(failed(&verdict(&scenario, &motion)), [Check::Waypoints]);
+    }
+    // Another one comes first.
+    let order = json!([{ "q": at(0.9) }, { "q": at(0.5), "time_s": 0.5 }]);
+    assert_eq!(failed(&judged("order", order)), [Check::Waypoints]);
     let rest = json!([{ "q": FROM, "stop": true }]);
     assert!(failed(&judged("rest", rest)).is_empty());
 }
