@@ -1,8 +1,10 @@
 //! Options for output files.
 
+use super::tell;
 use crate::output::{OutputFolder, Sampling};
-use aghf::error::Result;
+use aghf::error::{Error, Result};
 use clap::Args;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// The folder for output files.
@@ -18,14 +20,34 @@ pub(super) struct OutArgs {
 }
 
 impl OutArgs {
-    /// The chosen folder for files of these names, otherwise `default` or a new folder of a similar name.
-    pub(super) fn folder(&self, default: &Path, files: &[&str]) -> Result<OutputFolder> {
-        match &self.out {
-            Some(path) => OutputFolder::open(path, files, self.force),
-            None if self.force => OutputFolder::open(default, files, true),
-            None => OutputFolder::fresh(default),
+    /// The chosen folder for files of these names, otherwise `name` in the folder `parent`, or a new folder of a
+    /// similar name.
+    pub(super) fn folder(&self, parent: &Path, name: &str, files: &[&str]) -> Result<OutputFolder> {
+        if let Some(path) = &self.out {
+            return OutputFolder::open(path, files, self.force);
+        }
+        let path = parent.join(name);
+        if path.file_name() != Some(OsStr::new(name)) {
+            let condition = "its name is not that of a folder; --out chooses one";
+            return Err(Error::input(name, "output", condition));
+        }
+        match self.force {
+            true => OutputFolder::open(&path, files, true),
+            false => OutputFolder::fresh(&path),
         }
     }
+}
+
+/// A folder for the files called `name` in place of one that has meanwhile been removed, filled, or taken by another
+/// process, so that no motion is lost.
+pub(super) fn spare(error: &Error, name: &str) -> Result<OutputFolder> {
+    tell(&format!("aghf: {error}"));
+    let spare = OutputFolder::private(name)?;
+    tell(&format!(
+        "aghf: the files are in {}",
+        spare.path().display()
+    ));
+    Ok(spare)
 }
 
 /// The rows of the table of a motion.

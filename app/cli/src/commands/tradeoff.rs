@@ -1,7 +1,7 @@
 //! `aghf tradeoff`.
 
 use super::options::OptionArgs;
-use super::output::OutArgs;
+use super::output::{OutArgs, spare};
 use super::progress::Progress;
 use super::{FAILED, RobotArgs, print, signals};
 use crate::output::{tradeoff_rows, tradeoff_table, write_tradeoff};
@@ -45,10 +45,10 @@ impl TradeoffArgs {
             );
             return Err(Error::input(&scenario.name, "tradeoff", condition));
         };
-        let default = Path::new("out/tradeoff").join(&scenario.name);
+        let files = ["tradeoff.csv", "report.html"];
         let folder = self
             .out
-            .folder(&default, &["tradeoff.csv", "report.html"])?;
+            .folder(Path::new("out/tradeoff"), &scenario.name, &files)?;
         let interrupt = Interrupt::default();
         signals::stop_first(&interrupt);
         let mut progress = Progress::new(&scenario, &options, false)?;
@@ -61,7 +61,9 @@ impl TradeoffArgs {
         progress.finish();
         let page = tradeoff_page(&found)?;
         print(&tradeoff_table(&tradeoff_rows(&found)))?;
-        for file in write_tradeoff(&found, &page, &folder)? {
+        let files = write_tradeoff(&found, &page, &folder)
+            .or_else(|error| write_tradeoff(&found, &page, &spare(&error, &scenario.name)?))?;
+        for file in files {
             print(&format!("wrote {}", file.display()))?;
         }
         Ok(

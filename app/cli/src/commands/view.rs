@@ -17,8 +17,8 @@ const LONGEST_WAIT: Duration = Duration::from_secs(5);
 
 /// Opens the page of a motion, a sweep or another experiment in a browser.
 ///
-/// Without a browser, or with --serve, the page is served to the browsers of this machine until Ctrl-C, and its address
-/// is printed.
+/// Without a browser, or with --serve, the page is served to the browsers of this machine until Ctrl-C, under the names
+/// 127.0.0.1 and localhost alone, and its address is printed.
 #[derive(Debug, Args)]
 pub(super) struct View {
     /// Folder of a solve, a sweep or another experiment, or the path of a page.
@@ -82,27 +82,56 @@ fn serve(page: &Path, port: u16) -> Result<ExitCode> {
     let address = listener.local_addr().map_err(refused)?;
     print(&format!("serving {} at http://{address}/", page.display()))?;
     for stream in listener.incoming() {
-        // Ignore clients that disconnect or send a bad request.
-        if let Err(error) = stream.and_then(|stream| answer(stream, page)) {
-            tell(&format!("aghf: a request failed: {error}"));
-        }
+        // A client that sends nothing does not keep others waiting.
+        let page = page.to_owned();
+        let in_thread = |stream| {
+            let answer = move || complain(answer(stream, &page));
+            std::thread::Builder::new().spawn(answer).map(|_| ())
+        };
+        complain(stream.and_then(in_thread));
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// Answers one request: the page, reread for each request to `/`, and nothing else.
+/// Prints the failure of a request, such as that of a client that disconnects.
+fn complain(answered: std::io::Result<()>) {
+    if let Err(error) = answered {
+        tell(&format!("aghf: a request failed: {error}"));
+    }
+}
+
+/// Returns true for a header with a name of this machine as the host. A page of another site whose name leads to this
+/// machine would read the motion otherwise.
+fn is_own_host(header: &str) -> bool {
+    let Some((name, host)) = header.split_once(':') else {
+        return false;
+    };
+    let host = host.trim();
+    let host = host.rsplit_once(':').map_or(host, |(host, _)| host);
+    let own = ["127.0.0.1", "localhost"];
+    name.eq_ignore_ascii_case("host") && own.iter().any(|own| host.eq_ignore_ascii_case(own))
+}
+
+/// Answers one request to this machine: the page, reread for each request to `/`, and nothing else.
 fn answer(mut stream: TcpStream, page: &Path) -> std::io::Result<()> {
     stream.set_read_timeout(Some(LONGEST_WAIT))?;
     stream.set_write_timeout(Some(LONGEST_WAIT))?;
     let mut lines = BufReader::new(stream.try_clone()?.take(LONGEST_REQUEST)).lines();
     let request = lines.next().transpose()?.unwrap_or_default();
+    let mut is_own = false;
     for line in lines {
-        if line?.is_empty() {
+        let line = line?;
+        if line.is_empty() {
             break;
         }
+        is_own |= is_own_host(&line);
     }
     let mut words = request.split(' ');
     let (status, body) = match (words.next(), words.next()) {
+        _ if !is_own => (
+            "421 Misdirected Request",
+            b"the host is neither 127.0.0.1 nor localhost".to_vec(),
+        ),
         (Some("GET" | "HEAD"), Some("/")) => ("200 OK", std::fs::read(page)?),
         (Some("GET" | "HEAD"), _) => ("404 Not Found", b"there is only /".to_vec()),
         _ => ("405 Method Not Allowed", Vec::new()),

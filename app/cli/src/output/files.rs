@@ -47,6 +47,25 @@ pub fn remove_unfinished() {
     }
 }
 
+/// Refuses a path at which there is something else than a file, such as a device, which renaming would replace.
+pub(super) fn refuse_special(path: &Path) -> Result<()> {
+    let kind = match path.symlink_metadata() {
+        Ok(found) if !found.is_file() => found.file_type(),
+        _ => return Ok(()),
+    };
+    let what = if kind.is_dir() {
+        "a folder"
+    } else if kind.is_symlink() {
+        "a symbolic link"
+    } else {
+        "a device, a pipe or a socket"
+    };
+    let condition =
+        format!("it is {what}; the path of a file is needed, of a new one or of one to replace");
+    let file = path.display().to_string();
+    Err(Error::input(file, "output", condition))
+}
+
 /// A complete temporary file, which is removed unless it is renamed.
 pub(super) struct Partial {
     path: PathBuf,
@@ -59,6 +78,7 @@ impl Partial {
         path: &Path,
         write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
     ) -> Result<Self> {
+        refuse_special(path)?;
         let mut builder = tempfile::Builder::new();
         builder.prefix(path.file_name().unwrap_or_default());
         builder.suffix(".partial");

@@ -1,6 +1,6 @@
 //! Folders for results, without accidental overwriting.
 
-use super::files::unfinished;
+use super::files::{refuse_special, unfinished};
 use aghf::error::{Error, Result};
 use std::fs;
 use std::io::{ErrorKind, Write};
@@ -113,11 +113,12 @@ impl Drop for OutputFolder {
     }
 }
 
-/// Refuses a file that exists already, unless it may be replaced.
+/// Refuses a file that exists already, unless it may be replaced, and anything that is no file.
 ///
 /// # Errors
 /// Names the file.
 pub fn refuse_existing(path: &Path, replace: bool) -> Result<()> {
+    refuse_special(path)?;
     if replace || !path.exists() {
         return Ok(());
     }

@@ -67,7 +67,8 @@ pub fn tradeoff_table(rows: &[TradeoffRow]) -> String {
     table.to_string()
 }
 
-/// Writes `tradeoff.csv`, `report.html` with this page, and `summary_NN.json` of each motion; returns their paths.
+/// Writes `tradeoff.csv`, `summary_NN.json` of each motion, and `report.html` with this page last, as it can be made
+/// again from the motions; returns their paths.
 ///
 /// # Errors
 /// A file cannot be written.
@@ -78,10 +79,7 @@ pub fn write_tradeoff(
 ) -> Result<Vec<PathBuf>> {
     let rows = tradeoff_rows(found);
     let csv = csv_of(&rows, true)?;
-    let mut files = vec![
-        ("tradeoff.csv".to_owned(), csv),
-        ("report.html".to_owned(), page.as_bytes().to_vec()),
-    ];
+    let mut files = vec![("tradeoff.csv".to_owned(), csv)];
     for (row, (_, report)) in rows.iter().zip(found) {
         let mut text = Vec::new();
         let written = write_json(&report.summary, &mut text);
@@ -90,6 +88,7 @@ pub fn write_tradeoff(
         text.push(b'\n');
         files.push((name, text));
     }
+    files.push(("report.html".to_owned(), page.as_bytes().to_vec()));
     let mut paths = Vec::new();
     for (name, text) in files {
         let path = folder.path().join(name);

@@ -1,7 +1,7 @@
 //! Files and folders of results.
 
 use crate::command::empty_folder;
-use aghf_cli::output::{OutputFolder, summary_table, write_json};
+use aghf_cli::output::{OutputFolder, summary_table, write_json, write_tradeoff};
 use aghf_scenario::{FlowOptions, Scenario, Solve, SolveOptions};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -118,4 +118,21 @@ fn the_table_of_a_summary_has_its_notes_and_the_largest_passive_torque() {
         !driven.contains("passive") && driven.contains("; objective: least-effort"),
         "{driven}"
     );
+}
+
+/// The motions of a trade-off are there although its page cannot be written.
+#[test]
+fn motions_are_written_before_their_page() {
+    let folder = empty_folder("page_last").join("curve");
+    let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
+    let report = Solve::new(&scenario).run().expect("it is good");
+    let found = [(scenario.clone(), report.clone()), (scenario, report)];
+    let folder = OutputFolder::open(&folder, &[], false).expect("it can be made");
+    std::fs::create_dir(folder.path().join("report.html")).expect("writable");
+    let written = write_tradeoff(&found, "page", &folder);
+    let error = written.expect_err("there is a folder").to_string();
+    assert!(error.contains("report.html"), "{error}");
+    for name in ["tradeoff.csv", "summary_01.json", "summary_02.json"] {
+        assert!(folder.path().join(name).is_file(), "{name}");
+    }
 }
