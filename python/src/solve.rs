@@ -254,7 +254,7 @@ impl PySolution {
     fn from_summary(text: &str) -> PyResult<Self> {
         let solved = Solved::parse(text, "summary", &LoadOptions::default()).map_err(raised)?;
         let report = SolveReport {
-            completed: solved.summary.verdict == Verdict::Optimal,
+            completed: matches!(solved.summary.verdict, Verdict::Optimal | Verdict::AtSMax),
             summary: solved.summary,
             curve: solved.curve,
             history: Vec::new(),
@@ -310,7 +310,7 @@ impl PySolution {
     /// The motion as a `trajectory_msgs/JointTrajectory` in JSON.
     fn joint_trajectory_json(&self, rate: Option<f64>) -> PyResult<String> {
         let (scenario, curve) = (&self.scenario, &self.report.curve);
-        let message = joint_trajectory(scenario, curve, rate.map(Sampling::Rate));
+        let message = joint_trajectory(scenario, curve, rate.map(Sampling::Rate), None);
         let text = serde_json::to_string(&message.map_err(raised)?);
         text.map_err(|error| PyValueError::new_err(error.to_string()))
     }
@@ -320,7 +320,7 @@ impl PySolution {
         let path = Path::new(path);
         refuse_existing(path, replace).map_err(raised)?;
         let (scenario, curve) = (&self.scenario, &self.report.curve);
-        save_mcap(scenario, curve, rate.map(Sampling::Rate), path).map_err(raised)
+        save_mcap(scenario, curve, rate.map(Sampling::Rate), None, path).map_err(raised)
     }
 
     /// Writes the files of the solve into a folder; returns their paths.

@@ -108,6 +108,18 @@ impl Chebyshev {
         values * transform
     }
 
+    /// The values at the nodes of the polynomials with these coefficients: the inverse of
+    /// [`Curve::coefficients`](super::Curve::coefficients) on a segment. One row per polynomial, one column per degree
+    /// and per node. Cost O(p^2) per row.
+    #[must_use]
+    pub fn values(&self, coefficients: &DMatrix<f64>) -> DMatrix<f64> {
+        let p = self.degree();
+        let polynomials = DMatrix::from_fn(p + 1, p + 1, |k, i| {
+            alternating(k) * (PI * ((i * k) % (2 * p)) as f64 / p as f64).cos()
+        });
+        coefficients * polynomials
+    }
+
     /// Computes the weights of the values at the nodes in the interpolating polynomial at time `t` into `out`.
     ///
     /// This is the second barycentric formula (Berrut and Trefethen, "Barycentric Lagrange interpolation", 2004), which

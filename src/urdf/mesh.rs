@@ -2,12 +2,13 @@
 
 use super::collada::read_collada;
 use super::elements::Read;
-use super::shapes::package_and_path;
+use super::shapes::{in_package, package_and_path};
 use crate::error::{Error, Result};
 use crate::geometry::Triangle;
 use crate::input::{read_bytes, read_text};
 use mesh_loader::{Scene, obj, stl};
 use nalgebra::Vector3;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::{env, io};
 use urdf_rs::utils::rospack_find;
@@ -56,6 +57,20 @@ pub fn load_mesh(file: &str, folder: &Path, scale: &Vector3<f64>) -> Result<Vec<
     Ok(triangles)
 }
 
+/// The path of the file that a URDF in `folder` calls `file`; `packages` are those of
+/// [`UrdfOptions`](super::UrdfOptions). It is looked up as [`load_mesh`] does.
+///
+/// # Errors
+/// The file does not exist.
+pub fn mesh_path(
+    file: &str,
+    folder: &Path,
+    packages: &BTreeMap<String, PathBuf>,
+) -> Result<PathBuf> {
+    let path = in_package(file.trim(), packages).and_then(|file| find(&file, folder));
+    path.map_err(|e| Error::input(file, "mesh", e))
+}
+
 /// The bytes of an STL. One of the size of a binary file is one, whatever its header says: exporters write "solid"
 /// there, the first word of a text. No text has that size: its letters would be the number of triangles, over half a
 /// billion.
@@ -96,7 +111,10 @@ fn triangles(scene: io::Result<Scene>) -> Read<Vec<Triangle>> {
 fn find(file: &str, folder: &Path) -> Read<PathBuf> {
     if !file.starts_with("package://") {
         let path = folder.join(file.strip_prefix("file://").unwrap_or(file));
-        let missing = || format!("there is no such file, seen from '{}'", folder.display());
+        let missing = || match folder.as_os_str().is_empty() {
+            true => "there is no such file in the current folder".to_owned(),
+            false => format!("there is no such file, seen from '{}'", folder.display()),
+        };
         return path.is_file().then_some(path).ok_or_else(missing);
     }
     let (package, path) = package_and_path(file).ok_or("it has no path")?;

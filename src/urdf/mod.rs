@@ -28,7 +28,7 @@ pub use group::{Group, GroupMember, GroupState};
 pub use load::RobotSource;
 pub use load::{load_robot, load_robot_with};
 pub use losses::{FRICTION_VELOCITY, Losses, PerJoint};
-pub use mesh::load_mesh;
+pub use mesh::{load_mesh, mesh_path};
 pub use mimic::{Follower, followers};
 pub use options::{LoadNote, LoadReport, Mimic, UrdfOptions, summarised};
 pub use read::{load_urdf, load_urdf_with, parse_urdf, parse_urdf_with};

@@ -71,7 +71,7 @@ pub(super) fn convert_shape(
 }
 
 /// The path of a file in a package whose folder is given, otherwise its name as the URDF has it.
-fn in_package(file: &str, packages: &BTreeMap<String, PathBuf>) -> Read<String> {
+pub(super) fn in_package(file: &str, packages: &BTreeMap<String, PathBuf>) -> Read<String> {
     let found =
         package_and_path(file).and_then(|(package, path)| Some(packages.get(package)?.join(path)));
     Ok(match found {

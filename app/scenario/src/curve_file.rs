@@ -1,14 +1,17 @@
 //! A curve as written to a file.
 
-use aghf::curve::Curve;
+use aghf::curve::{Chebyshev, Curve};
 use aghf::error::{Error, Result};
 use aghf::linalg::rows;
 use aghf::model::{Joint, Model};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// A curve of `E` segments of degree `p` in a file: its states $[q; v]$ at the nodes, which determine it, and its
-/// coefficients.
+/// The largest jump of the state between segments that is rounding of the coefficients, relative to the state or to
+/// one.
+const ROUNDING: f64 = 1e-9;
+
+/// A curve of `E` segments of degree `p` in a file: its coefficients, which determine it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CurveFile {
@@ -20,10 +23,6 @@ pub struct CurveFile {
     pub degree: usize,
     /// The names of the `N` joints.
     pub joints: Vec<String>,
-    /// The times of the nodes, `p + 1` per segment, s.
-    pub nodes_s: Vec<f64>,
-    /// The state at each node, `2 N` entries, rad or m and rad/s or m/s.
-    pub states: Vec<Vec<f64>>,
     /// The coefficients of Chebyshev polynomials per segment and per entry of the state (`2 N`), see
     /// [`Curve::coefficients`].
     pub coefficients: Vec<Vec<Vec<f64>>>,
@@ -31,20 +30,14 @@ pub struct CurveFile {
 
 impl CurveFile {
     /// The file form of a curve of a robot with these joints.
-    pub(super) fn new(curve: &Curve, joints: Vec<String>) -> Self {
-        let begins = curve.breakpoints().iter().take(curve.segments());
-        let nodes = |segment| curve.chebyshev(segment).times().iter();
+    #[must_use]
+    pub fn new(curve: &Curve, joints: Vec<String>) -> Self {
         let coefficients = |segment| rows(&curve.coefficients(segment));
         Self {
             horizon_s: curve.horizon(),
             segments: curve.segments(),
             degree: curve.degree(),
             joints,
-            nodes_s: begins
-                .enumerate()
-                .flat_map(|(segment, begin)| nodes(segment).map(move |t| begin + t))
-                .collect(),
-            states: rows(&curve.x().transpose()),
             coefficients: (0..curve.segments()).map(coefficients).collect(),
         }
     }
@@ -75,30 +68,49 @@ impl CurveFile {
         Err(Error::input(file, "curve.joints", condition))
     }
 
-    /// The curve through the states. `file` names it in errors.
+    /// The curve with these coefficients. `file` names it in errors.
     ///
     /// # Errors
-    /// The joints are not those of the robot, or the states do not form such a curve.
-    pub(super) fn curve(&self, model: &Model, file: &str) -> Result<Curve> {
-        let dof = model.dof();
+    /// The joints are not those of the robot, or the coefficients do not form such a curve.
+    pub fn curve(&self, model: &Model, file: &str) -> Result<Curve> {
+        let (rows, length) = (2 * model.dof(), self.degree.saturating_add(1));
         let refuse = |element: String, condition: String| Error::input(file, element, condition);
         self.check_joints(model, file)?;
-        for (i, state) in self.states.iter().enumerate() {
-            if state.len() != 2 * dof {
-                let condition = format!(
-                    "{} numbers are given, the robot has {dof} joints",
-                    state.len()
-                );
-                return Err(refuse(format!("curve.states[{i}]"), condition));
+        let found = self.coefficients.len();
+        if found != self.segments || found == 0 {
+            let condition = format!("{found} segments are given, {} are needed", self.segments);
+            return Err(refuse("curve.coefficients".to_owned(), condition));
+        }
+        for (i, segment) in self.coefficients.iter().enumerate() {
+            if segment.len() != rows || segment.iter().any(|row| row.len() != length) {
+                let condition = format!("{rows} rows of {length} numbers are needed");
+                return Err(refuse(format!("curve.coefficients[{i}]"), condition));
             }
         }
-        let nodes = self.degree.saturating_add(1).saturating_mul(self.segments);
-        if self.states.len() != nodes {
-            let condition = format!("{} are given, {nodes} are needed", self.states.len());
-            return Err(refuse("curve.states".to_owned(), condition));
+        let of_curve = |e: Error| refuse("curve".to_owned(), e.to_string());
+        let chebyshev = Chebyshev::new(self.degree, self.horizon_s).map_err(of_curve)?;
+        let mut x = DMatrix::zeros(rows, length * self.segments);
+        for (e, segment) in self.coefficients.iter().enumerate() {
+            let own = DMatrix::from_fn(rows, length, |i, k| segment[i][k]);
+            x.columns_mut(e * length, length)
+                .copy_from(&chebyshev.values(&own));
+            if e > 0 {
+                // The end of the segment before and the beginning of this one differ by rounding.
+                let end = x.column(e * length - 1).into_owned();
+                let jump = (x.column(e * length) - &end).amax();
+                if jump <= ROUNDING * end.amax().max(1.0) {
+                    x.set_column(e * length, &end);
+                }
+            }
         }
-        let x = DMatrix::from_fn(2 * dof, nodes, |i, j| self.states[j][i]);
-        Curve::piecewise(self.horizon_s, self.segments, x)
-            .map_err(|e| refuse("curve".to_owned(), e.to_string()))
+        Curve::piecewise(self.horizon_s, self.segments, x).map_err(of_curve)
+    }
+
+    /// The coefficients of the positions, per segment and joint.
+    #[must_use]
+    pub fn positions(&self) -> Vec<Vec<Vec<f64>>> {
+        let dof = self.joints.len();
+        let positions = |segment: &Vec<Vec<f64>>| segment.iter().take(dof).cloned().collect();
+        self.coefficients.iter().map(positions).collect()
     }
 }

@@ -13,7 +13,7 @@ use super::period::period_of;
 use super::phases::{PhaseTerms, complete, phase_terms, points_of_walk};
 use super::scenario_file::ScenarioFile;
 use super::scene::scene;
-use super::self_collision::in_full;
+use super::self_collision::{in_full, name_overlapping};
 use super::stand::standing_foot;
 use super::waypoints::waypoints;
 use aghf::direct::{GoalSet, Period, Waypoint};
@@ -23,8 +23,15 @@ use aghf::input::name_of;
 use aghf::model::Model;
 use aghf::motion::Problem;
 use aghf::urdf::{LoadReport, Mimic, RobotSource, UrdfOptions};
+use sha2::{Digest, Sha256};
 use std::path::{Path, absolute};
-use twox_hash::XxHash64;
+
+/// The SHA-256 of bytes, in hexadecimal digits.
+#[must_use]
+pub fn sha256(bytes: &[u8]) -> String {
+    let digest = Sha256::digest(bytes);
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}
 
 /// A scenario with its robot, checked.
 #[derive(Clone, Debug)]
@@ -43,8 +50,8 @@ pub struct Scenario {
     pub overlapping: Vec<IgnoredPair>,
     /// The name of the robot if it is built in, otherwise its absolute path.
     pub robot_place: String,
-    /// The 64-bit xxHash of the text of the robot, in hexadecimal digits.
-    pub robot_xxh64: String,
+    /// The SHA-256 of the text of the robot, in hexadecimal digits.
+    pub robot_sha256: String,
     /// The text of the robot and its origin.
     pub source: RobotSource,
     /// The goal, if it is a set.
@@ -93,6 +100,7 @@ impl Scenario {
             stage: kept_between,
             foot: standing_foot(&file, model, path)?,
             running_cost: None,
+            added: 0,
         };
         file.check_states(model, path)?;
         file.check_numbers(path)?;
@@ -103,7 +111,7 @@ impl Scenario {
         Ok(Self {
             name: name_of(path),
             robot_place: (source.absolute()).map_err(|e| of_robot(&e, path))?,
-            robot_xxh64: format!("{:016x}", XxHash64::oneshot(0, source.text.as_bytes())),
+            robot_sha256: sha256(source.text.as_bytes()),
             file,
             model: robot.model,
             load_notes: robot.notes,
@@ -173,6 +181,8 @@ impl Robot {
         let locked = lock(&whole, &file.locked_joints, path)?;
         let shapes = (&whole, load.as_ref());
         let (scene, overlapping) = scene(shapes, locked.as_ref(), file, source.folder(), path)?;
+        let moving = locked.as_ref().map_or(&whole, |reduced| &reduced.model);
+        name_overlapping(file, moving, &scene, &overlapping);
         let (model, of_key) = match locked {
             Some(reduced) => (reduced.model, "locked_joints"),
             None => (whole, "robot"),

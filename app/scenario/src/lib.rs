@@ -64,7 +64,7 @@ pub use builtin::builtin_scenarios;
 pub use clearance::{Clearance, Clearances, PairClearance};
 pub use curve_file::CurveFile;
 pub use feasibility::{Acceleration, Feasibility, Limit, LimitViolation, Nearest};
-pub use file::Scenario;
+pub use file::{Scenario, sha256};
 pub use flow_parameters::FlowParameters;
 pub use generate::{FAMILIES, Family, generate, generate_for, generated_scenarios, is_generated};
 pub use goal::{AxisDirection, Goal, PositionBox};

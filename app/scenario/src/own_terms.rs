@@ -47,6 +47,8 @@ pub(super) struct OwnTerms {
     pub stage: Vec<Arc<dyn StageConstraint>>,
     pub foot: Option<StandingFoot>,
     pub running_cost: Option<SharedCost>,
+    /// The number of constraints that were added in code.
+    pub added: usize,
 }
 
 impl Debug for OwnTerms {
@@ -62,18 +64,26 @@ impl Debug for OwnTerms {
 
 impl Scenario {
     /// Adds a constraint on the state to those of the keys. A solve enforces it, and its success depends on it, in the
-    /// same way; [`judge`](crate::judge) does not know it.
+    /// same way; [`judge`](crate::judge) does not know it, and says so.
     pub fn add_constraint(
         &mut self,
         constraint: impl Constraint + Clone + Debug + Send + Sync + 'static,
     ) {
         let constraint = AnyConstraint::Other(Box::new(constraint));
         self.own.constraints.push(constraint);
+        self.own.added += 1;
     }
 
     /// Adds rows in $(t, q, v, a, u)$, such as a limit of the power, likewise. Only the direct method supports them.
     pub fn add_stage_constraint(&mut self, constraint: impl StageConstraint + 'static) {
         self.own.stage.push(Arc::new(constraint));
+        self.own.added += 1;
+    }
+
+    /// The number of constraints that were added in code, which no key has.
+    #[must_use]
+    pub fn added_constraints(&self) -> usize {
+        self.own.added
     }
 
     /// Replaces the running cost of the scenario. Only the direct method supports this.

@@ -20,8 +20,8 @@ pub struct Provenance {
     /// The commit of the build, with `-modified` if files had changed since; empty if the build was not in a
     /// repository.
     pub commit: String,
-    /// The 64-bit xxHash of the text of the robot, in hexadecimal digits.
-    pub robot_xxh64: String,
+    /// The SHA-256 of the text of the robot, in hexadecimal digits.
+    pub robot_sha256: String,
     /// The options, defaults filled in.
     pub options: SolveOptions,
     /// The scenario. Its robot is built in, or at an absolute path, as packages are.
@@ -45,7 +45,7 @@ impl Provenance {
                 fallback = ""
             )
             .to_owned(),
-            robot_xxh64: scenario.robot_xxh64.clone(),
+            robot_sha256: scenario.robot_sha256.clone(),
             options: options.in_full(scenario)?,
             scenario: file,
         })
@@ -94,10 +94,10 @@ impl Solved {
                 return Err(Error::input(path, "scenario", condition));
             }
         };
-        if scenario.robot_xxh64 != provenance.robot_xxh64 {
+        if scenario.robot_sha256 != provenance.robot_sha256 {
             let condition = format!(
                 "its text is not what it was: the hash is {}, that of the solve {}",
-                scenario.robot_xxh64, provenance.robot_xxh64
+                scenario.robot_sha256, provenance.robot_sha256
             );
             return Err(Error::input(path, scenario.robot_place, condition));
         }

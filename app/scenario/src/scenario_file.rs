@@ -175,6 +175,17 @@ impl ScenarioFile {
             || self.keep.iter().any(|kept| kept.speed.is_some())
     }
 
+    /// The shortest and the longest horizon, s: that of the file, those of `free_horizon`, or zero and infinity if the
+    /// objective alone makes it free.
+    #[must_use]
+    pub fn horizon_bounds(&self) -> [f64; 2] {
+        match self.free_horizon {
+            Some(free) => [free.shortest_s, free.longest_s],
+            None if self.objective.weighs_time() => [0.0, f64::INFINITY],
+            None => [self.horizon_s; 2],
+        }
+    }
+
     /// The keys of a motion of this robot from one state to another within `horizon_s`; all others are as by default.
     /// A state is a pair of positions and velocities.
     #[must_use]

@@ -1,11 +1,11 @@
 //! The links of a robot that keep clear of each other.
 
-use super::SelfCollision;
 use super::json::read_json;
 use super::never_meeting::never_meet;
+use super::{Scenario, ScenarioFile, SelfCollision};
 use aghf::dynamics::forward_kinematics;
 use aghf::error::{Error, Result};
-use aghf::geometry::{BallTree, CollisionGeometry};
+use aghf::geometry::{BallTree, CollisionGeometry, Scene};
 use aghf::input::read_text;
 use aghf::model::Model;
 use aghf::spatial::Placement;
@@ -130,6 +130,31 @@ pub fn always_overlapping(
     links.always_overlapping(model, links.pairs(ignored))
 }
 
+impl Scenario {
+    /// The pairs of trees of balls of links that keep clear of each other, also those that never meet, each with the
+    /// distance that it keeps, m.
+    ///
+    /// # Errors
+    /// A distance is out of range.
+    pub(super) fn kept_apart(&self) -> Result<Vec<([usize; 2], f64)>> {
+        let (robot, file) = (self.scene.robot(), &self.file);
+        if !self.keeps_links_clear() {
+            return Ok(Vec::new());
+        }
+        let may_overlap = match &file.self_collision {
+            Some(SelfCollision::IgnoredPairs(pairs)) => pairs.clone(),
+            _ => neighbours(&self.model, robot),
+        };
+        let margins = file.clearance_m.margins(&file.obstacles, &self.name)?;
+        let links = Links::of(robot);
+        let kept = |pair| {
+            let names = links.names(pair);
+            (pair, margins.of_links(names.each_ref().map(String::as_str)))
+        };
+        Ok(links.pairs(&may_overlap).into_iter().map(kept).collect())
+    }
+}
+
 /// The pairs of links that are separated by a single moving joint.
 pub(super) fn neighbours(model: &Model, robot: &CollisionGeometry) -> Vec<[String; 2]> {
     let links = Links::of(robot);
@@ -232,6 +257,26 @@ pub(super) fn in_full(given: SelfCollision, folder: &Path) -> Result<SelfCollisi
     let pairs = IgnoredPairs::parse(&read_text(&path)?, &path.display().to_string())?;
     let links = pairs.ignored_pairs.into_iter().map(|pair| pair.links);
     Ok(SelfCollision::IgnoredPairs(links.collect()))
+}
+
+/// Adds pairs of links that always overlap to those that a file lets overlap, by default neighbours, so that the file
+/// has all pairs that may overlap.
+pub(super) fn name_overlapping(
+    file: &mut ScenarioFile,
+    model: &Model,
+    scene: &Scene,
+    overlapping: &[IgnoredPair],
+) {
+    if overlapping.is_empty() {
+        return;
+    }
+    let named = match file.self_collision.take() {
+        Some(SelfCollision::IgnoredPairs(pairs)) => pairs,
+        _ => neighbours(model, scene.robot()),
+    };
+    let overlapping = overlapping.iter().map(|pair| pair.links.clone());
+    let all = named.into_iter().chain(overlapping).collect();
+    file.self_collision = Some(SelfCollision::IgnoredPairs(all));
 }
 
 /// Refuses links that the robot does not have. `path` names the scenario.

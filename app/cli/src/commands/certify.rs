@@ -2,10 +2,13 @@
 
 use super::compare::summary_at;
 use super::{CHECK_FAILED, IN_PART, RobotArgs, print};
-use crate::output::{certification_text, refuse_existing, write_json, write_text};
+use crate::output::{
+    certification_text, refuse_existing, table_difference_text, write_json, write_text,
+};
 use aghf::error::{Error, Result};
 use aghf::input::read_text;
-use aghf_scenario::certify::certify;
+use aghf_scenario::certify::{Certificate, NAME, Texts, certify, named_run, table_differences};
+use aghf_scenario::judge::Trajectory;
 use aghf_scenario::{Details, Solved};
 use clap::Args;
 use serde::Serialize;
@@ -47,13 +50,22 @@ impl Certify {
         let scenario = self.robot.scenario(&self.scenario)?;
         let run = summary_at(&self.run)?;
         let solved = Solved::load(&run)?;
-        (solved.summary.curve).check_joints(&scenario.model, &run)?;
+        let run = read_text(Path::new(&run))?;
+        let full = json(&scenario.file)?;
+        let given = self.given()?;
+        let scenarios = given.iter().chain([&full]).map(String::as_str);
+        let scenarios: Vec<&str> = scenarios.collect();
+        let texts = Texts {
+            scenario: &scenarios,
+            run: &run,
+        };
         let begin = Instant::now();
         let times = match &solved.summary.details {
             Details::Direct(details) => &details.waypoint_times_s[..],
             _ => &[],
         };
-        let certification = certify(&scenario, &solved.curve, times, self.tracking_error)?;
+        let curve = &solved.summary.curve;
+        let certification = certify(&scenario, curve, texts, times, self.tracking_error)?;
         let seconds = begin.elapsed().as_secs_f64();
         print(&certification_text(
             &certification,
@@ -64,8 +76,7 @@ impl Certify {
             return Ok(ExitCode::from(CHECK_FAILED));
         };
         let text = json(&certificate)?;
-        let run = read_text(Path::new(&run))?;
-        let checked = aghf_check::check(&scenario.source.text, &json(&scenario.file)?, &run, &text);
+        let checked = aghf_check::check(&scenario.source.text, &full, &run, &text);
         if let Err(fault) = checked {
             print(&format!(
                 "not certified: the checker refuses the certificate: {fault}"
@@ -79,6 +90,12 @@ impl Certify {
             false => ExitCode::from(IN_PART),
         })
     }
+
+    /// The text of the scenario as it was given, if it is a file.
+    fn given(&self) -> Result<Option<String>> {
+        let path = Path::new(&self.scenario);
+        path.is_file().then(|| read_text(path)).transpose()
+    }
 }
 
 /// The text of a JSON file.
@@ -90,8 +107,8 @@ fn json(value: &impl Serialize) -> Result<String> {
 
 /// Checks a certificate with code that shares nothing with the planner, as the program `aghf-check` does.
 ///
-/// It trusts the URDF and the scenario, which have to be ones that `aghf solve` accepts. Exit code 1 and the reason if the
-/// certificate is refused.
+/// Exit code 1 and the reason if the certificate is refused, 4 if it leaves a part of the scenario out, which is
+/// printed.
 #[derive(Debug, Args)]
 pub(super) struct CheckCertificate {
     /// The URDF file of the robot.
@@ -102,19 +119,73 @@ pub(super) struct CheckCertificate {
     run: PathBuf,
     /// The certificate.
     certificate: PathBuf,
+    /// A table or a message with the motion, as `aghf sample` and `aghf export` write them: the difference from the
+    /// certified motion is bounded at all times, for straight lines between the samples, and for cubics and quintics if
+    /// there are velocities and accelerations. Exit code 4 if each is beyond the tracking error of the certificate; a
+    /// file that names another motion is an error.
+    #[arg(long, value_name = "FILE")]
+    table: Option<PathBuf>,
 }
 
 impl CheckCertificate {
+    /// Bounds the difference of a table from the certified motion; true if it is within the tracking error.
+    fn check_table(&self, path: &Path) -> Result<bool> {
+        let run = self.run.display().to_string();
+        let Solved {
+            scenario, summary, ..
+        } = Solved::load(&run)?;
+        let certificate: Certificate = serde_json::from_str(&read_text(&self.certificate)?)
+            .map_err(|e| {
+                Error::input(
+                    self.certificate.display().to_string(),
+                    "certificate",
+                    e.to_string(),
+                )
+            })?;
+        let (name, text) = (path.display().to_string(), read_text(path)?);
+        if named_run(&text).is_some_and(|hash| hash != certificate.run_sha256) {
+            let condition = "it names another motion than the certificate";
+            return Err(Error::input(name, NAME.trim_end_matches(':'), condition));
+        }
+        let table = Trajectory::load(path, &scenario.model)?;
+        let found = table_differences(&scenario, &summary.curve, &table)?;
+        let (count, tube) = (table.times.len(), certificate.tracking_error);
+        for difference in &found {
+            print(&table_difference_text(&name, count, difference))?;
+        }
+        let least = found
+            .iter()
+            .map(|of| of.position)
+            .fold(f64::INFINITY, f64::min);
+        if least > tube {
+            print(&format!(
+                "{name}: beyond the tracking error {tube} of the certificate; `aghf certify --tracking-error` takes a \
+                 larger one"
+            ))?;
+        }
+        Ok(least <= tube)
+    }
+
     pub(super) fn run(self) -> Result<ExitCode> {
         let files = [&self.robot, &self.scenario, &self.run, &self.certificate];
         let [robot, scenario, run, certificate] = files.map(|file| read_text(file));
         match aghf_check::check(&robot?, &scenario?, &run?, &certificate?) {
-            Ok(report) => print(&report)?,
+            Ok(report) => {
+                print(&report.text)?;
+                let is_kept = self
+                    .table
+                    .as_ref()
+                    .map_or(Ok(true), |table| self.check_table(table))?;
+                Ok(if report.is_complete && is_kept {
+                    ExitCode::SUCCESS
+                } else {
+                    ExitCode::from(IN_PART)
+                })
+            }
             Err(fault) => {
                 print(&format!("refused: {fault}"))?;
-                return Ok(ExitCode::from(CHECK_FAILED));
+                Ok(ExitCode::from(CHECK_FAILED))
             }
         }
-        Ok(ExitCode::SUCCESS)
     }
 }

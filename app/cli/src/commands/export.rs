@@ -4,9 +4,10 @@ use super::compare::summary_at;
 use super::output::SamplingArgs;
 use super::{print, tell};
 use crate::export::{joint_trajectory, save_mcap, write_yaml};
-use crate::output::{refuse_existing, write_json, write_whole};
+use crate::output::{refuse_existing, short, write_json, write_whole};
 use aghf::error::Result;
-use aghf_scenario::{Solved, Verdict};
+use aghf::input::read_bytes;
+use aghf_scenario::{Solved, Verdict, sha256};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -15,7 +16,9 @@ use std::process::ExitCode;
 ///
 /// A trajectory is a trajectory_msgs/JointTrajectory with positions, velocities, accelerations, efforts and
 /// time_from_start, for a controller of joints; `aghf judge` reads it back. An MCAP file is a recording that Foxglove,
-/// rerun and `ros2 bag` open: /robot_description, /obstacles, /plan, /joint_states and /tf, from time zero.
+/// rerun and `ros2 bag` open: /robot_description, /obstacles, /plan, /joint_states and /tf, from time zero. The header
+/// of the trajectory has the SHA-256 of the summary as its frame, by which `aghf check-certificate --table` knows the
+/// motion.
 #[derive(Debug, Args)]
 pub(super) struct Export {
     /// Folder of a solve, or its summary.json.
@@ -65,17 +68,27 @@ impl Export {
         refuse_existing(&path, self.force)?;
         let solved = Solved::load(&summary)?;
         let (scenario, curve) = (&solved.scenario, &solved.curve);
-        if solved.summary.verdict == Verdict::NotValid {
-            let reason = solved.summary.failure.unwrap_or_default();
+        let found = &solved.summary;
+        let reason = match found.verdict {
+            Verdict::Optimal | Verdict::Valid => None,
+            Verdict::AtSMax => Some(format!(
+                "its velocities differ from the rates of its positions by up to {}",
+                short(found.dynamics_defect)
+            )),
+            Verdict::NotValid => found.failure.clone(),
+        };
+        if let Some(reason) = reason {
+            let verdict = found.verdict;
             tell(&format!(
-                "note: {summary}: the motion is not valid: {reason}"
+                "note: {summary}: the motion is {verdict}: {reason}"
             ));
         }
         let sampling = self.sampling.sampling();
+        let run = sha256(&read_bytes(Path::new(&summary))?);
         match self.to {
-            Target::Mcap => save_mcap(scenario, curve, sampling, &path)?,
+            Target::Mcap => save_mcap(scenario, curve, sampling, Some(&run), &path)?,
             Target::Trajectory => {
-                let message = joint_trajectory(scenario, curve, sampling)?;
+                let message = joint_trajectory(scenario, curve, sampling, Some(&run))?;
                 write_whole(&path, |file| match self.format {
                     Format::Yaml => write_yaml(&message, file),
                     Format::Json => write_json(&message, file),

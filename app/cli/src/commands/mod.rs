@@ -45,7 +45,7 @@ const CHECK_FAILED: u8 = 1;
 const BAD_INPUT: u8 = 2;
 /// Exit code for a failed solve.
 const FAILED: u8 = 3;
-/// Exit code for a certificate that does not cover all of its scenario.
+/// Exit code for a certificate or a judgement that does not cover all of its scenario.
 const IN_PART: u8 = 4;
 
 /// Plans motions of robots by a direct method, or by the Affine Geometric Heat Flow.
@@ -60,7 +60,8 @@ struct Cli {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 success, 1 a check, a proof or a trajectory failed, 2 bad input, 3 the motion \
-    of a solve is not valid, or no motion can be planned for a robot, 4 a certificate covers a part of its scenario.";
+    of a solve is not valid, or no motion can be planned for a robot, 4 a certificate or a judgement covers a part of \
+    its scenario.";
 
 #[derive(Debug, Subcommand)]
 enum Command {

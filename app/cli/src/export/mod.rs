@@ -13,10 +13,12 @@ use crate::output::{Sampling, write_whole};
 use aghf::curve::Curve;
 use aghf::error::Result;
 use aghf::motion::samples_at;
+use aghf_scenario::certify::NAME;
 use aghf_scenario::{JointTrajectory, Scenario};
 use std::path::Path;
 
-/// The motion as a message, by default with [as many points](Sampling::or_sufficient) as the judge needs.
+/// The motion as a message, by default with [as many points](Sampling::or_sufficient) as the judge needs. The SHA-256
+/// of the summary, if there is one, is in the `frame_id` of its header, by which a certificate knows the motion.
 ///
 /// # Errors
 /// The sampling is out of range, or the curve has another number of joints than the robot.
@@ -24,11 +26,14 @@ pub fn joint_trajectory(
     scenario: &Scenario,
     curve: &Curve,
     sampling: Option<Sampling>,
+    run: Option<&str>,
 ) -> Result<JointTrajectory> {
     let times = Sampling::or_sufficient(sampling, scenario, curve)?.times(curve.horizon())?;
     let times = times.map(|t| (curve.segment_at(t), t));
     let samples = samples_at(&scenario.model, curve, times).collect::<Result<Vec<_>>>()?;
-    Ok(JointTrajectory::of_samples(&scenario.model, samples))
+    let mut message = JointTrajectory::of_samples(&scenario.model, samples);
+    message.header.frame_id = run.map_or_else(String::new, |hash| format!("{NAME}{hash}"));
+    Ok(message)
 }
 
 /// Writes the motion to the MCAP file at `path` by [`write_mcap`], by default at [`DEFAULT_RATE`].
@@ -39,9 +44,10 @@ pub fn save_mcap(
     scenario: &Scenario,
     curve: &Curve,
     sampling: Option<Sampling>,
+    run: Option<&str>,
     path: &Path,
 ) -> Result<()> {
     let sampling = sampling.unwrap_or(Sampling::Rate(DEFAULT_RATE));
-    let plan = joint_trajectory(scenario, curve, Some(sampling))?;
+    let plan = joint_trajectory(scenario, curve, Some(sampling), run)?;
     write_whole(path, |file| write_mcap(scenario, plan, file))
 }

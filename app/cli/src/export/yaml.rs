@@ -9,6 +9,8 @@ use std::io::{self, Write};
 /// The writer fails.
 pub fn write_yaml(trajectory: &JointTrajectory, mut writer: impl Write) -> io::Result<()> {
     // A string in JSON is also a string in YAML.
+    let frame = serde_json::to_string(&trajectory.header.frame_id)?;
+    writeln!(writer, "header: {{frame_id: {frame}}}")?;
     let names = serde_json::to_string(&trajectory.joint_names)?;
     writeln!(writer, "joint_names: {names}\npoints:")?;
     for point in &trajectory.points {

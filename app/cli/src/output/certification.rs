@@ -2,7 +2,9 @@
 
 use super::table::short;
 use aghf_scenario::RobotShape;
-use aghf_scenario::certify::{Certificate, Certification, Failure, Passage, Promise};
+use aghf_scenario::certify::{
+    Certificate, Certification, Failure, Passage, Promise, TableDifference,
+};
 
 /// Formats the result of a certification of a robot in this shape, which took this time.
 #[must_use]
@@ -27,11 +29,8 @@ pub fn certification_text(
             "waypoint {i}: proved, least reserve {reserve:.2e} m, rad or their rates"
         ));
     }
-    for missing in &certificate.not_certified {
-        lines.push(format!(
-            "{}: not certified, {}",
-            missing.promise, missing.reason
-        ));
+    for (key, reason) in certificate.left_out() {
+        lines.push(format!("{key}: not certified, {reason}"));
     }
     let verdict = if certificate.complete {
         "certified"
@@ -48,6 +47,21 @@ pub fn certification_text(
         short(seconds)
     ));
     lines.join("\n")
+}
+
+/// Formats a bound on the difference of a table with this number of samples from a certified motion.
+#[must_use]
+pub fn table_difference_text(name: &str, samples: usize, difference: &TableDifference) -> String {
+    let between = match difference.degree {
+        1 => "straight lines",
+        3 => "cubics",
+        _ => "quintics",
+    };
+    format!(
+        "{name}: with {between} between its {samples} samples within {:.1e} rad or m and {:.1e} per s of the certified \
+         motion at all times",
+        difference.position, difference.velocity
+    )
 }
 
 fn failure_text(failure: &Failure) -> String {

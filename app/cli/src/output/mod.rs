@@ -12,7 +12,7 @@ mod tradeoff;
 mod trajectory;
 mod walk;
 
-pub use certification::certification_text;
+pub use certification::{certification_text, table_difference_text};
 pub use evaluation::{Evaluation, evaluate};
 pub(crate) use files::write_whole;
 pub use files::{remove_unfinished, write_text};
@@ -26,5 +26,6 @@ pub use table::{
 };
 pub(crate) use table::{short, summary_rows, table};
 pub use tradeoff::{TradeoffRow, tradeoff_rows, tradeoff_table, write_tradeoff};
+pub(crate) use trajectory::failure_comment;
 pub use trajectory::{REPORT_FILES, Sampling, write_report, write_table, write_trajectory};
 pub use walk::walk_table;

@@ -79,8 +79,8 @@ pub const REPORT_FILES: [&str; 6] = [
 ];
 
 /// Writes the table of a motion: one row per time with `t` (s), then `q_JOINT` (rad or m), `v_JOINT` (rad/s or m/s),
-/// `a_JOINT` (rad/s^2 or m/s^2) and `u_JOINT` (N m or N) of all joints in their order. For a `failure` the first line
-/// is a comment, after `#`, that gives the reason. Rows are written as they are computed.
+/// `a_JOINT` (rad/s^2 or m/s^2) and `u_JOINT` (N m or N) of all joints in their order. Each comment is a line before
+/// these, after `#`. Rows are written as they are computed.
 ///
 /// # Errors
 /// The writer fails, or the curve has another number of joints than `model`.
@@ -88,12 +88,11 @@ pub fn write_trajectory(
     model: &Model,
     curve: &Curve,
     times: impl Iterator<Item = f64>,
-    failure: Option<&str>,
+    comments: &[String],
     mut writer: impl Write,
 ) -> io::Result<()> {
-    if let Some(reason) = failure {
-        let reason = reason.replace(['\n', '\r'], " ");
-        writeln!(writer, "# failed: {reason}")?;
+    for comment in comments {
+        writeln!(writer, "# {}", comment.replace(['\n', '\r'], " "))?;
     }
     let mut csv = csv::Writer::from_writer(writer);
     let columns = ["q", "v", "a", "u"].iter().flat_map(|quantity| {
@@ -113,6 +112,11 @@ pub fn write_trajectory(
     csv.flush()
 }
 
+/// The comment with the reason of a failure.
+pub(crate) fn failure_comment(failure: Option<&str>) -> Option<String> {
+    failure.map(|reason| format!("failed: {reason}"))
+}
+
 /// Converts the error of the CSV writer without losing its kind.
 fn of_csv(error: csv::Error) -> io::Error {
     match error.into_kind() {
@@ -129,11 +133,11 @@ pub fn write_table(
     model: &Model,
     curve: &Curve,
     times: impl Iterator<Item = f64>,
-    failure: Option<&str>,
+    comments: &[String],
     path: &Path,
 ) -> Result<()> {
     write_whole(path, |file| {
-        write_trajectory(model, curve, times, failure, file)
+        write_trajectory(model, curve, times, comments, file)
     })
 }
 
@@ -160,10 +164,12 @@ pub fn write_report(
     };
     let mut paths: Vec<_> = own.iter().map(|name| folder.path().join(name)).collect();
     let times = Sampling::or_sufficient(sampling, scenario, curve)?.times(curve.horizon())?;
-    let reason = summary.failure.as_deref();
+    let comments: Vec<String> = failure_comment(summary.failure.as_deref())
+        .into_iter()
+        .collect();
     let mut parts = vec![
         Partial::write(&paths[0], |file| {
-            write_trajectory(&scenario.model, curve, times, reason, file)
+            write_trajectory(&scenario.model, curve, times, &comments, file)
         })?,
         Partial::write(&paths[1], |file| {
             write_json(summary, &mut *file)?;

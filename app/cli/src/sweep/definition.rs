@@ -210,7 +210,7 @@ impl Sweep {
             json!({
                 "name": scenario.name,
                 "file": scenario.file,
-                "robot_xxh64": scenario.robot_xxh64,
+                "robot_sha256": scenario.robot_sha256,
             })
         });
         json!({

@@ -38,9 +38,34 @@ fn a_solve_is_certified_and_checked() {
     ];
     let text = printed(&folder, &check, 0);
     assert!(text.starts_with("certified at all times"), "{text}");
+    // A table of the motion, one that is moved, and one of another motion.
+    let with_table = [&check[..], &["--table", "table.csv"]].concat();
+    let sample = ["sample", "out", "--rate", "200", "--out", "table.csv"];
+    printed(&folder, &sample, 0);
+    let text = printed(&folder, &with_table, 4);
+    assert!(text.contains("with quintics between its"), "{text}");
+    let bound = |text: &str| -> f64 {
+        let (_, rest) = text.rsplit_once("within ").expect("it is there");
+        rest.split(' ')
+            .next()
+            .and_then(|x| x.parse().ok())
+            .expect("a number")
+    };
+    assert!(bound(&text) < 1e-6, "{text}");
+    let table = std::fs::read_to_string(folder.join("table.csv")).expect("it is written");
+    let other = table.replacen("run_sha256:", "run_sha256:0", 1);
+    std::fs::write(folder.join("table.csv"), other).expect("writable");
+    assert_bad_input(&folder, &with_table, "table.csv: run_sha256");
+    let zero = table.lines().skip(1).map(|row| match row.split_once(',') {
+        Some((t, rest)) if t != "t" => format!("{t},5.0{}\n", &rest[rest.find(',').unwrap_or(0)..]),
+        _ => format!("{row}\n"),
+    });
+    std::fs::write(folder.join("table.csv"), zero.collect::<String>()).expect("writable");
+    let text = printed(&folder, &with_table, 4);
+    assert!(bound(&text) > 1.0, "{text}");
     // A claim that is not true.
     let mut wrong: Value = serde_json::from_str(&certificate).expect("it is JSON");
-    wrong["intervals"][3][3][0] = 10.0.into();
+    wrong["intervals"][3][3][0] = 1.0.into();
     std::fs::write(folder.join("certificate.json"), wrong.to_string()).expect("writable");
     let text = printed(&folder, &check, 1);
     assert!(text.contains("refused: segment 0 from"), "{text}");

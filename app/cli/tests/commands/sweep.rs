@@ -266,7 +266,7 @@ fn results_of_another_sweep_are_refused() {
         urdf_path.clone(),
         &urdf.replacen("<link", "<!-- heavier --><link", 1),
     );
-    refused("sweep.json: scenarios.1.robot_xxh64: ; another value");
+    refused("sweep.json: scenarios.1.robot_sha256: ; another value");
     write(urdf_path, &urdf);
     let grid = read(&folder.join("grid.toml"));
     for (from, to, words) in [

@@ -3,6 +3,7 @@
 use super::Promise;
 use crate::Scenario;
 use aghf::certify::{Bernstein, ORDER, Polynomial};
+use aghf::error::Result;
 use aghf::geometry::{CollisionSphere, Shape, Solid};
 use aghf::scalar::{AlgebraOver, TaylorModel};
 use aghf::spatial::Placement;
@@ -33,7 +34,7 @@ pub(super) struct Pair {
 }
 
 /// The pairs of the promise.
-pub(super) fn pairs(scenario: &Scenario, promise: Promise) -> Vec<Pair> {
+pub(super) fn pairs(scenario: &Scenario, promise: Promise) -> Result<Vec<Pair>> {
     let scene = &scenario.scene;
     let balls = |tree: usize| {
         scene.trees()[tree]
@@ -45,20 +46,17 @@ pub(super) fn pairs(scenario: &Scenario, promise: Promise) -> Vec<Pair> {
         let moving =
             (0..scene.robot().balls.len()).filter(|i| scene.robot().balls[*i].body.is_some());
         let beside = scene.obstacle_margins().iter().enumerate();
-        return moving
-            .flat_map(|ball| {
-                beside.clone().map(move |(obstacle, margin)| Pair {
-                    part: ball,
-                    beside: Beside::Obstacle(obstacle),
-                    margin: *margin,
-                })
+        let of = |ball| {
+            beside.clone().map(move |(obstacle, margin)| Pair {
+                part: ball,
+                beside: Beside::Obstacle(obstacle),
+                margin: *margin,
             })
-            .collect();
+        };
+        return Ok(moving.flat_map(of).collect());
     }
-    let links = scene.tree_pairs().iter().zip(scene.pair_margins());
-    let between = |([a, b], margin): (&[usize; 2], &f64)| {
-        let all = balls(*a).flat_map(move |i| balls(*b).map(move |j| (i, j)));
-        let margin = *margin;
+    let between = |([a, b], margin): ([usize; 2], f64)| {
+        let all = balls(a).flat_map(move |i| balls(b).map(move |j| (i, j)));
         all.map(move |(ball, other)| Pair {
             part: ball,
             beside: Beside::Part(other),
@@ -66,7 +64,8 @@ pub(super) fn pairs(scenario: &Scenario, promise: Promise) -> Vec<Pair> {
         })
         .collect::<Vec<_>>()
     };
-    links.flat_map(between).collect()
+    let links = scenario.kept_apart()?.into_iter();
+    Ok(links.flat_map(between).collect())
 }
 
 /// The least reserve on a piece, m.

@@ -1,6 +1,10 @@
 //! The document of a certificate.
 
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The name and version of the format, which `proofs/certificate_format.md` in the repository defines.
+pub(super) const FORMAT: &str = "aghf-certificate-4";
 
 /// A proof that a motion keeps the promises of a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -10,23 +14,23 @@ pub struct Certificate {
     pub format: String,
     /// The name of the scenario.
     pub scenario: String,
-    /// The 64-bit xxHash of the text of the robot, in hexadecimal digits.
-    pub robot_xxh64: String,
+    /// The SHA-256 of the text of the robot, in hexadecimal digits.
+    pub robot_sha256: String,
+    /// Those of texts of the scenario: as it was given, and in full.
+    pub scenario_sha256: Vec<String>,
+    /// That of the text of the summary, which has the motion.
+    pub run_sha256: String,
+    /// Those of the files of meshes, if these are the shape of the robot.
+    pub meshes: BTreeMap<String, String>,
     /// True if every promise of the scenario is certified.
     pub complete: bool,
-    /// The parts of the scenario without a proof.
-    pub not_certified: Vec<NotCertified>,
-    /// The accepted shortfall of a reserve.
-    pub tolerance: f64,
+    /// The keys of the scenario, each with its outcome: `proved`, `assumed` of the robot, `no promise`, or
+    /// [`LEFT_OUT`] and the reason.
+    pub keys: BTreeMap<String, String>,
     /// The largest deviation of the position of a joint from the motion for which the intervals hold, rad or m.
     pub tracking_error: f64,
-    /// The limits of the joints.
-    pub limits: Vec<LimitRow>,
-    /// Pairs of links that may overlap, about which nothing is claimed.
-    pub may_overlap: Vec<[String; 2]>,
-    /// Bounds on deviations at the ends and between segments.
-    pub deviations: Deviations,
     /// The least reserve of one of the sets of poses that are the goal; `None` if it is a configuration.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub goal: Option<f64>,
     /// The places at which the motion passes the waypoints, in their order.
     pub waypoints: Vec<Passage>,
@@ -34,12 +38,17 @@ pub struct Certificate {
     pub promises: Vec<Promise>,
     /// The intervals, which cover each segment from -1 to 1 in order.
     pub intervals: Vec<Interval>,
-    /// The horizon `T`, s.
-    pub horizon_s: f64,
-    /// The names of the joints.
-    pub joints: Vec<String>,
-    /// The Chebyshev coefficients of the positions per segment and joint.
-    pub coefficients: Vec<Vec<Vec<f64>>>,
+}
+
+/// The beginning of the outcome of a key that has no proof.
+pub const LEFT_OUT: &str = "left out: ";
+
+impl Certificate {
+    /// The keys without a proof, each with the reason.
+    pub fn left_out(&self) -> impl Iterator<Item = (&str, &str)> {
+        let all = self.keys.iter();
+        all.filter_map(|(key, outcome)| Some((key.as_str(), outcome.strip_prefix(LEFT_OUT)?)))
+    }
 }
 
 /// A kind of promise that is kept at all times.
@@ -84,50 +93,6 @@ impl Promise {
     }
 }
 
-/// A limit of a joint, in rad or m, per s, s^2 or s^3, N m or N.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LimitRow {
-    /// The kind.
-    pub promise: Promise,
-    /// The index of the joint.
-    pub joint: usize,
-    /// The lower bound; `None` without one.
-    pub at_least: Option<f64>,
-    /// The upper bound.
-    pub at_most: Option<f64>,
-}
-
-impl LimitRow {
-    /// The unit of reserves: the larger absolute value of the bounds, or one if that is zero.
-    #[must_use]
-    pub fn scale(&self) -> f64 {
-        let bounds = [self.at_least, self.at_most].into_iter().flatten();
-        let largest = bounds.fold(0.0, |scale: f64, bound| scale.max(bound.abs()));
-        if largest > 0.0 { largest } else { 1.0 }
-    }
-}
-
-/// Bounds on deviations of states, rad or m and their derivatives; `None` where the scenario promises nothing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Deviations {
-    /// Of the first positions.
-    pub start_position: Option<f64>,
-    /// Of the first velocities.
-    pub start_velocity: Option<f64>,
-    /// Of the last positions.
-    pub goal_position: Option<f64>,
-    /// Of the last velocities.
-    pub goal_velocity: Option<f64>,
-    /// Jumps of positions between segments, due to rounding of the coefficients.
-    pub jump_position: Option<f64>,
-    /// Jumps of velocities.
-    pub jump_velocity: Option<f64>,
-    /// Jumps of accelerations.
-    pub jump_acceleration: Option<f64>,
-}
-
 /// An interval of a segment, on which `x` goes from -1 to 1, the reserve of each promise there, and directions that
 /// separate shapes of the robot from others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -147,16 +112,6 @@ pub struct Direction(pub usize, pub usize, pub [f64; 3]);
 /// A place of the motion: a segment, `x` from -1 to 1, and the least reserve of the conditions there.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Passage(pub usize, pub f64, pub f64);
-
-/// A part of the scenario without a proof.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct NotCertified {
-    /// Its name.
-    pub promise: String,
-    /// The reason.
-    pub reason: String,
-}
 
 /// The result of a certification.
 #[derive(Clone, Debug, PartialEq)]

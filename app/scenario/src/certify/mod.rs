@@ -5,7 +5,7 @@
 //! mathematics is in [`aghf::certify`], its assumptions are in `proofs/certificate.md` of the repository.
 //!
 //! A [`Certificate`] lists intervals that cover the horizon. On each, for each promise, it claims the least reserve of
-//! all rows: for a limit the distance from its bound relative to the [scale](LimitRow::scale) of the row, for a
+//! all rows: for a limit the distance from its bound relative to the larger one of its bounds, for a
 //! condition along the way that distance in m, rad or m/s, for a foot that distance in its unit, for a clearance the
 //! distance beyond the one that is kept, in m. The checkers (the program `aghf-check` and
 //! `python -m aghf.check_certificate`) share no code with this library, read robot, scenario and motion independently
@@ -18,18 +18,28 @@ mod rows;
 mod scope;
 mod search;
 mod shapes;
+mod table;
 
 pub use document::{
-    Certificate, Certification, Deviations, Direction, Failure, Interval, LimitRow, NotCertified,
-    Passage, Promise,
+    Certificate, Certification, Direction, Failure, Interval, LEFT_OUT, Passage, Promise,
 };
 
-use crate::Scenario;
-use aghf::curve::Curve;
+pub use table::{NAME, TableDifference, named_run, table_differences};
+
+use crate::{CurveFile, Scenario};
 use aghf::error::{Error, Result, check_length};
 
 /// The accepted shortfall of a reserve: a motion may begin on a limit, where only rounding decides.
 pub const TOLERANCE: f64 = 1e-9;
+
+/// The texts that a certificate names by their hashes.
+#[derive(Clone, Copy, Debug)]
+pub struct Texts<'a> {
+    /// Those of the scenario, as it was given and in full.
+    pub scenario: &'a [&'a str],
+    /// That of the summary with the motion.
+    pub run: &'a str,
+}
 
 /// Proves that a motion keeps the promises of a scenario. The parts of the scenario that cannot be certified are listed
 /// in the certificate with their reasons. The times at which it passes the waypoints, s, are those of the solve.
@@ -45,12 +55,13 @@ pub const TOLERANCE: f64 = 1e-9;
 /// tracking error is negative or not finite.
 pub fn certify(
     scenario: &Scenario,
-    curve: &Curve,
+    curve: &CurveFile,
+    texts: Texts,
     waypoint_times: &[f64],
     tracking_error: f64,
 ) -> Result<Certification> {
     scenario.refuse_walk()?;
-    check_length("curve", scenario.model.dof(), curve.dof())?;
+    curve.check_joints(&scenario.model, "certify")?;
     check_length(
         "waypoint_times_s",
         scenario.waypoints.len(),
@@ -61,5 +72,5 @@ pub fn certify(
             format!("it is {tracking_error}, a finite number that is not negative is needed");
         return Err(Error::input("certify", "tracking_error", condition));
     }
-    search::certification(scenario, curve, waypoint_times, tracking_error)
+    search::certification(scenario, curve, texts, waypoint_times, tracking_error)
 }

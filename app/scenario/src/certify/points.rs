@@ -1,22 +1,26 @@
 //! States at the ends, between segments and at waypoints.
 
 use super::rows::{EQUALITY, Nearest, Row, Rows, rows_of, values_of};
-use super::{Deviations, Failure, Passage, Promise};
-use crate::{Continuous, Scenario};
+use super::{Failure, Passage, Promise};
+use crate::{Continuous, CurveFile, Kept, Scenario};
 use aghf::certify::{Motion, Part, Piece, Polynomial};
 use aghf::constraint::AnyConstraint;
 use aghf::error::Result;
-use aghf::scalar::Ball;
+use aghf::scalar::{Ball, Zero};
 
 /// The accepted deviation of states at the ends and between segments, and of accelerations there.
 const STATE: f64 = 1e-9;
 const ACCELERATION: f64 = 1e-6;
 
-/// Bounds on the deviations of a motion from the states of the scenario, and on its jumps, with an allowance for
-/// another arithmetic.
-pub(super) fn deviations(scenario: &Scenario, motion: &Motion) -> Deviations {
-    let file = &scenario.file;
-    let claim = |deviations: Vec<Ball>| {
+/// The states at the ends and between segments that differ from what a scenario promises, velocities that are not the
+/// rates of positions, and the horizon if it differs. An allowance is made for another arithmetic.
+pub(super) fn broken_ends(
+    scenario: &Scenario,
+    curve: &CurveFile,
+    motion: &Motion,
+) -> Result<Vec<Failure>> {
+    let (file, horizon) = (&scenario.file, motion.horizon());
+    let largest = |deviations: Vec<Ball>| {
         let magnitudes = deviations.iter().map(Ball::magnitude);
         let largest = magnitudes.fold(0.0, |largest, x| if x <= largest { largest } else { x });
         2.0 * largest + f64::EPSILON
@@ -26,7 +30,7 @@ pub(super) fn deviations(scenario: &Scenario, motion: &Motion) -> Deviations {
     let (start, end) = (at(0, -1.0), at(last, 1.0));
     let off = |all: &[Polynomial], wanted: &[f64]| {
         let pairs = all.iter().zip(wanted);
-        claim(
+        largest(
             pairs
                 .map(|(p, x)| p.middle() - Ball::constant(*x))
                 .collect(),
@@ -37,19 +41,135 @@ pub(super) fn deviations(scenario: &Scenario, motion: &Motion) -> Deviations {
         let pairs = breakpoints
             .iter()
             .flat_map(|[a, b]| of(a).iter().zip(of(b)));
-        let jumps = pairs.map(|(a, b)| a.middle() - b.middle());
-        (last > 0).then(|| claim(jumps.collect()))
+        largest(pairs.map(|(a, b)| a.middle() - b.middle()).collect())
     };
     let is_smooth = file.continuity() == Continuous::Acceleration;
-    Deviations {
-        start_position: Some(off(&start.q, &file.q_start)),
-        start_velocity: Some(off(&start.v, &file.v_start)),
-        goal_position: file.goal.is_empty().then(|| off(&end.q, &file.q_goal)),
-        goal_velocity: (!file.free_final_velocity).then(|| off(&end.v, &file.v_goal)),
-        jump_position: jump(|piece| &piece.q),
-        jump_velocity: jump(|piece| &piece.v),
-        jump_acceleration: is_smooth.then(|| jump(|piece| &piece.a)).flatten(),
+    let is_free = file.free_final_velocity;
+    let rests = |v: &[f64]| is_smooth && v.iter().all(|v| *v == 0.0);
+    let zeros = vec![0.0; scenario.model.dof()];
+    let ends = [
+        (
+            "start position",
+            true,
+            off(&start.q, &file.q_start),
+            STATE,
+            0.0,
+        ),
+        (
+            "start velocity",
+            true,
+            off(&start.v, &file.v_start),
+            STATE,
+            0.0,
+        ),
+        (
+            "rest at the start",
+            rests(&file.v_start),
+            off(&start.a, &zeros),
+            ACCELERATION,
+            0.0,
+        ),
+        (
+            "goal position",
+            file.goal.is_empty(),
+            off(&end.q, &file.q_goal),
+            STATE,
+            horizon,
+        ),
+        (
+            "goal velocity",
+            !is_free,
+            off(&end.v, &file.v_goal),
+            STATE,
+            horizon,
+        ),
+        (
+            "rest at the goal",
+            !is_free && rests(&file.v_goal),
+            off(&end.a, &zeros),
+            ACCELERATION,
+            horizon,
+        ),
+        (
+            "velocity as the rate of the position",
+            true,
+            largest(slip(curve)?),
+            STATE,
+            f64::NAN,
+        ),
+        (
+            "continuity of positions",
+            true,
+            jump(|piece| &piece.q),
+            STATE,
+            f64::NAN,
+        ),
+        (
+            "continuity of velocities",
+            true,
+            jump(|piece| &piece.v),
+            STATE,
+            f64::NAN,
+        ),
+        (
+            "continuity of accelerations",
+            is_smooth,
+            jump(|piece| &piece.a),
+            ACCELERATION,
+            f64::NAN,
+        ),
+    ];
+    let failure = |promise: &str, value: f64, bound: f64, at_s: f64| Failure {
+        promise: promise.to_owned(),
+        place: String::new(),
+        at_s,
+        value,
+        bound,
+        is_broken: true,
+    };
+    // A deviation that is no number breaks its promise.
+    let is_within = |value: f64, bound: f64| value <= bound;
+    let broken = ends
+        .into_iter()
+        .filter(|(_, is_asked, value, bound, _)| *is_asked && !is_within(*value, *bound));
+    let mut failures: Vec<_> = broken
+        .map(|(promise, _, value, bound, at_s)| failure(promise, value, bound, at_s))
+        .collect();
+    let [shortest, longest] = file.horizon_bounds();
+    if !(shortest..=longest).contains(&horizon) {
+        let bound = if horizon < shortest {
+            shortest
+        } else {
+            longest
+        };
+        failures.push(failure("horizon", horizon, bound, horizon));
     }
+    for (i, [from, to]) in file.keep.iter().map(Kept::times).enumerate() {
+        if !(from < to && from < horizon) {
+            let promise = format!("keep[{i}] from {from} to {to} s, at no time of the motion");
+            failures.push(failure(&promise, horizon, from, horizon));
+        }
+    }
+    Ok(failures)
+}
+
+/// Bounds on the differences of the velocities of a curve from the rates of its positions, per segment and joint.
+fn slip(curve: &CurveFile) -> Result<Vec<Ball>> {
+    let (joints, segments) = (curve.joints.len(), curve.segments as f64);
+    let rates = Motion::new(curve.horizon_s, &curve.positions())?;
+    let mut found = Vec::new();
+    for (e, segment) in curve.coefficients.iter().enumerate() {
+        let velocities = segment.get(joints..).unwrap_or_default();
+        for (velocity, rate) in velocities.iter().zip(rates.rates(e)) {
+            let scale = Ball::constant(2.0 * segments).divided_by(curve.horizon_s);
+            let zero = std::iter::once(Ball::zero());
+            let off = velocity.iter().zip(rate.iter().copied().chain(zero));
+            let off = off
+                .map(|(v, rate)| Ball::constant((Ball::constant(*v) - rate * scale).magnitude()));
+            found.push(off.fold(Ball::zero(), |sum, off| sum + off));
+        }
+    }
+    Ok(found)
 }
 
 /// The row with the least reserve at a place of a motion, and its nearest value.
@@ -135,68 +255,4 @@ impl Points<'_> {
             }
         }))
     }
-}
-
-/// The states at the ends and between segments that differ from those of a scenario, and the horizon if it differs.
-pub(super) fn broken(scenario: &Scenario, horizon: f64, found: &Deviations) -> Vec<Failure> {
-    let mut failures = Vec::new();
-    let states = [
-        ("start position", found.start_position, STATE, 0.0),
-        ("start velocity", found.start_velocity, STATE, 0.0),
-        ("goal position", found.goal_position, STATE, horizon),
-        ("goal velocity", found.goal_velocity, STATE, horizon),
-        (
-            "continuity of positions",
-            found.jump_position,
-            STATE,
-            f64::NAN,
-        ),
-        (
-            "continuity of velocities",
-            found.jump_velocity,
-            STATE,
-            f64::NAN,
-        ),
-        (
-            "continuity of accelerations",
-            found.jump_acceleration,
-            ACCELERATION,
-            f64::NAN,
-        ),
-    ];
-    for (promise, value, bound, at_s) in states {
-        let Some(value) = value else { continue };
-        let holds = value <= bound;
-        if !holds {
-            failures.push(Failure {
-                promise: promise.to_owned(),
-                place: String::new(),
-                at_s,
-                value,
-                bound,
-                is_broken: true,
-            });
-        }
-    }
-    let file = &scenario.file;
-    let [shortest, longest] = match file.free_horizon {
-        Some(free) => [free.shortest_s, free.longest_s],
-        None if file.objective.weighs_time() => [0.0, f64::INFINITY],
-        None => [file.horizon_s; 2],
-    };
-    if !(shortest..=longest).contains(&horizon) {
-        failures.push(Failure {
-            promise: "horizon".to_owned(),
-            place: String::new(),
-            at_s: horizon,
-            value: horizon,
-            bound: if horizon < shortest {
-                shortest
-            } else {
-                longest
-            },
-            is_broken: true,
-        });
-    }
-    failures
 }

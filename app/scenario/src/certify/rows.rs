@@ -1,6 +1,6 @@
 //! Rows: quantities of a motion with their bounds.
 
-use super::{LimitRow, Promise, TOLERANCE};
+use super::{Promise, TOLERANCE};
 use crate::{Limit, Scenario};
 use aghf::certify::{Bernstein, Motion, ORDER, Part, Piece, Polynomial, Range};
 use aghf::constraint::{AnyConstraint, Constraint, PlacedState};
@@ -33,6 +33,23 @@ const LIMITS: [(Promise, Limit); 5] = [
     (Promise::Jerk, Limit::Jerk),
     (Promise::Torque, Limit::Torque),
 ];
+
+/// A limit of a joint, in rad or m, per s, s^2 or s^3, N m or N.
+pub(super) struct LimitRow {
+    pub(super) promise: Promise,
+    pub(super) joint: usize,
+    /// The bounds; infinite without one.
+    pub(super) bounds: [f64; 2],
+}
+
+impl LimitRow {
+    /// The unit of reserves: the larger absolute value of the bounds, or one if that is zero.
+    fn scale(&self) -> f64 {
+        let bounds = self.bounds.into_iter().filter(|bound| bound.is_finite());
+        let largest = bounds.fold(0.0, |scale: f64, bound| scale.max(bound.abs()));
+        if largest > 0.0 { largest } else { 1.0 }
+    }
+}
 
 /// A quantity with its bounds.
 #[derive(Clone, Debug)]
@@ -76,12 +93,11 @@ pub(super) fn limits(scenario: &Scenario) -> Vec<LimitRow> {
             if promise == Promise::Torque && passive.contains(&joint) {
                 continue;
             }
-            if let Some([lower, upper]) = scenario.bound(limit, joint) {
+            if let Some(bounds) = scenario.bound(limit, joint) {
                 rows.push(LimitRow {
                     promise,
                     joint,
-                    at_least: lower.is_finite().then_some(lower),
-                    at_most: upper.is_finite().then_some(upper),
+                    bounds,
                 });
             }
         }
@@ -193,13 +209,9 @@ impl<'a> Rows<'a> {
         let model = &scenario.model;
         let of_limit = |row: &LimitRow| {
             let place = format!("joint '{}'", model.joints()[row.joint].name());
-            let bounds = [
-                row.at_least.unwrap_or(f64::NEG_INFINITY),
-                row.at_most.unwrap_or(f64::INFINITY),
-            ];
             Row {
                 scale: row.scale(),
-                ..Row::new(row.promise, place, bounds)
+                ..Row::new(row.promise, place, row.bounds)
             }
         };
         let mut all: Vec<Row> = limits.iter().map(of_limit).collect();

@@ -1,19 +1,19 @@
 //! Adaptive subdivision of the horizon.
 
 use super::clearance::{Balls, Least, Model, Pair, pairs};
-use super::points::{Points, broken, deviations};
+use super::document::FORMAT;
+use super::points::{Points, broken_ends};
 use super::rows::{Nearest, OTHER_ERRORS, Row, Rows, limits};
-use super::scope::{has_balls, may_overlap, not_certified};
+use super::scope::{has_balls, keys, meshes};
 use super::shapes::{self, Part as ShapePart, Shapes};
 use super::{
-    Certificate, Certification, Direction, Failure, Interval, Passage, Promise, TOLERANCE,
+    Certificate, Certification, Direction, Failure, Interval, LEFT_OUT, Passage, Promise,
+    TOLERANCE, Texts,
 };
-use crate::Scenario;
+use crate::{CurveFile, Scenario, sha256};
 use aghf::certify::{Bernstein, Motion, ORDER, Part, Piece};
-use aghf::curve::Curve;
 use aghf::dynamics::forward_kinematics;
 use aghf::error::Result;
-use aghf::linalg::rows as rows_of;
 use aghf::spatial::Placement;
 
 /// The fewest intervals of a motion.
@@ -65,15 +65,16 @@ type Reserve = (Least, Vec<Direction>);
 /// Proves the promises of a scenario for a motion that passes the waypoints at these times, s.
 pub(super) fn certification(
     scenario: &Scenario,
-    curve: &Curve,
+    curve: &CurveFile,
+    texts: Texts,
     times: &[f64],
     tracking_error: f64,
 ) -> Result<Certification> {
-    let (motion, limits) = (Motion::of_curve(curve)?, limits(scenario));
+    let motion = Motion::new(curve.horizon_s, &curve.positions())?;
+    let limits = limits(scenario);
     let rows = Rows::new(scenario, &limits, &motion)?;
     let mut search = Search::new(scenario, &motion, rows, tracking_error)?;
-    let deviations = deviations(scenario, &motion);
-    for failure in broken(scenario, motion.horizon(), &deviations) {
+    for failure in broken_ends(scenario, curve, &motion)? {
         search.fail(failure);
     }
     let (goal, waypoints) = search.points(times)?;
@@ -85,28 +86,22 @@ pub(super) fn certification(
             failures,
         });
     }
-    let n = curve.dof();
-    let positions = |e| rows_of(&curve.coefficients(e).rows(0, n).into_owned());
-    let not_certified = not_certified(scenario)?;
-    let joints = scenario.model.joints().iter();
+    let keys = keys(scenario)?;
+    let hash = |text: &&str| sha256(text.as_bytes());
     let certificate = Certificate {
-        format: "aghf-certificate-3".to_owned(),
+        format: FORMAT.to_owned(),
         scenario: scenario.name.clone(),
-        robot_xxh64: scenario.robot_xxh64.clone(),
-        complete: not_certified.is_empty(),
-        not_certified,
-        tolerance: TOLERANCE,
+        robot_sha256: scenario.robot_sha256.clone(),
+        scenario_sha256: texts.scenario.iter().map(hash).collect(),
+        run_sha256: hash(&texts.run),
+        meshes: meshes(scenario)?,
+        complete: !keys.values().any(|outcome| outcome.starts_with(LEFT_OUT)),
+        keys,
         tracking_error,
-        limits,
-        may_overlap: may_overlap(scenario),
-        deviations,
         goal,
         waypoints,
         promises,
         intervals,
-        horizon_s: curve.horizon(),
-        joints: joints.map(|j| j.name().to_owned()).collect(),
-        coefficients: (0..curve.segments()).map(positions).collect(),
     };
     Ok(Certification {
         certificate: Some(certificate),
@@ -148,8 +143,8 @@ impl<'a> Search<'a> {
         let (shapes, mut all) = (shapes::parts(scenario)?, Vec::new());
         for promise in [Promise::Obstacles, Promise::SelfCollision] {
             let own = match &shapes {
-                Some(parts) => shapes::pairs(scenario, parts, promise),
-                None if has_balls(scenario) => pairs(scenario, promise),
+                Some(parts) => shapes::pairs(scenario, parts, promise)?,
+                None if has_balls(scenario) => pairs(scenario, promise)?,
                 None => Vec::new(),
             };
             if !own.is_empty() {

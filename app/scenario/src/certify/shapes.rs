@@ -51,7 +51,7 @@ pub(super) fn parts(scenario: &Scenario) -> Result<Option<Vec<Part>>> {
 }
 
 /// The pairs of the promise.
-pub(super) fn pairs(scenario: &Scenario, parts: &[Part], promise: Promise) -> Vec<Pair> {
+pub(super) fn pairs(scenario: &Scenario, parts: &[Part], promise: Promise) -> Result<Vec<Pair>> {
     let scene = &scenario.scene;
     let all = || parts.iter().enumerate();
     let mut pairs = Vec::new();
@@ -64,9 +64,9 @@ pub(super) fn pairs(scenario: &Scenario, parts: &[Part], promise: Promise) -> Ve
                 margin: *margin,
             }));
         }
-        return pairs;
+        return Ok(pairs);
     }
-    for (trees, margin) in scene.tree_pairs().iter().zip(scene.pair_margins()) {
+    for (trees, margin) in scenario.kept_apart()? {
         let [a, b] = trees.map(|tree| {
             let link = scene.robot().link_of(&scene.trees()[tree]);
             all().filter(move |(_, part)| Some(&*part.link) == link)
@@ -76,12 +76,12 @@ pub(super) fn pairs(scenario: &Scenario, parts: &[Part], promise: Promise) -> Ve
                 pairs.push(Pair {
                     part: i.min(j),
                     beside: Beside::Part(i.max(j)),
-                    margin: *margin,
+                    margin,
                 });
             }
         }
     }
-    pairs
+    Ok(pairs)
 }
 
 /// A shape on a piece: its placement there, and in the middle.

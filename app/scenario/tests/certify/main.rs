@@ -3,11 +3,14 @@
 #[path = "../judge/gantry.rs"]
 mod gantry;
 
+mod attacks;
 mod checker;
 mod search;
+mod table;
 
 use aghf::curve::{Chebyshev, Curve};
-use aghf_scenario::Scenario;
+use aghf_scenario::certify::{Certification, Texts, certify};
+use aghf_scenario::{CurveFile, Scenario};
 use gantry::{FROM, TO};
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
@@ -33,16 +36,31 @@ fn smooth() -> Curve {
     })
 }
 
+/// The motion as it is written.
+fn written(scenario: &Scenario, curve: &Curve) -> CurveFile {
+    let joints = scenario.model.joints().iter();
+    CurveFile::new(curve, joints.map(|joint| joint.name().to_owned()).collect())
+}
+
 /// The part of a summary that has the motion.
-fn run(curve: &Curve, joints: &[&str]) -> Value {
-    let segment = |e: usize| -> Vec<Vec<f64>> {
-        let all = curve.coefficients(e);
-        all.row_iter()
-            .map(|row| row.iter().copied().collect())
-            .collect()
+fn run(curve: &CurveFile) -> Value {
+    json!({ "curve": curve })
+}
+
+/// The certification of a curve that passes waypoints at these times, in a tube.
+fn certified(
+    scenario: &Scenario,
+    curve: &Curve,
+    times: &[f64],
+    tube: f64,
+) -> aghf::error::Result<Certification> {
+    let curve = written(scenario, curve);
+    let full = serde_json::to_string(&scenario.file).expect("it is JSON");
+    let texts = Texts {
+        scenario: &[&full],
+        run: &run(&curve).to_string(),
     };
-    let coefficients: Vec<_> = (0..curve.segments()).map(segment).collect();
-    json!({ "curve": { "horizon_s": curve.horizon(), "joints": joints, "coefficients": coefficients } })
+    certify(scenario, &curve, texts, times, tube)
 }
 
 /// A scenario of the gantry with a box, a cylinder and a capsule, a load, and these obstacles.

@@ -1,11 +1,12 @@
 //! Promises are proved where they hold, and refused where they are broken for a moment.
 
-use crate::gantry::scenario;
-use crate::{curve, shaped, smooth};
+use crate::gantry::{FROM, TO, scenario};
+use crate::{certified, curve, shaped, smooth};
+use aghf::constraint::Bounds;
 use aghf::curve::Curve;
 use aghf::motion::samples_at;
-use aghf_scenario::Scenario;
-use aghf_scenario::certify::{Certification, Promise, TOLERANCE, certify};
+use aghf_scenario::certify::{Certification, LEFT_OUT, Promise, TOLERANCE};
+use aghf_scenario::{Limit, Scenario};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -38,7 +39,7 @@ fn a_good_motion_is_certified() {
     let keys = json!({ "obstacles": obstacles, "self_collision": { "ignored_pairs": [] },
         "enforced_limits": { "acceleration": 30.0, "jerk": 300.0 } });
     let certification =
-        certify(&scenario("certified", keys), &smooth(), &[], 0.0).expect("it is of this robot");
+        certified(&scenario("certified", keys), &smooth(), &[], 0.0).expect("it is of this robot");
     assert_eq!(proved(&certification).len(), 7);
 }
 
@@ -69,7 +70,7 @@ fn a_torque_beyond_its_limit_between_samples_is_refused() {
     for sample in samples_at(&scenario.model, &motion, times) {
         assert!(sample.expect("one joint").u[0].abs() <= top - 1e-6);
     }
-    let certification = certify(&scenario, &motion, &[], 0.0).expect("one joint");
+    let certification = certified(&scenario, &motion, &[], 0.0).expect("one joint");
     assert_eq!(certification.certificate, None);
     let [failure] = &certification.failures[..] else {
         panic!("{:?}", certification.failures);
@@ -80,7 +81,7 @@ fn a_torque_beyond_its_limit_between_samples_is_refused() {
     assert!((failure.value - top).abs() < 1e-7 && (failure.at_s - 1.0).abs() < 1e-3);
     // A little above, and it holds.
     assert_eq!(
-        proved(&certify(&limited(top + 1e-6), &motion, &[], 0.0).expect("one joint")).len(),
+        proved(&certified(&limited(top + 1e-6), &motion, &[], 0.0).expect("one joint")).len(),
         3
     );
 }
@@ -104,23 +105,16 @@ fn positions_in_a_tube_are_certified() {
     let keys =
         json!({ "self_collision": "off", "enforced_limits": { "position": 0.9, "torque": 0.3 } });
     let (scenario, motion) = (scenario("tube", keys), smooth());
-    let of = |tube: f64| certify(&scenario, &motion, &[], tube);
+    let of = |tube: f64| certified(&scenario, &motion, &[], tube);
     let alone = of(0.0)
         .expect("it is of this robot")
         .certificate
         .expect("it is proved");
     let ends = [0.0, motion.horizon()].map(|t| motion.at(t).0);
-    let rows = alone
-        .limits
-        .iter()
-        .filter(|row| row.promise == Promise::Position);
-    let distances = rows.flat_map(|row| {
-        let bounds = (
-            row.at_least.unwrap_or(f64::NEG_INFINITY),
-            row.at_most.unwrap_or(f64::INFINITY),
-        );
-        ends.iter()
-            .map(move |q| (q[row.joint] - bounds.0).min(bounds.1 - q[row.joint]))
+    let bounds = (0..3).map(|joint| (joint, scenario.bound(Limit::Position, joint)));
+    let distances = bounds.flat_map(|(joint, bounds)| {
+        let [lower, upper] = bounds.expect("it is enforced");
+        (ends.iter()).map(move |q| (q[joint] - lower).min(upper - q[joint]))
     });
     let widest = distances.fold(f64::INFINITY, f64::min);
     assert!(widest.is_finite() && widest > 0.0);
@@ -148,7 +142,7 @@ fn positions_in_a_tube_are_certified() {
 fn refused(keys: Value, promise: &str, place: &str) {
     let test = format!("refused {promise}");
     let certification =
-        certify(&scenario(&test, keys), &smooth(), &[], 0.0).expect("it is of this robot");
+        certified(&scenario(&test, keys), &smooth(), &[], 0.0).expect("it is of this robot");
     assert_eq!(certification.certificate, None);
     let found = certification
         .failures
@@ -203,7 +197,7 @@ fn shapes_that_come_too_close_are_refused() {
     };
     for (z, holds) in [(0.050_001, true), (0.049_999, false)] {
         let certification =
-            certify(&shaped("close", ball(z)), &smooth(), &[], 0.0).expect("it is of this robot");
+            certified(&shaped("close", ball(z)), &smooth(), &[], 0.0).expect("it is of this robot");
         assert_eq!(
             certification.certificate.is_some(),
             holds,
@@ -232,7 +226,7 @@ fn broken_conditions_are_refused() {
     refused(speed(0.767_999, 0.8), promise, "speed of frame 'carriage'");
     for good in [speed(1.875, 0.0), speed(0.768, 0.8)] {
         let certification =
-            certify(&scenario("kept", good), &smooth(), &[], 0.0).expect("it is of this robot");
+            certified(&scenario("kept", good), &smooth(), &[], 0.0).expect("it is of this robot");
         assert!(proved(&certification).contains(&Promise::Keep));
     }
     let poses = |keys: Value| {
@@ -279,7 +273,7 @@ fn goals_and_waypoints_off_their_places_are_refused() {
     };
     let of = |goals: Value, points: Value, times: &[f64]| {
         let scenario = scenario("placed", json!({ "goal": goals, "waypoints": points }));
-        certify(&scenario, &smooth(), times, 0.0).expect("it is of this robot")
+        certified(&scenario, &smooth(), times, 0.0).expect("it is of this robot")
     };
     let middle = json!({ "q": [0.0, -0.05, 0.9] });
     let along = json!({ "poses": { "frame": "carriage", "position_m": [0.0, 0.0, 0.0] } });
@@ -323,7 +317,7 @@ fn goals_and_waypoints_off_their_places_are_refused() {
         );
     }
     let scenario = scenario("untimed", json!({ "waypoints": [middle] }));
-    let error = certify(&scenario, &smooth(), &[], 0.0).expect_err("no time is given");
+    let error = certified(&scenario, &smooth(), &[], 0.0).expect_err("no time is given");
     assert!(error.to_string().contains("waypoint_times_s"), "{error}");
 }
 
@@ -334,18 +328,77 @@ fn parts_without_proofs_are_listed() {
         "payload": { "link": "fore", "mass_kg": 0.1, "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } } },
         "obstacles": [{ "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [0.0, 5.0, 0.0] } }] });
     let certification =
-        certify(&scenario("listed", keys), &smooth(), &[], 0.0).expect("it is of this robot");
+        certified(&scenario("listed", keys), &smooth(), &[], 0.0).expect("it is of this robot");
     let certificate = certification.certificate.expect("the rest is proved");
-    let listed: Vec<_> = certificate
-        .not_certified
-        .iter()
-        .map(|n| n.promise.as_str())
-        .collect();
-    assert_eq!(listed, ["passive_joints", "obstacles"]);
-    let reason = &certificate.not_certified[1].reason;
+    let listed: Vec<_> = certificate.left_out().collect();
+    let [("clearance_m", _) | ("obstacles", _), .., ("passive", _)] = listed[..] else {
+        panic!("{listed:?}");
+    };
+    let reason = &certificate.keys["obstacles"];
     assert!(
-        reason.contains("robot_shape swept_links or joint_frames, with a ball for a load"),
+        reason.starts_with(LEFT_OUT)
+            && reason.contains("robot_shape swept_links or joint_frames, with a ball for a load"),
         "{reason}"
     );
     assert!(!certificate.complete);
+}
+
+/// Constraints that were added in code are left out.
+#[test]
+fn constraints_of_code_are_listed() {
+    let mut scenario = scenario("of code", json!({}));
+    scenario.add_constraint(Bounds(Vec::new()));
+    let certification = certified(&scenario, &smooth(), &[], 0.0).expect("it is of this robot");
+    let certificate = certification.certificate.expect("the rest is proved");
+    assert!(!certificate.complete);
+    assert_eq!(certificate.left_out().count(), 1);
+}
+
+/// A motion at rest at its ends has no acceleration there unless the continuity is that of the velocity, and its
+/// velocities are the rates of its positions.
+#[test]
+fn accelerations_at_rest_and_slipping_velocities_are_refused() {
+    let pushed = curve(3, 8, 1.0, |i, t| {
+        let (way, rise) = (TO[i] - FROM[i], t * t * (3.0 - 2.0 * t));
+        [FROM[i] + way * rise, way * 6.0 * t * (1.0 - t)]
+    });
+    for (continuity, failures) in [("acceleration", 2), ("velocity", 0)] {
+        let keys = json!({ "continuity": continuity });
+        let found = certified(&scenario("rest", keys), &pushed, &[], 0.0).expect("three joints");
+        let rests = found
+            .failures
+            .iter()
+            .filter(|f| f.promise.starts_with("rest at"));
+        assert_eq!((found.failures.len(), rests.count()), (failures, failures));
+    }
+    let slipping = curve(3, 8, 1.0, |i, t| {
+        let (way, rise) = (TO[i] - FROM[i], t.powi(3) * (10.0 - 15.0 * t + 6.0 * t * t));
+        [
+            FROM[i] + way * rise,
+            way * 30.0 * (t * (1.0 - t)).powi(2) + 1e-8 * (t * (1.0 - t)),
+        ]
+    });
+    let scenario = scenario("slip", json!({}));
+    let found = certified(&scenario, &slipping, &[], 0.0).expect("three joints");
+    assert!(
+        found.failures[0].promise.contains("rate of the position"),
+        "{:?}",
+        found.failures
+    );
+}
+
+/// A window of time that no time of the motion is in promises nothing.
+#[test]
+fn windows_after_the_motion_are_refused() {
+    let keep = json!([{ "speed": { "frame": "carriage", "most_m_s": 1e-3 }, "from_s": 2.0 }]);
+    let keys = json!({ "keep": keep, "free_horizon": { "shortest_s": 0.5, "longest_s": 5.0 } });
+    let found = certified(&scenario("window", keys), &smooth(), &[], 0.0).expect("three joints");
+    assert!(
+        found
+            .failures
+            .iter()
+            .any(|f| f.promise.starts_with("keep[0]")),
+        "{:?}",
+        found.failures
+    );
 }
