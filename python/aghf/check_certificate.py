@@ -446,8 +446,8 @@ class Robot:
     """The moving bodies of a URDF and the shapes that keep clear."""
 
     def __init__(self, urdf, scenario, names):
-        is_plain = urdf[0] != "\ufeff" and (urdf[:5] != "<?xml" or urdf[5] == " ")
-        require(is_plain, "the robot begins with a byte order mark or a processing instruction")
+        urdf = urdf.partition("?>")[2] if urdf.startswith("<?xml ") else urdf
+        require("&#" not in urdf and urdf[:1] != "\ufeff", "the robot has a reference to a number or a byte order mark")
         root = ElementTree.fromstring(urdf, ElementTree.XMLParser(target=Elements()))
         require(root.tag == "robot", "it is no 'robot'")
         accept(root, "robot")

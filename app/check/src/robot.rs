@@ -127,6 +127,9 @@ fn place_of<'a>(load: &'a Value, placed: &'a Links) -> Checked<(&'a str, &'a Pla
 
 impl Robot {
     pub(crate) fn read(urdf: &str, grammar: &Grammar, scenario: &Value, names: &[String]) -> Checked<Self> {
+        let declared = urdf.strip_prefix("<?xml ").and_then(|text| text.split_once("?>"));
+        let urdf = declared.map_or(urdf, |(_, text)| text);
+        require(!urdf.contains("&#"), "the robot has a reference to a number")?;
         let document = Document::parse(urdf).map_err(|e| e.to_string())?;
         let is_plain = !urdf.starts_with('\u{feff}') && !document.descendants().any(|node| node.is_pi());
         require(is_plain, "the robot has a byte order mark or a processing instruction")?;
