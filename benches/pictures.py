@@ -226,7 +226,8 @@ def certificates():
         aghf(folder, "solve", "limits_01", "--no-report", "--out", "run")
         aghf(folder, "certify", "limits_01", "run", "--out", "certificate.json")
         certificate = json.loads((Path(folder) / "certificate.json").read_text())
-    segments, horizon = len(certificate["coefficients"]), certificate["horizon_s"]
+        curve = json.loads((Path(folder) / "run" / "summary.json").read_text())["curve"]
+    segments, horizon = curve["segments"], curve["horizon_s"]
     figure, ax = plt.subplots(figsize=(6.4, 3.0), layout="constrained")
     for number, (promise, colour) in enumerate(zip(certificate["promises"], [BLUE, ORANGE, GREEN])):
         edges, reserves = [], []
