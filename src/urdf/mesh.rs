@@ -111,11 +111,20 @@ fn triangles(scene: io::Result<Scene>) -> Read<Vec<Triangle>> {
 fn find(file: &str, folder: &Path) -> Read<PathBuf> {
     if !file.starts_with("package://") {
         let path = folder.join(file.strip_prefix("file://").unwrap_or(file));
-        let missing = || match folder.as_os_str().is_empty() {
-            true => "there is no such file in the current folder".to_owned(),
-            false => format!("there is no such file, seen from '{}'", folder.display()),
+        let missing = || {
+            if path.is_absolute() {
+                "there is no such file".to_owned()
+            } else if folder.as_os_str().is_empty() {
+                "there is no such file in the current folder".to_owned()
+            } else {
+                format!("there is no such file, seen from '{}'", folder.display())
+            }
         };
-        return path.is_file().then_some(path).ok_or_else(missing);
+        return if path.is_file() {
+            Ok(path)
+        } else {
+            Err(missing())
+        };
     }
     let (package, path) = package_and_path(file).ok_or("it has no path")?;
     // The folder of a file without one in its path is empty.

@@ -59,9 +59,9 @@ impl Scenario {
         let all = self.file.keep.iter().enumerate();
         all.filter_map(move |(i, kept)| {
             let from = kept.from_s.filter(|from| *from > end_s)?;
-            let [from, end] = [from, end_s].map(plain);
+            let from = plain(from);
             Some(format!(
-                "keep[{i}] is not tested: the motion ends at {end} s, and it is kept from {from} s on"
+                "keep[{i}] is not tested: the motion ends at {end_s:.4} s, and it is kept from {from} s on"
             ))
         })
     }

@@ -205,8 +205,7 @@ pub(super) fn report_of(
         failure: found.failure,
         stopped: found.stopped,
     });
-    let verdict = conclusion.verdict;
-    let success = verdict.is_success();
+    let (verdict, success) = (conclusion.verdict, conclusion.verdict.is_success());
     let mut notes = scenario.notes(method);
     notes.extend(scenario.far_obstacles()?);
     if let Details::Direct(details) = &found.details {

@@ -7,7 +7,9 @@ use crate::output::{
 };
 use aghf::error::{Error, Result};
 use aghf::input::read_text;
-use aghf_scenario::certify::{Certificate, NAME, Texts, certify, named_run, table_differences};
+use aghf_scenario::certify::{
+    Certificate, NAME, TOLERANCE, Texts, certify, named_run, table_differences,
+};
 use aghf_scenario::judge::Trajectory;
 use aghf_scenario::{Details, Solved};
 use clap::Args;
@@ -128,8 +130,8 @@ pub(super) struct CheckCertificate {
 }
 
 impl CheckCertificate {
-    /// Bounds the difference of a table from the certified motion; true if it is within the tracking error.
-    fn check_table(&self, path: &Path) -> Result<bool> {
+    /// Bounds the difference of a table from the certified motion, in words; true if it is within the tracking error.
+    fn check_table(&self, path: &Path) -> Result<(Vec<String>, bool)> {
         let run = self.run.display().to_string();
         let Solved {
             scenario, summary, ..
@@ -149,21 +151,21 @@ impl CheckCertificate {
         }
         let table = Trajectory::load(path, &scenario.model)?;
         let found = table_differences(&scenario, &summary.curve, &table)?;
-        let (count, tube) = (table.times.len(), certificate.tracking_error);
-        for difference in &found {
-            print(&table_difference_text(&name, count, difference))?;
-        }
+        let (count, tube) = (table.times.len(), certificate.tracking_error.max(TOLERANCE));
+        let differences = found.iter();
+        let text = |difference| table_difference_text(&name, count, difference);
+        let mut lines: Vec<String> = differences.map(text).collect();
         let least = found
             .iter()
             .map(|of| of.position)
             .fold(f64::INFINITY, f64::min);
         if least > tube {
-            print(&format!(
-                "{name}: beyond the tracking error {tube} of the certificate; `aghf certify --tracking-error` takes a \
-                 larger one"
-            ))?;
+            lines.push(format!(
+                "{name}: beyond the tracking error of the certificate, or the tolerance {TOLERANCE}; \
+                 `aghf certify --tracking-error` takes a larger one"
+            ));
         }
-        Ok(least <= tube)
+        Ok((lines, least <= tube))
     }
 
     pub(super) fn run(self) -> Result<ExitCode> {
@@ -171,11 +173,9 @@ impl CheckCertificate {
         let [robot, scenario, run, certificate] = files.map(|file| read_text(file));
         match aghf_check::check(&robot?, &scenario?, &run?, &certificate?) {
             Ok(report) => {
-                print(&report.text)?;
-                let is_kept = self
-                    .table
-                    .as_ref()
-                    .map_or(Ok(true), |table| self.check_table(table))?;
+                let table = self.table.as_ref().map(|table| self.check_table(table));
+                let (lines, is_kept) = table.unwrap_or_else(|| Ok((Vec::new(), true)))?;
+                print(&[&[report.text][..], &lines].concat().join("\n"))?;
                 Ok(if report.is_complete && is_kept {
                     ExitCode::SUCCESS
                 } else {

@@ -40,10 +40,21 @@ fn a_solve_is_certified_and_checked() {
     assert!(text.starts_with("certified at all times"), "{text}");
     // A table of the motion, one that is moved, and one of another motion.
     let with_table = [&check[..], &["--table", "table.csv"]].concat();
-    let sample = ["sample", "out", "--rate", "200", "--out", "table.csv"];
-    printed(&folder, &sample, 0);
+    for (rate, code) in [("1000", 0), ("20", 4)] {
+        let sample = [
+            "sample",
+            "out",
+            "--rate",
+            rate,
+            "--out",
+            "table.csv",
+            "--force",
+        ];
+        printed(&folder, &sample, 0);
+        let text = printed(&folder, &with_table, code);
+        assert!(text.contains("with quintics between its"), "{text}");
+    }
     let text = printed(&folder, &with_table, 4);
-    assert!(text.contains("with quintics between its"), "{text}");
     let bound = |text: &str| -> f64 {
         let (_, rest) = text.rsplit_once("within ").expect("it is there");
         rest.split(' ')
@@ -51,11 +62,11 @@ fn a_solve_is_certified_and_checked() {
             .and_then(|x| x.parse().ok())
             .expect("a number")
     };
-    assert!(bound(&text) < 1e-6, "{text}");
+    assert!(bound(&text) < 1e-3, "{text}");
     let table = std::fs::read_to_string(folder.join("table.csv")).expect("it is written");
     let other = table.replacen("run_sha256:", "run_sha256:0", 1);
     std::fs::write(folder.join("table.csv"), other).expect("writable");
-    assert_bad_input(&folder, &with_table, "table.csv: run_sha256");
+    assert_bad_input(&folder, &with_table, "table.csv; names another motion");
     let zero = table.lines().skip(1).map(|row| match row.split_once(',') {
         Some((t, rest)) if t != "t" => format!("{t},5.0{}\n", &rest[rest.find(',').unwrap_or(0)..]),
         _ => format!("{row}\n"),

@@ -196,10 +196,7 @@ fn meshes_that_are_not_found_are_named_together() {
         "<link name=\"mid\">",
         &format!("<link name=\"mid\">{meshes}"),
     );
-    for (package, reason) in [
-        ("none", "; --package none=FOLDER"),
-        ("parts", ", seen from"),
-    ] {
+    for (package, reason) in [("none", "; --package none=FOLDER"), ("parts", "")] {
         let robot = robot.replace("FOLDER", package);
         std::fs::write(folder.join("ill.urdf"), robot).expect("it is writable");
         let run = doctor(&folder, &["--package", "parts=there"]);
