@@ -227,13 +227,8 @@ impl Feasibility {
         let enforced = scenario.constraints();
         let mut limit_violations = Vec::new();
         add(scenario, curve, &enforced, true, &mut limit_violations)?;
-        add(
-            scenario,
-            curve,
-            &scenario.other_limits(),
-            false,
-            &mut limit_violations,
-        )?;
+        let others = scenario.other_limits();
+        add(scenario, curve, &others, false, &mut limit_violations)?;
         add_goal(scenario, curve, &mut limit_violations)?;
         let samples = if scenario.scene.is_empty() {
             Vec::new()
@@ -309,10 +304,11 @@ impl Feasibility {
     }
 }
 
-/// Adds the violation of a goal that is a set.
+/// Adds the violations of a goal that is a set, and of the bounds of a free horizon.
 fn add_goal(scenario: &Scenario, curve: &Curve, found: &mut Vec<LimitViolation>) -> Result<()> {
     let last = curve.x().column(curve.x().ncols() - 1);
     let off = scenario.off_goal(&last.as_slice()[..curve.dof()])?;
+    let off = off.into_iter().chain(scenario.off_horizon(curve.horizon()));
     // An equality is met to rounding at best.
     let off = off.filter(|(by, _)| *by > 0.1 * DirectSettings::FEASIBLE);
     found.extend(off.map(|(by, RowLabel { name, unit, .. })| LimitViolation {

@@ -3,6 +3,7 @@
 use super::durations::sum_of;
 use super::own_terms::ScenarioCost;
 use super::{HorizonBounds, Objective, ObjectiveWeights, Scenario, Units};
+use aghf::constraint::{RowKind, RowLabel};
 use aghf::cost::{ControlEffort, CostWithControl, InPhases, Point, WeightedSquares};
 use aghf::direct::FreeHorizon;
 use aghf::error::Result;
@@ -163,6 +164,22 @@ impl Scenario {
             shortest_s: least.unwrap_or(SHORTEST * given).min(given),
             longest_s: LONGEST * least.unwrap_or(given).max(given),
         })
+    }
+
+    /// The excess of a free horizon, s, over the bound that it exceeds most, or its distance from both if negative.
+    pub(super) fn off_horizon(&self, horizon: f64) -> Option<(f64, RowLabel)> {
+        let bounds = self.horizon_bounds()?;
+        let below = (bounds.shortest_s - horizon, "lower");
+        let above = (horizon - bounds.longest_s, "upper");
+        let (by, side) = if below.0 > above.0 { below } else { above };
+        Some((
+            by,
+            RowLabel {
+                name: format!("{side} bound of the horizon"),
+                unit: "s",
+                kind: RowKind::Other,
+            },
+        ))
     }
 
     /// The bounds of the horizon and the cost of a second, if it is an unknown.

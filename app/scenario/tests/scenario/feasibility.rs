@@ -2,7 +2,8 @@
 
 use aghf::curve::{Chebyshev, Curve};
 use aghf_scenario::{
-    Enforced, EnforcedLimits, Feasibility, Limit, LimitViolation, RateLimits, Scenario,
+    Enforced, EnforcedLimits, Feasibility, HorizonBounds, Limit, LimitViolation, RateLimits,
+    Scenario,
 };
 use nalgebra::DMatrix;
 
@@ -217,4 +218,31 @@ fn a_collision_is_reported() {
         reason.starts_with("violated: distance of link '"),
         "{reason}"
     );
+}
+
+/// A motion is feasible only if it takes as long as the scenario allows.
+#[test]
+fn a_horizon_beyond_its_bounds_is_a_violation() {
+    let mut scenario = free();
+    scenario.file.free_horizon = Some(HorizonBounds {
+        shortest_s: 0.5,
+        longest_s: 3.0,
+    });
+    let lasting = |horizon: f64| {
+        let chebyshev = Chebyshev::new(4, horizon).expect("a good degree");
+        let curve = Curve::new(chebyshev, DMatrix::zeros(14, 5)).expect("sizes agree");
+        of(&scenario, &curve)
+    };
+    for horizon in [0.5, 2.0, 3.0] {
+        assert!(lasting(horizon).holds(1e-6), "{horizon}");
+    }
+    for (horizon, words) in [
+        (0.1, "lower bound of the horizon by 0.400 s"),
+        (0.4999, "lower bound of the horizon by 1.00e-4 s"),
+        (3.001, "upper bound of the horizon by 0.00100 s"),
+    ] {
+        let found = lasting(horizon);
+        let reason = found.reason(1e-6).expect("it is not kept");
+        assert!(reason.contains(words), "{reason}");
+    }
 }
