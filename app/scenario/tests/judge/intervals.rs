@@ -112,7 +112,11 @@ fn wiggled(columns: usize, rate: f64, period: usize, by: [f64; 3], joint: usize)
     for (of, by) in all.into_iter().zip(by) {
         let Some(of) = of else { continue };
         for (k, row) in of.iter_mut().enumerate().take(count - 1).skip(1) {
-            row[joint] += if (k / period) % 2 == 0 { by } else { -by };
+            row[joint] += if (k / period).is_multiple_of(2) {
+                by
+            } else {
+                -by
+            };
         }
     }
     table
