@@ -184,9 +184,7 @@ pub(super) fn report_of(
 ) -> Result<SolveReport> {
     let (model, passive) = (&scenario.model, scenario.passive());
     let joints = model.joints().iter().map(|joint| joint.name().to_owned());
-    // The motion of the report is the one in its file.
-    let written = CurveFile::new(&found.curve, joints.collect());
-    let (curve, effort) = (written.curve(model, &scenario.name)?, found.effort);
+    let (curve, effort) = (found.curve, found.effort);
     let method = options.method();
     let final_error = |feedback| -> Result<Option<f64>> {
         let simulation = simulate(model, &curve, feedback, &passive)?;
@@ -238,7 +236,7 @@ pub(super) fn report_of(
         outside_limits: scenario.outside_limits(),
         notes,
         provenance: Provenance::new(scenario, options)?,
-        curve: written,
+        curve: CurveFile::new(&curve, joints.collect()),
     };
     Ok(SolveReport {
         summary,

@@ -269,9 +269,20 @@ fn a_summary_gives_tables_at_any_rate() {
         assert_eq!(comment, format!("# run_sha256:{hash}"));
         table.to_owned()
     };
-    assert_eq!(
+    // The table of the solve and that of its summary differ by the rounding of its coefficients.
+    let numbers = |table: &str| -> Vec<f64> {
+        let cells = table.lines().skip(1).flat_map(|row| row.split(','));
+        cells.map(|x| x.parse().expect("a number")).collect()
+    };
+    let (again, first) = (
         table(&["--rate", "10.3"]),
-        text(&folder.join("m/trajectory.csv"))
+        text(&folder.join("m/trajectory.csv")),
+    );
+    let both = numbers(&again).into_iter().zip(numbers(&first));
+    assert!(again.lines().count() == first.lines().count());
+    assert!(
+        both.into_iter()
+            .all(|(a, b)| (a - b).abs() < 1e-9 * b.abs().max(1.0))
     );
     let times = |table: &str| -> Vec<f64> {
         let rows = table.lines().skip(1);
