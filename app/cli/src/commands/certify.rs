@@ -52,6 +52,7 @@ impl Certify {
         let scenario = self.robot.scenario(&self.scenario)?;
         let run = summary_at(&self.run)?;
         let solved = Solved::load(&run)?;
+        (solved.summary.curve).check_joints(&scenario.model, &run)?;
         let run = read_text(Path::new(&run))?;
         let full = json(&scenario.file)?;
         let given = self.given()?;
