@@ -239,7 +239,7 @@ fn a_horizon_beyond_its_bounds_is_a_violation() {
     for (horizon, words) in [
         (0.1, "lower bound of the horizon by 0.400 s"),
         (0.4999, "lower bound of the horizon by 1.00e-4 s"),
-        (3.001, "upper bound of the horizon by 0.00100 s"),
+        (3.001, "upper bound of the horizon by 0.001000 s"),
     ] {
         let found = lasting(horizon);
         let reason = found.reason(1e-6).expect("it is not kept");
