@@ -51,15 +51,14 @@ pub fn violation(scenario: &Scenario, curve: &Value) -> Option<String> {
 
 /// True if a value is beyond another one by more than errors.
 fn is_beyond(x: f64, most: f64) -> bool {
-    !(x <= most + ERROR * most.abs().max(1.0))
+    // A value that is no number is beyond.
+    let is_within = x <= most + ERROR * most.abs().max(1.0);
+    !is_within
 }
 
 fn is_off(all: &[f64], wanted: &[f64]) -> bool {
-    all.len() != wanted.len()
-        || all
-            .iter()
-            .zip(wanted)
-            .any(|(x, y)| !((x - y).abs() <= 1e-6))
+    let mut pairs = all.iter().zip(wanted);
+    all.len() != wanted.len() || !pairs.all(|(x, y)| (x - y).abs() <= 1e-6)
 }
 
 fn ends(scenario: &Scenario, samples: &[Sample]) -> Option<String> {
