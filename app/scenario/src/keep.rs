@@ -100,11 +100,7 @@ impl Kept {
 
     /// Refuses times between which the motion has no time, or less than can be resolved.
     fn check_times(&self, file: &ScenarioFile, key: &str, path: &str) -> Result<()> {
-        let longest = match file.free_horizon {
-            Some(free) => free.longest_s,
-            None if file.objective.weighs_time() => f64::INFINITY,
-            None => file.horizon_s,
-        };
+        let [_, longest] = file.horizon_bounds();
         let [from, to] = self.times();
         let (begin, end) = (from.max(0.0), to.min(longest));
         let least = SHORTEST * longest.min(file.horizon_s);

@@ -15,12 +15,7 @@ pub(super) fn boundary(
     tolerance: f64,
 ) -> Result<Vec<Row>> {
     let (file, duration) = (&scenario.file, trajectory.duration());
-    // As in a certificate.
-    let bounds = match file.free_horizon {
-        Some(free) => [free.shortest_s, free.longest_s],
-        None if file.objective.weighs_time() => [0.0, f64::INFINITY],
-        None => [file.horizon_s; 2],
-    };
+    let bounds = file.horizon_bounds();
     let mut horizon = Row::new(Check::Horizon, tolerance);
     let whole = Worst::between(duration, bounds, "s", duration);
     horizon.take(whole, || "duration".to_owned());

@@ -5,6 +5,7 @@ mod gantry;
 
 mod attacks;
 mod checker;
+mod points;
 mod search;
 mod table;
 
