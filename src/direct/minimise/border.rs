@@ -12,7 +12,7 @@ use crate::transcription::{Grid, place};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// A row that is linear in the unknowns of the border.
+/// A row that is linear in the unknowns of the border, or is so once its weight, the horizon, is multiplied into it.
 pub(super) struct LinearRow {
     pub value: f64,
     /// The slopes by the index of the unknown in the border, at most two, and that in each free horizon.
@@ -20,6 +20,14 @@ pub(super) struct LinearRow {
     of_whole: f64,
     /// The unit of the row: s, or the horizon.
     pub unit: f64,
+}
+
+/// The row of a bound of a horizon, a lower one with a negative sign, and its slope.
+fn bound_of_horizon(horizon: f64, bound: f64, sign: f64) -> (f64, f64) {
+    match sign > 0.0 {
+        true => (horizon / bound - 1.0, 1.0 / bound),
+        false => (bound / horizon - 1.0, -bound / horizon.powi(2)),
+    }
 }
 
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
@@ -78,28 +86,32 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 
     /// The rows that are linear in the unknowns of the border: those of times, then the two bounds of each free
     /// horizon, then those of the whole one.
+    ///
+    /// The lower bound $T_0$ of a horizon is $T_0 / T - 1 \le 0$. Rows have the weight `T`, and with $T_0 - T$ the
+    /// penalty $\nu T (T_0 - T)$ would fall towards $T = 0$.
     pub(super) fn linear_rows(&self) -> impl Iterator<Item = LinearRow> {
         let horizons = self.horizons.parts();
         let of_horizons = self.free.parts.iter().enumerate();
         let of_horizons = of_horizons.flat_map(|(k, (part, [shortest, longest]))| {
-            let (horizon, unit) = (horizons[*part], *longest);
-            let bounds = [
-                ((shortest - horizon) / unit, -1.0 / unit),
-                ((horizon - unit) / unit, 1.0 / unit),
-            ];
-            bounds.map(|(value, slope)| LinearRow {
-                value,
-                slopes: [Some((k, slope)), None],
-                of_whole: 0.0,
-                unit,
+            [(shortest, -1.0), (longest, 1.0)].map(|(bound, sign)| {
+                let (value, slope) = bound_of_horizon(horizons[*part], *bound, sign);
+                LinearRow {
+                    value,
+                    slopes: [Some((k, slope)), None],
+                    of_whole: 0.0,
+                    unit: *bound,
+                }
             })
         });
         let (horizon, share) = (self.horizons.whole(), self.horizons.share());
-        let of_whole = self.free.whole.iter().map(move |(bound, sign)| LinearRow {
-            value: sign * (horizon - bound) / bound,
-            slopes: [None; 2],
-            of_whole: sign * share / bound,
-            unit: *bound,
+        let of_whole = self.free.whole.iter().map(move |(bound, sign)| {
+            let (value, slope) = bound_of_horizon(horizon, *bound, *sign);
+            LinearRow {
+                value,
+                slopes: [None; 2],
+                of_whole: share * slope,
+                unit: *bound,
+            }
         });
         self.time_rows().chain(of_horizons).chain(of_whole)
     }

@@ -64,10 +64,13 @@ impl<'g, K: Constraint, P: CostWithControl> Program<'g, '_, K, P> {
             let first = self.points[window.points[end]?].first;
             Some(first + maximum.row - window.rows.start)
         };
-        if let Some(end) = [0, 1].into_iter().find(|end| {
-            let off = (time_s(maximum.time) - window.times_s[*end]).abs();
-            window.points[*end].is_some() && off <= 8.0 * f64::EPSILON * to.abs()
-        }) {
+        // Times are sums of intervals. An end that the window does not have has no point.
+        let is_at = |end: &usize| {
+            let time = window.times_s[*end];
+            let off = (time_s(maximum.time) - time).abs();
+            window.points[*end].is_some() && off <= 8.0 * f64::EPSILON * time
+        };
+        if let Some(end) = [0, 1].into_iter().find(is_at) {
             return [own(end), None];
         }
         let is_kept = |g: &usize| (from..=to).contains(&time_s(grid.times[*g]));
