@@ -25,6 +25,7 @@ use aghf::motion::Problem;
 use aghf::urdf::{LoadReport, Mimic, RobotSource, UrdfOptions};
 use sha2::{Digest, Sha256};
 use std::path::{Path, absolute};
+use std::sync::OnceLock;
 
 /// The SHA-256 of bytes, in hexadecimal digits.
 #[must_use]
@@ -64,6 +65,8 @@ pub struct Scenario {
     pub(super) period: Option<Period>,
     /// The constraints and the cost that no key can name.
     pub(super) own: OwnTerms,
+    /// The end of a goal that is a set to which motions are expected to be best, once it was searched for.
+    pub(super) aim: OnceLock<Option<Vec<f64>>>,
 }
 
 impl Scenario {
@@ -123,6 +126,7 @@ impl Scenario {
             phases,
             period,
             own,
+            aim: OnceLock::new(),
         })
     }
 

@@ -23,8 +23,22 @@ const DIFFERENT: f64 = 0.2;
 const DEGREE: usize = 16;
 
 impl Scenario {
-    /// The goal with the final configurations from which searches start, those with the least effort of the cubic to
-    /// them first; `None` if the goal is no set.
+    /// The final configuration by which the horizon and the units of an objective are measured: the one that is given,
+    /// or the first one of [a goal that is a set](Self::goal_with_ends); `None` if none is found.
+    pub(super) fn aim(&self) -> Option<&[f64]> {
+        if self.goal.is_none() {
+            return self.known_goal();
+        }
+        let search = || {
+            let goal = self.goal_with_ends().ok().flatten();
+            goal.map(|goal| goal.ends[0].q.clone())
+        };
+        self.aim.get_or_init(search).as_deref()
+    }
+
+    /// The goal with the final configurations from which searches start; `None` if the goal is no set. The first ones
+    /// are those with the least bound of the objective: of the duration at the limits of the joints if the horizon is
+    /// an unknown, then the nearest; the effort of the cubic to them otherwise.
     ///
     /// # Errors
     /// None is found for any alternative: they are out of reach, in collision, beyond the torques at rest, or the
@@ -33,7 +47,6 @@ impl Scenario {
         let Some(mut goal) = self.goal.clone() else {
             return Ok(None);
         };
-        let problem = self.problem()?;
         let (mut ends, mut refused) = (Vec::new(), None);
         for alternative in 0..goal.alternatives.len() {
             let key = self.key_of_goal(alternative);
@@ -42,8 +55,7 @@ impl Scenario {
             match self.ends_of(poses, rows, (&self.file.q_goal, &self.file.q_start), None)? {
                 Ok(found) => {
                     for q in found {
-                        let effort = effort_to(&problem, &q)?;
-                        ends.push((effort, GoalEnd { q, alternative }));
+                        ends.push((self.measure_of(&q)?, GoalEnd { q, alternative }));
                     }
                 }
                 Err(condition) => {
@@ -55,14 +67,28 @@ impl Scenario {
         if let (true, Some(error)) = (ends.is_empty(), refused) {
             return Err(error);
         }
-        ends.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        ends.sort_by(|([a, c], _), ([b, d], _)| a.total_cmp(b).then(c.total_cmp(d)));
         goal.ends = ends.into_iter().map(|(_, end)| end).collect();
         Ok(Some(goal))
     }
 
-    /// Different configurations in a set of poses with these rows, searched from a first guess and by whole turns as
-    /// close as possible to another configuration, or the reason why there is none. They are for the end, or for the
-    /// waypoint with this key.
+    /// The measures by which ends are compared before any search, the first one first.
+    fn measure_of(&self, end: &[f64]) -> Result<[f64; 2]> {
+        let free = self.file.free_horizon.is_some() || self.file.objective.weighs_time();
+        Ok(match free {
+            true => {
+                let least = self.least_horizon_to(Some(end));
+                let way = self.file.q_start.iter().zip(end);
+                let way: f64 = way.map(|(from, to)| (to - from).powi(2)).sum();
+                [least.map_or(0.0, |(.., least)| least), way]
+            }
+            false => [effort_to(&self.problem()?, end)?, 0.0],
+        })
+    }
+
+    /// Different configurations in a set of poses with these rows, or the reason why there is none. They are searched
+    /// from the configuration `near`, to which they are by whole turns as close as possible, and from a first guess,
+    /// for the end or for the waypoint with this key.
     pub(super) fn ends_of(
         &self,
         poses: &Goal,
@@ -82,7 +108,8 @@ impl Scenario {
         let mut found = Vec::<Vec<f64>>::new();
         let (mut refused, mut reason) = (0, None);
         let mut nearest: Option<(f64, Vec<f64>)> = None;
-        for guess in search.guesses(guess, 0).take(GUESSES) {
+        let guesses = search.guesses(guess, 0).take(GUESSES);
+        for guess in std::iter::once(near.to_vec()).chain(guesses) {
             let end = search.solve(&guess)?;
             if end.violation > InverseKinematics::<[AnyConstraint]>::TOLERANCE {
                 if nearest

@@ -1,7 +1,7 @@
 //! The keys of a scenario that change the objective of the direct method from least control effort between two states.
 
 use super::schema::one_of;
-use super::{IgnoredPair, Method, RobotShape, Scenario, ScenarioFile};
+use super::{Method, Scenario, ScenarioFile};
 use aghf::direct::FreeHorizon;
 use aghf::error::{Error, Result, plain};
 use aghf::model::Model;
@@ -307,49 +307,6 @@ impl Scenario {
     /// Refuses an objective that is incompatible with the other keys.
     pub(super) fn check_objective(&self) -> Result<()> {
         check_objective(&self.file, &self.model, &self.name)
-    }
-
-    /// The keys of this scenario that the method ignores, and the bodies that keep clear by default, in words.
-    pub(super) fn notes(&self, method: Method) -> Vec<String> {
-        let unnamed = |IgnoredPair {
-                           links: [a, b],
-                           reason,
-                       }: &IgnoredPair| {
-            format!(
-                "self_collision: links '{a}' and '{b}' {reason}, so they are not kept clear of each other"
-            )
-        };
-        let mut notes: Vec<_> = self.overlapping.iter().map(unnamed).collect();
-        notes.extend(self.kept_clear().map(str::to_owned));
-        let weighted = matches!(self.file.objective, Objective::Weights(_));
-        if method == Method::Flow && weighted {
-            let note = "objective: the published flow minimises the control effort alone";
-            notes.push(note.to_owned());
-        }
-        notes
-    }
-
-    /// The note on the bodies that keep clear of each other by default.
-    fn kept_clear(&self) -> Option<&'static str> {
-        let file = &self.file;
-        match (self.robot_shape(), &file.robot_shape, &file.self_collision) {
-            (RobotShape::JointFrames, None, _) if !file.obstacles.is_empty() => Some(
-                "robot_shape: the robot has no collision shapes, so only the origins of joint frames keep clear of \
-                 obstacles; \"swept_links\" takes its links with a radius",
-            ),
-            (RobotShape::Collision { .. }, None, None) => Some(
-                "robot_shape: the collision shapes of the robot keep clear of obstacles, and of each other but for \
-                 neighbours; \"joint_frames\" plans without them",
-            ),
-            (RobotShape::Collision { .. }, None, Some(_)) if !file.obstacles.is_empty() => Some(
-                "robot_shape: the collision shapes of the robot keep clear of obstacles; \"joint_frames\" plans \
-                 without them",
-            ),
-            (RobotShape::Collision { .. }, Some(_), None) => Some(
-                "self_collision: links keep clear of each other but for neighbours; \"off\" lets them overlap",
-            ),
-            _ => None,
-        }
     }
 
     /// Refuses keys that the method does not support: those of the direct method alone, and passive joints in the

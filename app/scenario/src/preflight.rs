@@ -47,6 +47,10 @@ fn rests(v: &[f64]) -> bool {
     v.iter().all(|v| *v == 0.0)
 }
 
+/// The largest accepted excess of a boundary state over a limit of its joint, rad or m: what the search accepts for a
+/// whole motion leaves it nothing to move with.
+const TOLERANCE_OF_ENDS: f64 = 0.5 * TOLERANCE;
+
 /// One boundary state of a motion.
 struct End<'a> {
     /// The keys of its position and of its velocity.
@@ -63,11 +67,16 @@ impl Scenario {
     /// and $(32 d / \bar\jmath)^{1/3}$. `None` if no joint with such a limit moves; a goal that is a set has no part.
     #[must_use]
     pub fn least_horizon(&self) -> Option<(usize, Limit, f64)> {
+        self.least_horizon_to(self.known_goal())
+    }
+
+    /// The same with another final configuration, or without one.
+    pub(super) fn least_horizon_to(&self, goal: Option<&[f64]>) -> Option<(usize, Limit, f64)> {
         let file = &self.file;
         let at_rest = rests(&file.v_start) && rests(&file.v_goal) && !file.free_final_velocity;
         let times = (0..self.model.dof()).flat_map(|i| {
             let most = |limit| self.bound(limit, i).map_or(f64::INFINITY, |[_, most]| most);
-            let way = self.way_of(i);
+            let way = self.way_of(i, goal);
             let (v, a, j) = (
                 most(Limit::Velocity),
                 most(Limit::Acceleration),
@@ -177,7 +186,11 @@ impl Scenario {
     fn check_state(&self, end: &End<'_>) -> Result<()> {
         let [q_key, v_key] = end.keys;
         self.check_bounds(Limit::Position, q_key, end.q)?;
-        self.check_bounds(Limit::Velocity, v_key, end.v.unwrap_or_default())
+        let Some(v) = end.v else {
+            return Ok(());
+        };
+        self.check_bounds(Limit::Velocity, v_key, v)?;
+        self.check_stopping(v_key, (end.q, v), v_key == "v_start")
     }
 
     /// Refuses a boundary state in collision, against a user-defined constraint, or at rest beyond the torques.
@@ -201,7 +214,7 @@ impl Scenario {
             let Some([lower, upper]) = self.bound(limit, i) else {
                 continue;
             };
-            if *x < lower - TOLERANCE || *x > upper + TOLERANCE {
+            if *x < lower - TOLERANCE_OF_ENDS || *x > upper + TOLERANCE_OF_ENDS {
                 let (name, what, unit) = (joint.name(), limit.name(), limit.unit(joint.kind()));
                 let in_degrees = x.abs() > TAU && (lower..=upper).contains(&x.to_radians());
                 let units = match unit {

@@ -54,7 +54,7 @@ pub(super) struct Search<'s, 'o> {
     /// Those of the scenario.
     pub constraints: Constraints<Vec<AnyConstraint>>,
     pub observe: &'o mut dyn FnMut(&Iteration),
-    started: Instant,
+    pub started: Instant,
     /// The reason why the last solve stopped early, if it did.
     stopped: Option<Stopped>,
     /// False if the last solve was not reached, or led to nothing better than the one before.
@@ -83,14 +83,14 @@ impl<'s, 'o> Search<'s, 'o> {
         match self.scenario.file.objective.preset() {
             None | Some(Preset::LeastEffort) => self.first(self.settings.clone()),
             Some(Preset::LeastTime) => self.least_time(),
-            Some(Preset::Balanced) => self.balanced(),
+            Some(Preset::Balanced) => self.to_ends(|search| search.balanced_to_end()),
         }
     }
 
     /// The first solve. A walk on a free horizon is first solved on the given one: from the longest horizon the search
     /// would shorten it at once, while feet are not yet at their places.
     fn first(&mut self, settings: DirectSettings) -> Result<DirectSolution> {
-        let problem = self.scenario.problem()?;
+        let problem = self.problem()?;
         let is_walk = !self.scenario.file.phases.is_empty();
         let Some(free) = settings.free_horizon.filter(|_| is_walk) else {
             return self.solve(&problem, settings);
@@ -118,8 +118,10 @@ impl<'s, 'o> Search<'s, 'o> {
 
     /// The motion of least time.
     pub fn least_time(&mut self) -> Result<DirectSolution> {
-        let (first, others) = self.faster()?;
-        Ok(self.whole(first, others))
+        self.to_ends(|search| {
+            let (first, others) = search.faster()?;
+            Ok(search.whole(first, others))
+        })
     }
 
     /// Motions each of which is faster than the one before: first one that weighs time as much as effort, then with a
@@ -129,8 +131,8 @@ impl<'s, 'o> Search<'s, 'o> {
         let ends = self.settings.goal.as_ref().map(|goal| &goal.ends[0].q);
         let goal = ends.unwrap_or(&scenario.file.q_goal);
         let unit = scenario.cost_of_straight(&mut scenario.running_cost()?, goal)?;
+        let mut weight_before = unit / scenario.unit_of_time(Some(goal));
         let mut settings = self.settings.clone();
-        let mut weight_before = unit / scenario.unit_of_time();
         settings.free_horizon = self.weighted(weight_before);
         settings.time_limit = settings
             .time_limit
@@ -183,7 +185,7 @@ impl<'s, 'o> Search<'s, 'o> {
     }
 
     /// The least effort within [`BALANCED`] times the least time, from the slowest of the motions that led to that.
-    fn balanced(&mut self) -> Result<DirectSolution> {
+    fn balanced_to_end(&mut self) -> Result<DirectSolution> {
         let (mut first, mut others) = self.faster()?;
         let fast = others.last().unwrap_or(&first);
         let is_least = self.complete;
@@ -220,9 +222,14 @@ impl<'s, 'o> Search<'s, 'o> {
 
     /// Returns true if a search continues from this motion: it is valid, and there is time.
     fn goes_on(&self, found: &DirectSolution) -> bool {
+        is_valid(found) && self.has_time()
+    }
+
+    /// Returns true if there is time for another solve.
+    pub fn has_time(&self) -> bool {
         let limit = self.settings.time_limit;
         let late = limit.is_some_and(|limit| self.started.elapsed() >= limit);
-        is_valid(found) && !late && !self.settings.interrupt.is_raised()
+        !late && !self.settings.interrupt.is_raised()
     }
 
     /// The least effort on a horizon of at most `longest`, from another motion stretched to `horizon`.
@@ -328,6 +335,19 @@ impl<'s, 'o> Search<'s, 'o> {
         })
     }
 
+    /// The problem with which a search begins: on a free horizon to an end of a goal that is a set, whatever
+    /// `horizon_s`.
+    fn problem(&self) -> Result<Problem<'s>> {
+        let problem = self.scenario.problem()?;
+        match (&self.settings.goal, self.settings.free_horizon) {
+            (Some(goal), Some(free)) if self.scenario.file.objective.weighs_time() => {
+                let first = self.scenario.first_horizon(&goal.ends[0].q);
+                problem.with_horizon(first.clamp(free.shortest, free.longest))
+            }
+            _ => Ok(problem),
+        }
+    }
+
     /// One solve of a problem of the scenario.
     fn solve(&mut self, problem: &Problem<'_>, settings: DirectSettings) -> Result<DirectSolution> {
         let found = Direct::new(problem)
@@ -342,7 +362,7 @@ impl<'s, 'o> Search<'s, 'o> {
 }
 
 /// Returns true if the motion keeps all constraints.
-fn is_valid(found: &DirectSolution) -> bool {
+pub(super) fn is_valid(found: &DirectSolution) -> bool {
     found.largest_violation <= DirectSettings::FEASIBLE
 }
 

@@ -20,6 +20,9 @@ const INTERVALS: usize = 64;
 const LONGEST: f64 = 10.0;
 const SHORTEST: f64 = 0.1;
 
+/// The shortest horizon that the objective chooses, s: the period of usual controllers.
+const SHORTEST_S: f64 = 1e-3;
+
 /// The weights of the duration and of the integrals of squares, in SI units.
 struct SiWeights {
     time: f64,
@@ -28,10 +31,16 @@ struct SiWeights {
 }
 
 impl Scenario {
-    /// The unit of time of a scaled objective, s: the [least horizon](Self::least_horizon), or else `horizon_s`.
-    pub(super) fn unit_of_time(&self) -> f64 {
-        self.least_horizon()
+    /// The unit of time of a scaled objective for a motion to `goal`, s: the [least horizon](Self::least_horizon), or
+    /// else `horizon_s`.
+    pub(super) fn unit_of_time(&self, goal: Option<&[f64]>) -> f64 {
+        self.least_horizon_to(goal)
             .map_or(self.file.horizon_s, |(.., time)| time)
+    }
+
+    /// The duration from which a search to an end of a goal that is a set begins, s.
+    pub(super) fn first_horizon(&self, end: &[f64]) -> f64 {
+        SLOWER * self.unit_of_time(Some(end))
     }
 
     /// The integral of a running cost along the straight motion from rest to rest to `goal`, `N` entries,
@@ -41,7 +50,7 @@ impl Scenario {
         cost: &mut impl CostWithControl,
         goal: &[f64],
     ) -> Result<f64> {
-        let (file, horizon) = (&self.file, SLOWER * self.unit_of_time());
+        let (file, horizon) = (&self.file, SLOWER * self.unit_of_time(Some(goal)));
         let ends = || file.q_start.iter().zip(goal);
         let along = |share: f64| ends().map(|(from, to)| share * (to - from)).collect();
         let mut sum = 0.0;
@@ -74,11 +83,11 @@ impl Scenario {
     /// The units of the terms of a scaled objective: the unit of time, and the integrals of $|u|^2$, $|v|^2$, $|a|^2$
     /// and $|\dot a|^2$ along the straight motion; one where that is zero, as without gravity between equal ends.
     fn units_of_squares(&self) -> Result<[f64; 4]> {
-        let horizon = SLOWER * self.unit_of_time();
-        let ends = self.file.q_start.iter().zip(&self.file.q_goal);
+        let goal = self.aim().unwrap_or(&self.file.q_goal);
+        let horizon = SLOWER * self.unit_of_time(Some(goal));
+        let ends = self.file.q_start.iter().zip(goal);
         let way: f64 = ends.map(|(from, to)| (to - from).powi(2)).sum();
-        let effort =
-            self.cost_of_straight(&mut ControlEffort::new(&self.model), &self.file.q_goal)?;
+        let effort = self.cost_of_straight(&mut ControlEffort::new(&self.model), goal)?;
         // The integrals of the squared derivatives of the quintic over [0, 1] are 10/7, 120/7 and 720.
         let [velocity, acceleration, jerk] = [
             10.0 / 7.0 * way / horizon,
@@ -101,7 +110,7 @@ impl Scenario {
         };
         let (time, squares) = match weights.units {
             Units::Si => (1.0, [1.0; 4]),
-            Units::Scaled => (self.unit_of_time(), self.units_of_squares()?),
+            Units::Scaled => (self.unit_of_time(self.aim()), self.units_of_squares()?),
         };
         let (integrals, dof) = (weights.integrals(), self.model.dof());
         let scaled = |i: usize| {
@@ -142,7 +151,8 @@ impl Scenario {
 
     /// The bounds of the horizon if it is an unknown: those of `free_horizon`, or the sums of those of the phases of a
     /// walk. Without these, if the objective weighs time, it is from the least horizon, or `horizon_s` if that is
-    /// shorter, to ten times the longer one of the two.
+    /// shorter, to ten times the longer one of the two. If the goal is a set, it is from a tenth of the least horizon
+    /// to the end that takes least, as others in the set may take less.
     #[must_use]
     pub fn horizon_bounds(&self) -> Option<HorizonBounds> {
         let file = &self.file;
@@ -159,9 +169,15 @@ impl Scenario {
             return file.free_horizon;
         }
         let given = file.horizon_s;
-        let least = self.least_horizon().map(|(.., least)| least);
+        let least = self.least_horizon_to(self.aim()).map(|(.., least)| least);
+        let shortest = match least {
+            Some(least) if self.goal.is_some() => SHORTEST * least,
+            Some(least) => least,
+            None if self.is_at(self.aim()) => SHORTEST_S,
+            None => SHORTEST * given,
+        };
         Some(HorizonBounds {
-            shortest_s: least.unwrap_or(SHORTEST * given).min(given),
+            shortest_s: shortest.max(SHORTEST_S).min(given),
             longest_s: LONGEST * least.unwrap_or(given).max(given),
         })
     }

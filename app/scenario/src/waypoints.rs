@@ -112,13 +112,22 @@ impl Scenario {
         known.next().unwrap_or(&self.file.q_goal)
     }
 
-    /// The distance that a joint covers from the start through all waypoints that are configurations to the goal,
-    /// unless that is a set, rad or m.
-    pub(super) fn way_of(&self, joint: usize) -> f64 {
-        let file = &self.file;
-        let points = file.waypoints.iter().filter_map(|point| point.q.as_ref());
+    /// The final configuration, unless the goal is a set.
+    pub(super) fn known_goal(&self) -> Option<&[f64]> {
         let known = self.goal.is_none() && self.period.is_none();
-        let goal = known.then_some(&file.q_goal);
+        known.then_some(&self.file.q_goal)
+    }
+
+    /// Returns true if all waypoints that are configurations, and the final one, are the start.
+    pub(super) fn is_at(&self, goal: Option<&[f64]>) -> bool {
+        (0..self.model.dof()).all(|joint| self.way_of(joint, goal) == 0.0)
+    }
+
+    /// The distance that a joint covers from the start through all waypoints that are configurations to a final one, if
+    /// that is known, rad or m.
+    pub(super) fn way_of(&self, joint: usize, goal: Option<&[f64]>) -> f64 {
+        let file = &self.file;
+        let points = file.waypoints.iter().filter_map(|point| point.q.as_deref());
         let (mut before, mut way) = (file.q_start[joint], 0.0);
         for q in points.chain(goal) {
             way += (q[joint] - before).abs();

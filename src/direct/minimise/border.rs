@@ -167,11 +167,11 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         self.first_of_points..last
     }
 
-    /// The indices of the equalities, or of the other rows, of points.
-    pub(super) fn rows_of_points(&self, equalities: bool) -> impl Iterator<Item = usize> {
+    /// The indices of the inequalities of points.
+    pub(super) fn inequalities_of_points(&self) -> impl Iterator<Item = usize> {
         let held = self.points.iter().flat_map(|point| &point.equalities);
         let rows = self.range_of_points().zip(held);
-        rows.filter_map(move |(at, held)| (*held == equalities).then_some(at))
+        rows.filter_map(|(at, held)| (!held).then_some(at))
     }
 
     /// The index of the first row that is linear in times and horizon.
@@ -233,7 +233,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 
     /// Adds the derivatives of the rows of points to gradient and condensed matrix.
     pub(super) fn add_points(&mut self, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
-        let (grid, measure) = (self.grid.clone(), self.horizons.whole());
+        let (grid, measure) = (self.grid.clone(), self.measure_of_points);
         for (point, (place, of)) in self.of_points(iterate)?.into_iter().enumerate() {
             place.add_hessian(&grid, &of, measure, &mut out.hessian.matrix);
             place.scatter(&grid, &of.gradient, 0, measure, out.gradient.as_mut_slice());
@@ -258,10 +258,9 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     ///
     /// The configuration $q = \sum_m \phi_m(\tau) c_m$ and its slope are bilinear in functions and coefficients: their
     /// second derivatives in a coefficient and the time are $\phi_m'$ and $\phi_m''$. The horizon moves the coefficients
-    /// of the boundary velocities, and is the measure of the rows; that of a part moves its slopes, and the measure is
-    /// the mean of all.
+    /// of the boundary velocities; that of a part moves its slopes.
     fn add_border_of(&self, point: usize, (place, of): (&Place, &PointDerivatives), out: &mut Kkt) {
-        let (grid, measure) = (&self.grid, self.horizons.whole());
+        let (grid, measure) = (&self.grid, self.measure_of_points);
         let own = out.gradient.len() - self.border();
         let part = self.horizons.part(place.segment, grid.segments);
         let mut parts = self.free.parts.iter();
@@ -294,17 +293,6 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             place.scatter(grid, &of.of_multipliers, 1, measure, column.as_mut_slice());
             hessian.corner[(k, k)] += measure * of.of_multipliers.dot(&pair(&place.q, 2));
         }
-        let share = self.horizons.share();
-        for k in 0..self.free.parts.len() {
-            gradient[own + k] += share * of.cost;
-            let mut column = hessian.border.column_mut(k);
-            place.scatter(grid, &of.gradient, 0, share, column.as_mut_slice());
-            if let Some((j, by)) = &in_horizon {
-                let both = share * of.gradient.dot(by);
-                hessian.corner[(k, *j)] += both;
-                hessian.corner[(*j, k)] += both;
-            }
-        }
         if let Some((k, _)) = in_horizon {
             if let Some(at) = &at_time {
                 let mut column = hessian.border.column_mut(k);
@@ -322,9 +310,9 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
                     column.as_mut_slice(),
                 );
             }
-            if let Some((j, by)) = in_time {
+            if let Some((j, _)) = in_time {
                 let late = pair(&rates, 1);
-                let both = measure * of.of_multipliers.dot(&late) + of.gradient.dot(&by);
+                let both = measure * of.of_multipliers.dot(&late);
                 hessian.corner[(k, j)] += both;
                 hessian.corner[(j, k)] += both;
             }

@@ -136,6 +136,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         .map(|goal| &goal.alternatives[candidate.alternative][..]);
     program.add_goal_and_waypoints(&settings.waypoints, goal);
     program.add_windows(&rows.constraints);
+    program.stiffen_points()?;
     if let Some(period) = &settings.period {
         program.set_period(period);
     }

@@ -1,7 +1,9 @@
 //! The rows of a waypoint, and of a goal on the final configuration.
 
+use super::program::Program;
 use super::rate_rows::RateRows;
 use crate::constraint::{AnyConstraint, Constraint, Evaluator, Weights};
+use crate::cost::CostWithControl;
 use crate::curve::Basis;
 use crate::direct::Waypoint;
 use crate::error::Result;
@@ -10,6 +12,9 @@ use crate::nlp::Term;
 use crate::transcription::{Horizons, functions_in_part};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
+
+/// The least norm of the rows of a goal or of a waypoint at the start by which their penalty is scaled, in m and rad.
+const LEAST_OFF: f64 = 0.01;
 
 /// The rows of constraints on the configuration at one time, equalities on single entries of it or of the slope, and
 /// rates of equalities, divided by their scales. They follow those of the points of the quadrature.
@@ -33,6 +38,8 @@ pub(super) struct PointRows<'g> {
     is_idle: bool,
     /// True for each equality.
     pub equalities: Vec<bool>,
+    /// The factor of the first penalty of equalities.
+    pub stiffness: f64,
     /// The values at the last evaluation.
     pub h: Vec<f64>,
     /// The state of the last evaluation, at rest.
@@ -56,7 +63,6 @@ pub(super) struct Place {
 
 /// The derivatives of weighted rows in $(q, q')$, the configuration and the slope, without the measure.
 pub(super) struct PointDerivatives {
-    pub cost: f64,
     /// The gradient with the slopes of the rows, `2 N` entries.
     pub gradient: DVector<f64>,
     /// The same with the multipliers, for the second derivatives of the curve.
@@ -127,6 +133,7 @@ impl<'g> PointRows<'g> {
             time_s: None,
             rate: 0.0,
             is_idle: false,
+            stiffness: 1.0,
             first,
         }
     }
@@ -184,6 +191,28 @@ impl<'g> PointRows<'g> {
         self.first..self.first + self.h.len()
     }
 
+    /// The first penalties of equalities by the indices of their rows; `first` is that of rows which are one at the
+    /// start.
+    pub fn penalties(&self, first: f64) -> impl Iterator<Item = (usize, f64)> {
+        let rows = self.range().zip(&self.equalities);
+        let held = rows.filter(|(_, held)| **held);
+        held.map(move |(at, _)| (at, self.stiffness * first))
+    }
+
+    /// Makes the penalty of equalities stiffer if the start of the motion nearly keeps them: on a free horizon a motion
+    /// that stays there in no time costs nothing but this penalty, which is the square of little.
+    fn stiffen(&mut self, start: &Place) -> Result<()> {
+        self.evaluate(start)?;
+        let held = self
+            .h
+            .iter()
+            .zip(&self.equalities)
+            .filter(|(_, held)| **held);
+        let off: f64 = held.map(|(h, _)| h * h).sum();
+        self.stiffness = off.clamp(LEAST_OFF.powi(2), 1.0).recip();
+        Ok(())
+    }
+
     /// Computes the rows at a place of a curve.
     pub fn evaluate(&mut self, place: &Place) -> Result<()> {
         let n = self.state.len() / 2;
@@ -235,7 +264,6 @@ impl<'g> PointRows<'g> {
         let (rows, n) = (self.scales.len(), self.state.len() / 2);
         let [mut slopes, mut multipliers, mut curvatures] = [(); 3].map(|()| vec![0.0; rows]);
         let mut out = PointDerivatives {
-            cost: 0.0,
             gradient: DVector::zeros(2 * n),
             of_multipliers: DVector::zeros(2 * n),
             hessian: DMatrix::zeros(2 * n, 2 * n),
@@ -244,7 +272,6 @@ impl<'g> PointRows<'g> {
         let first_linear = self.h.len() - self.linear.len();
         for (at, term) in terms {
             let row = at - self.first;
-            out.cost += term.cost;
             if self.is_idle {
                 continue;
             }
@@ -308,6 +335,38 @@ impl<'g> PointRows<'g> {
                 let own = both.hessian().view((i * n, j * n), (n, n));
                 let mut to = out.hessian.view_mut((i * n, j * n), (n, n));
                 to += own * (factors[i] * factors[j]);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<'g, K: Constraint, P: CostWithControl> Program<'g, '_, K, P> {
+    /// Adds the rows of waypoints and of a goal.
+    pub fn add_goal_and_waypoints(
+        &mut self,
+        waypoints: &'g [Waypoint],
+        goal: Option<&'g [AnyConstraint]>,
+    ) {
+        let mut first = self.first_of_points;
+        for waypoint in waypoints {
+            let of_waypoint = PointRows::of_waypoint(self.model, waypoint, first);
+            first = of_waypoint.range().end;
+            self.points.push(of_waypoint);
+        }
+        let of_goal = goal.map(|goal| PointRows::of_goal(self.model, goal, first));
+        self.points.extend(of_goal);
+        let unknown = waypoints.iter().map(|waypoint| waypoint.share.is_none());
+        let unknown = unknown.enumerate().filter(|(_, unknown)| *unknown);
+        self.moving = unknown.map(|(k, _)| k).collect();
+        self.count_margins();
+    }
+    /// Scales the penalties of a goal and of waypoints on a free horizon by their distance from the start.
+    pub fn stiffen_points(&mut self) -> Result<()> {
+        if self.free.is_whole(&self.horizons) {
+            let start = Place::new(&self.basis, &self.coefficients, 0.0, &self.horizons);
+            for point in &mut self.points {
+                point.stiffen(&start)?;
             }
         }
         Ok(())

@@ -7,10 +7,10 @@ use super::point_rows::PointRows;
 use super::windows::Window;
 use super::working_set::{WorkingSet, equalities};
 use super::{Candidate, Context, Stage};
-use crate::constraint::{AnyConstraint, Constraint};
+use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::curve::Basis;
-use crate::direct::{Period, SearchOptions, Waypoint};
+use crate::direct::{Period, SearchOptions};
 use crate::error::Result;
 use crate::model::Model;
 use crate::motion::{Problem, Watch};
@@ -50,6 +50,9 @@ pub(in crate::direct) struct Program<'g, 'a, K, P> {
     /// The rows of the waypoints, those of a goal and those of ends, and the index of the first one among all rows.
     pub(super) points: Vec<PointRows<'g>>,
     pub(super) first_of_points: usize,
+    /// The factor of the weights of these rows: the horizon at the beginning. With the current one the penalty of a
+    /// goal would vanish with the horizon, and a search could shrink to a motion that goes nowhere in no time.
+    pub(super) measure_of_points: f64,
     pub(super) windows: Vec<Window>,
     /// The rows that are at their bounds at the start, and at the end.
     pub(super) rows_of_ends: [Vec<usize>; 2],
@@ -117,6 +120,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             points: Vec::new(),
             windows: Vec::new(),
             first_of_points: points * rows.count(),
+            measure_of_points: candidate.horizons.whole(),
             rows_of_ends: Default::default(),
             times: candidate.times.clone(),
             moving: Vec::new(),
@@ -147,26 +151,6 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         program
     }
 
-    /// Adds the rows of waypoints and of a goal.
-    pub fn add_goal_and_waypoints(
-        &mut self,
-        waypoints: &'g [Waypoint],
-        goal: Option<&'g [AnyConstraint]>,
-    ) {
-        let mut first = self.first_of_points;
-        for waypoint in waypoints {
-            let of_waypoint = PointRows::of_waypoint(self.model, waypoint, first);
-            first = of_waypoint.range().end;
-            self.points.push(of_waypoint);
-        }
-        let of_goal = goal.map(|goal| PointRows::of_goal(self.model, goal, first));
-        self.points.extend(of_goal);
-        let unknown = waypoints.iter().map(|waypoint| waypoint.share.is_none());
-        let unknown = unknown.enumerate().filter(|(_, unknown)| *unknown);
-        self.moving = unknown.map(|(k, _)| k).collect();
-        self.count_margins();
-    }
-
     /// Makes the ends unknowns of a periodic motion; after [`add_goal_and_waypoints`](Self::add_goal_and_waypoints).
     pub fn set_period(&mut self, period: &Period) {
         let matrix = self.derivatives.hessian.clone();
@@ -181,6 +165,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         self.coefficients.copy_from(&path.coefficients);
         path.rates_in(problem, &mut self.rates);
         self.horizons.assign(&candidate.horizons);
+        self.measure_of_points = candidate.horizons.whole();
         self.objective.set_rates(&self.rates);
         let rows = &mut self.objective.cost_mut().rows;
         rows.near.release();
@@ -334,12 +319,16 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
     }
 
     fn has_parts(&self) -> bool {
-        self.horizons.parts().len() > 1
+        let own = !self.free.parts.is_empty() && !self.points.is_empty();
+        own || self.horizons.parts().len() > 1
     }
 
     fn measure_of(&self, x: &DVector<f64>, row: usize) -> f64 {
-        if row >= self.first_of_points {
+        if row >= self.first_of_border() {
             return self.measure(x);
+        }
+        if row >= self.first_of_points {
+            return self.measure_of_points;
         }
         let segment = row / self.objective.cost().rows.count() / self.grid.points();
         self.horizon_at(x, self.horizons.part(segment, self.grid.segments))
@@ -356,10 +345,11 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
     fn equalities(&self, density: f64) -> Vec<Equality> {
         let (rows, factor) = (&self.objective.cost().rows, self.equality_penalty);
         let mut all = equalities(&self.grid, rows, &self.search, [density, factor]);
-        all.extend(self.rows_of_points(true).map(|at| {
-            let first = self.search.point_penalty * density;
-            Equality::new(Row { at, weight: 1.0 }, first, factor)
-        }));
+        let first = self.search.point_penalty * density;
+        let of_points = self.points.iter().flat_map(|point| point.penalties(first));
+        all.extend(
+            of_points.map(|(at, first)| Equality::new(Row { at, weight: 1.0 }, first, factor)),
+        );
         all
     }
 
@@ -367,7 +357,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let fixed = self.fixed_ends();
         let rows = &mut self.objective.cost_mut().rows;
         self.working.list(&self.grid, rows, fixed, h, all);
-        let of_points = self.rows_of_points(false);
+        let of_points = self.inequalities_of_points();
         let of_border = self.first_of_border()..h.len();
         all.extend(of_points.chain(of_border).map(|at| Row { at, weight: 1.0 }));
     }

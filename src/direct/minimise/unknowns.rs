@@ -8,6 +8,9 @@ use crate::cost::CostWithControl;
 use crate::nlp::{Bordered, Iterate, Kkt};
 use nalgebra::{DMatrix, DVector};
 
+/// The least mean square of slopes in the norm of the times of waypoints, rad^2: that of a motion by a milliradian.
+const LEAST_SQUARE_SLOPE: f64 = 1e-6;
+
 /// The functions with free coefficients: slope and value at the start of a periodic motion, those whose coefficients
 /// are the first unknowns, and slope and value at the end, which follow from those at the start.
 fn parts(free: &[usize], is_periodic: bool) -> [&[usize]; 3] {
@@ -61,7 +64,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// Sets the diagonal of the norm of steps of the border.
     fn norm_of_border(&self, corner: &mut DMatrix<f64>) {
         if !self.moving.is_empty() {
-            corner.fill_diagonal(self.mean_square_slope());
+            // A curve that stays where it is has no slope.
+            corner.fill_diagonal(self.mean_square_slope().max(LEAST_SQUARE_SLOPE));
         }
         for (k, (part, _)) in self.free.parts.iter().enumerate() {
             corner[(k, k)] = self.horizons.share() * self.horizons.parts()[*part].powi(-2);

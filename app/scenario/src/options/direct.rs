@@ -2,14 +2,14 @@
 
 use super::{PASSIVE_BASIS, PASSIVE_ITERATIONS, PASSIVE_STARTS, starts_of, time_limit};
 use crate::schema::one_of;
-use crate::{Continuous, Scenario};
+use crate::{Continuous, Preset, Scenario};
 use aghf::direct::{DirectSettings, PlannedStarts, SearchOptions};
 use aghf::error::Result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The number of starts by default if the goal is a set, so that several of its ends are tried.
-const GOAL_STARTS: usize = 6;
+const GOAL_STARTS: usize = 12;
 
 /// The degree of the polynomial of each phase of a walk: with 10 the effort of ten steps of a humanoid is 2 to 5 %
 /// less, and one of three walks ends at no motion.
@@ -94,7 +94,11 @@ impl DirectOptions {
             // A straight line through an obstacle rarely leads around it within equalities.
             default.planned_starts = PlannedStarts::First;
         }
-        if scenario.goal.is_some() {
+        let compares_ends = matches!(
+            scenario.file.objective.preset(),
+            Some(Preset::LeastTime | Preset::Balanced)
+        );
+        if scenario.goal.is_some() && !compares_ends {
             default.starts = default.starts.max(GOAL_STARTS);
         }
         Ok(DirectSettings {

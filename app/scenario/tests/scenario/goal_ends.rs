@@ -9,7 +9,7 @@ use aghf_scenario::{Details, DirectOptions, Scenario, Solve};
 use nalgebra::{Rotation3, UnitQuaternion};
 use serde_json::{Value, json};
 
-const TOOL: &str = "end_effector_link";
+pub const TOOL: &str = "end_effector_link";
 const REACHED: [f64; 7] = [1.0, 0.5, 0.3, 1.2, 0.4, 0.7, -0.5];
 
 fn pose(model: &Model, frame: &str, q: &[f64]) -> Placement<f64> {
@@ -21,14 +21,14 @@ fn pose(model: &Model, frame: &str, q: &[f64]) -> Placement<f64> {
 }
 
 /// The keys of the pose of a frame at a configuration of Kinova.
-fn pose_at(q: &[f64]) -> Value {
+pub fn pose_at(q: &[f64]) -> Value {
     let model = aghf::urdf::builtin_robot("kinova_gen3").expect("built in");
     let at = pose(&model, TOOL, q);
     let turn = UnitQuaternion::from(Rotation3::from_matrix_unchecked(at.rotation));
     json!({ "frame": TOOL, "position_m": at.translation.as_slice(), "orientation_xyzw": turn.coords.as_slice() })
 }
 
-fn kinova(goal: Value) -> Value {
+pub fn kinova(goal: Value) -> Value {
     json!({
         "robot": "kinova_gen3", "horizon_s": 2.0,
         "q_start": [0.0, 0.5, 0.0, 1.0, 0.0, 0.5, 0.0], "v_start": [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],

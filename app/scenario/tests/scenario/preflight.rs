@@ -12,7 +12,7 @@ use aghf_scenario::{
 use serde_json::{Value, json};
 
 /// A motion of Kinova that has a solution.
-fn kinova() -> Value {
+pub fn kinova() -> Value {
     json!({
         "robot": "kinova_gen3", "robot_shape": "joint_frames", "horizon_s": 2.0,
         "q_start": [0.0, 0.5, 0.0, 1.0, 0.0, 0.5, 0.0], "v_start": [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -21,14 +21,14 @@ fn kinova() -> Value {
 }
 
 /// Seven zeros but for one entry.
-fn entry(i: usize, x: f64) -> Value {
+pub fn entry(i: usize, x: f64) -> Value {
     let mut entries = [0.0; 7];
     entries[i] = x;
     json!(entries)
 }
 
 /// The reason for which a scenario is refused, if any.
-fn refusal(scenario: &Value) -> Option<String> {
+pub fn refusal(scenario: &Value) -> Option<String> {
     let scenario = load("preflight", scenario).unwrap_or_else(|e| panic!("{e}"));
     let error = scenario.check_feasible().err()?.to_string();
     let rest = error.strip_prefix("preflight: ");
@@ -164,6 +164,21 @@ fn horizons_that_are_too_short_are_refused_with_the_least() {
     let jumping = load("jumping", &far(jumping)).expect_err("a jump has no jerk");
     let words = "enforced_limits.jerk: the continuity is 'velocity'";
     assert!(jumping.to_string().contains(words), "{jumping}");
+}
+
+/// An end may be outside by rounding, and not by as much as the search accepts for a whole motion.
+#[test]
+fn an_end_beyond_a_limit_leaves_something_to_move_with() {
+    let bent = |by: f64| refusal(&with(kinova(), json!({ "q_start": entry(1, 2.25 + by) })));
+    assert_eq!(bent(1e-7), None);
+    for by in [1e-6, 2e-6] {
+        assert!(
+            bent(by)
+                .expect("refused")
+                .contains("enforced position limits"),
+            "{by}"
+        );
+    }
 }
 
 #[test]

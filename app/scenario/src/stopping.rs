@@ -1,0 +1,61 @@
+//! Velocities at the ends of a motion with which no motion stays within the limits of positions.
+
+use super::feasibility::three_digits;
+use super::{Limit, Scenario};
+use aghf::direct::DirectSettings;
+use aghf::error::{Error, Result, plain};
+
+/// The tolerance of velocities and distances, as in the search.
+const TOLERANCE: f64 = DirectSettings::FEASIBLE;
+
+impl Scenario {
+    /// Refuses velocities `v` at the start with which a joint cannot stop before a limit of its position: outwards at
+    /// the limit, or with a distance $v^2 / (2 \bar a)$ at the limit of acceleration beyond what is left; and velocities
+    /// at the end that a joint cannot have reached, the same backwards in time.
+    pub(super) fn check_stopping(
+        &self,
+        v_key: &str,
+        (q, v): (&[f64], &[f64]),
+        is_start: bool,
+    ) -> Result<()> {
+        for (i, joint) in self.model.joints().iter().enumerate() {
+            let Some([lower, upper]) = self.bound(Limit::Position, i) else {
+                continue;
+            };
+            let is_upwards = (v[i] > 0.0) == is_start;
+            let (room, bound, side) = match is_upwards {
+                true => (upper - q[i], upper, "upper"),
+                false => (q[i] - lower, lower, "lower"),
+            };
+            let most = self
+                .bound(Limit::Acceleration, i)
+                .map_or(f64::INFINITY, |[_, most]| most);
+            let distance = v[i].powi(2) / (2.0 * most);
+            if v[i].abs() <= TOLERANCE || (room > TOLERANCE && distance <= room + TOLERANCE) {
+                continue;
+            }
+            let unit = Limit::Position.unit(joint.kind());
+            let (name, [q, v, bound]) = (joint.name(), [q[i], v[i], bound].map(plain));
+            let lacks = match most.is_finite() {
+                true => {
+                    let [distance, room] =
+                        [distance, room.max(0.0)].map(|x| three_digits(x, f64::round));
+                    format!(
+                        "it needs {distance} {unit} at its enforced acceleration limit, {room} {unit} are left"
+                    )
+                }
+                false => "no motion stays within it".to_owned(),
+            };
+            let does = match is_start {
+                true => "moves towards",
+                false => "comes from",
+            };
+            let speed = Limit::Velocity.unit(joint.kind());
+            let condition = format!(
+                "joint '{name}' at {q} {unit} with {v} {speed} {does} its {side} position limit of {bound} {unit}: {lacks}"
+            );
+            return Err(Error::input(&self.name, v_key, condition));
+        }
+        Ok(())
+    }
+}
