@@ -1,14 +1,15 @@
 //! Models of robots in the types of `urdf-rs`.
 
+use super::limits::limits_of;
 use super::reroot::reroot;
-use super::shapes::{collision_name, convert_shape};
+use super::shapes::{collision_name, convert_shape, has_no_extent};
 use super::tree::{Visit, walk};
 use super::{LoadNote, LoadReport, Mimic, UrdfOptions};
 use crate::error::{Error, Result, plain};
 use crate::model::{Carrier, Collision, Frame, JointKind, JointSpec, Limits, Model};
 use crate::spatial::{Inertia, Placement};
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use urdf_rs::{Dynamics, Joint, JointLimit, JointType, Link, Pose, Robot};
+use urdf_rs::{Dynamics, Joint, JointType, Link, Pose, Robot};
 
 impl TryFrom<&Robot> for Model {
     type Error = Error;
@@ -154,6 +155,13 @@ impl Builder<'_> {
     ) -> Result<()> {
         for (i, collision) in link.collision.iter().enumerate() {
             let name = collision_name(collision.name.as_deref(), i);
+            if has_no_extent(&collision.geometry) {
+                self.report.push(LoadNote::NoExtent {
+                    link: link.name.clone(),
+                    shape: name,
+                });
+                continue;
+            }
             let element = || format!("link '{}': {name}", link.name);
             let shape = convert_shape(&collision.geometry, &self.options.packages);
             self.collisions.push(Collision {
@@ -225,7 +233,23 @@ impl Builder<'_> {
         convert_pose(pose).map_err(|condition| self.error(element(), condition))
     }
 
-    /// The kind of a joint; `None` for a fixed one.
+    /// Holds a joint of several degrees of freedom, or refuses it.
+    fn held(&mut self, joint: &Joint, kind: &'static str) -> Result<Option<JointKind>> {
+        if !self.options.hold {
+            let condition = format!(
+                "{kind} joints are not supported, as every joint has one axis: the keys \"srdf\" and \"group\", of \
+                 joints without it, hold it (in code: UrdfOptions::hold), and so does type=\"fixed\" in the file"
+            );
+            return Err(self.error(format!("joint '{}'", joint.name), condition));
+        }
+        self.report.push(LoadNote::Held {
+            joint: joint.name.clone(),
+            kind,
+        });
+        Ok(None)
+    }
+
+    /// The kind of a joint; `None` for one that is fixed or held.
     fn kind(&mut self, joint: &Joint) -> Result<Option<JointKind>> {
         let refuse = |why: &str| Err(self.error(format!("joint '{}'", joint.name), why));
         let kind = match joint.joint_type {
@@ -233,15 +257,9 @@ impl Builder<'_> {
             JointType::Continuous => JointKind::Continuous,
             JointType::Prismatic => JointKind::Prismatic,
             JointType::Fixed => return Ok(None),
-            JointType::Floating => {
-                return refuse("floating joints are not supported: the base is fixed");
-            }
-            JointType::Planar => {
-                return refuse("planar joints are not supported: every joint has one axis");
-            }
-            JointType::Spherical => {
-                return refuse("spherical joints are not supported: every joint has one axis");
-            }
+            JointType::Floating => return self.held(joint, "floating"),
+            JointType::Planar => return self.held(joint, "planar"),
+            JointType::Spherical => return self.held(joint, "spherical"),
         };
         let Some(mimic) = &joint.mimic else {
             return Ok(Some(kind));
@@ -263,6 +281,11 @@ impl Builder<'_> {
         }
     }
 
+    fn limits(&mut self, joint: &Joint, kind: JointKind) -> Result<Limits> {
+        limits_of(joint, kind, &mut self.report)
+            .map_err(|condition| self.error(format!("joint '{}'", joint.name), condition))
+    }
+
     /// The normalised axis.
     fn axis(&self, joint: &Joint) -> Result<Vector3<f64>> {
         let axis = Vector3::from(joint.axis.xyz.0);
@@ -281,69 +304,6 @@ impl Builder<'_> {
             axis
         } else {
             scaled / length
-        })
-    }
-
-    fn limits(&mut self, joint: &Joint, kind: JointKind) -> Result<Limits> {
-        let JointLimit {
-            lower,
-            upper,
-            velocity,
-            effort,
-            ..
-        } = joint.limit;
-        let all = [lower, upper, velocity, effort];
-        if all.iter().all(|x| *x == 0.0) {
-            if kind != JointKind::Continuous {
-                self.report.push(LoadNote::Unlimited {
-                    joint: joint.name.clone(),
-                });
-            }
-            return Ok(Limits::NONE);
-        }
-        let file = self.file;
-        let refuse = |why: String| Err(Error::input(file, format!("joint '{}'", joint.name), why));
-        if all.iter().any(|x| x.is_nan()) {
-            return refuse("a limit is not a number".to_owned());
-        }
-        for (what, most) in [("velocity", velocity), ("effort", effort)] {
-            if most < 0.0 {
-                return refuse(format!("its {what} limit is negative: {}", plain(most)));
-            }
-        }
-        let mut known = |attribute, most: f64| {
-            if most > 0.0 {
-                return most;
-            }
-            self.report.push(LoadNote::ZeroLimit {
-                joint: joint.name.clone(),
-                attribute,
-            });
-            f64::INFINITY
-        };
-        let (velocity, effort) = (known("velocity", velocity), known("effort", effort));
-        let (lower, upper) = match kind {
-            JointKind::Continuous => (f64::NEG_INFINITY, f64::INFINITY),
-            JointKind::Revolute | JointKind::Prismatic => (lower, upper),
-        };
-        let ends = [lower, upper].map(plain);
-        if lower > upper {
-            return refuse(format!(
-                "its lower limit {} is above its upper limit {}",
-                ends[0], ends[1]
-            ));
-        }
-        if lower == f64::INFINITY || upper == f64::NEG_INFINITY {
-            return refuse(format!(
-                "no position is within its limits {} and {}",
-                ends[0], ends[1]
-            ));
-        }
-        Ok(Limits {
-            lower,
-            upper,
-            velocity,
-            effort,
         })
     }
 }

@@ -5,71 +5,145 @@
 //! elements, materials, sensors and plugins are ignored here.
 
 use super::shapes::collision_name;
+use super::xml::{child, elements, mended, named, number, numbers, optional, required};
+use super::{LoadNote, LoadReport};
 use crate::error::{Error, Result};
 use roxmltree::{Document, Error as XmlError, Node};
 use urdf_rs::{
     Axis, Collision, Dynamics, Geometry, Inertia, Inertial, Joint, JointLimit, JointType, Link,
-    LinkName, Mass, Mimic, Pose, Robot, Vec3,
+    LinkName, Mass, Mimic, Pose, Robot, SafetyController, Vec3,
 };
 
+/// A robot as far as the text of its URDF can be read.
+#[derive(Debug)]
+pub struct Elements {
+    /// The robot. An empty link or a fixed joint at the origin of its parent stands in for one with a fault.
+    pub robot: Robot,
+    /// The notes on what was left out or completed.
+    pub notes: LoadReport,
+    /// The faults of links and joints, in the order of the text.
+    pub faults: Vec<Error>,
+}
+
 /// Reads the `robot` element in `text`: links with their inertias and collision elements, and joints. Losses and limits
-/// of acceleration and jerk that are not numbers become NaN. `file` names the text in errors.
+/// of acceleration and jerk that are not numbers become NaN. Elements and attributes with a prefix are left out,
+/// whether it is declared or not. `file` names the text in errors.
 ///
 /// # Errors
 /// The text is not such an element, or another attribute is missing or not a number. The error names the link or joint.
 pub fn read_robot(text: &str, file: &str) -> Result<Robot> {
-    let refuse = |condition: String| {
-        let condition = format!("not a valid URDF: {condition}");
-        Err(Error::input(file, "robot", condition))
-    };
-    if text.trim_start().starts_with('{') {
-        return refuse("it is JSON, such as a scenario, and no XML".to_owned());
-    }
-    let document = match Document::parse(text) {
-        Ok(document) => document,
-        Err(error @ (XmlError::UnclosedRootNode | XmlError::NoRootNode)) => {
-            let line = 1 + text.trim_end().matches('\n').count();
-            return refuse(format!("{error}: the text ends at line {line}"));
+    Ok(Elements::read(text, file)?.whole()?.0)
+}
+
+impl Elements {
+    /// Reads as [`read_robot`] does, past the faults of links and joints.
+    ///
+    /// # Errors
+    /// The text is no `robot` element, or has a command of xacro.
+    pub fn read(text: &str, file: &str) -> Result<Self> {
+        if text.trim_start().starts_with('{') {
+            let condition = "it is JSON, such as a scenario, and no XML";
+            return Err(invalid(file, condition.to_owned()));
         }
-        Err(error) => return refuse(error.to_string()),
-    };
-    let root = document.root_element();
-    let kind = root.tag_name().name();
-    if kind != "robot" {
-        return refuse(format!("the root element is '{kind}'"));
-    }
-    let mut robot = Robot {
-        name: root.attribute("name").unwrap_or_default().to_owned(),
-        version: None,
-        links: Vec::new(),
-        joints: Vec::new(),
-        materials: Vec::new(),
-    };
-    for node in root.children().filter(Node::is_element) {
-        let kind = node.tag_name().name();
-        if let Some(element) = node.descendants().find(is_xacro) {
+        let (text, notes) = mended(text);
+        let document = parsed(&text).map_err(|condition| invalid(file, condition))?;
+        let root = document.root_element();
+        let mut all = Self {
+            robot: Robot {
+                name: root.attribute("name").unwrap_or_default().to_owned(),
+                version: None,
+                links: Vec::new(),
+                joints: Vec::new(),
+                materials: Vec::new(),
+            },
+            notes,
+            faults: Vec::new(),
+        };
+        if let Some(element) = root.descendants().find(is_xacro) {
             let name = element.tag_name().name();
             let condition = format!(
                 "'xacro:{name}' is not expanded: run xacro on the file first, or name it *.xacro"
             );
             return Err(Error::input(file, "robot", condition));
         }
-        if !["link", "joint"].contains(&kind) {
-            continue;
+        for node in elements(root) {
+            let kind = node.tag_name().name();
+            if !["link", "joint"].contains(&kind) {
+                continue;
+            }
+            match node
+                .attribute("name")
+                .filter(|name| !name.trim().is_empty())
+            {
+                Some(name) => all.add(node, (kind, name), file),
+                None => {
+                    let line = document.text_pos_at(node.range().start).row;
+                    let condition = format!("the {kind} at line {line} has no name");
+                    all.faults.push(invalid(file, condition));
+                }
+            }
         }
-        let name = node.attribute("name");
-        let Some(name) = name.filter(|name| !name.trim().is_empty()) else {
-            let line = document.text_pos_at(node.range().start).row;
-            return refuse(format!("the {kind} at line {line} has no name"));
-        };
-        let in_words = |condition| Error::input(file, format!("{kind} '{name}'"), condition);
-        if kind == "link" {
-            robot.links.push(read_link(node, name).map_err(in_words)?);
-        } else {
-            robot.joints.push(read_joint(node, name).map_err(in_words)?);
+        Ok(all)
+    }
+
+    /// The robot and the notes of a text without faults.
+    ///
+    /// # Errors
+    /// The first fault.
+    pub fn whole(self) -> Result<(Robot, LoadReport)> {
+        match self.faults.into_iter().next() {
+            Some(fault) => Err(fault),
+            None => Ok((self.robot, self.notes)),
         }
     }
-    Ok(robot)
+
+    /// Adds a link or a joint.
+    fn add(&mut self, node: Node<'_, '_>, (kind, name): (&str, &str), file: &str) {
+        let mut notes = LoadReport::new();
+        let fault = if kind == "link" {
+            let read = read_link(node, name, &mut notes);
+            let (link, fault) = read.map_or_else(|f| (empty_link(name), Some(f)), |l| (l, None));
+            self.robot.links.push(link);
+            fault
+        } else {
+            match read_joint(node, name, &mut notes) {
+                Ok(joint) => {
+                    self.robot.joints.push(joint);
+                    None
+                }
+                Err(fault) => {
+                    self.robot.joints.extend(fixed_joint(node, name));
+                    Some(fault)
+                }
+            }
+        };
+        match fault {
+            None => self.notes.append(&mut notes),
+            Some(fault) => {
+                let element = format!("{kind} '{name}'");
+                self.faults.push(Error::input(file, element, fault));
+            }
+        }
+    }
+}
+
+fn invalid(file: &str, condition: String) -> Error {
+    Error::input(file, "robot", format!("not a valid URDF: {condition}"))
+}
+
+/// The XML of a robot, or its fault.
+fn parsed(text: &str) -> Read<Document<'_>> {
+    let document = Document::parse(text).map_err(|error| match error {
+        XmlError::UnclosedRootNode | XmlError::NoRootNode => {
+            let line = 1 + text.trim_end().matches('\n').count();
+            format!("{error}: the text ends at line {line}")
+        }
+        error => error.to_string(),
+    })?;
+    match document.root_element().tag_name().name() {
+        "robot" => Ok(document),
+        kind => Err(format!("the root element is '{kind}'")),
+    }
 }
 
 /// Returns true for a command of xacro, the macro processor for URDFs.
@@ -80,12 +154,21 @@ fn is_xacro(node: &Node<'_, '_>) -> bool {
 /// The content of an element, or its fault.
 pub(super) type Read<T> = std::result::Result<T, String>;
 
-fn read_link(link: Node<'_, '_>, name: &str) -> Read<Link> {
+/// A link without mass and shapes.
+fn empty_link(name: &str) -> Link {
+    Link {
+        name: name.to_owned(),
+        inertial: Inertial::default(),
+        visual: Vec::new(),
+        collision: Vec::new(),
+    }
+}
+
+fn read_link(link: Node<'_, '_>, name: &str, notes: &mut LoadReport) -> Read<Link> {
     let inertial = match child(link, "inertial")? {
-        Some(inertial) => read_inertial(inertial)?,
+        Some(inertial) => read_inertial(inertial, name, notes)?,
         None => Inertial::default(),
     };
-    let collisions = link.children().filter(|c| c.has_tag_name("collision"));
     let read = |(i, node): (usize, Node<'_, '_>)| {
         let name = node.attribute("name");
         let in_words = |condition| format!("{}: {condition}", collision_name(name, i));
@@ -95,20 +178,30 @@ fn read_link(link: Node<'_, '_>, name: &str) -> Read<Link> {
             geometry: read_geometry(node).map_err(in_words)?,
         })
     };
+    let collisions = named(link, "collision").enumerate();
     Ok(Link {
-        name: name.to_owned(),
         inertial,
-        visual: Vec::new(),
-        collision: collisions.enumerate().map(read).collect::<Read<_>>()?,
+        collision: collisions.map(read).collect::<Read<_>>()?,
+        ..empty_link(name)
     })
 }
 
-fn read_inertial(inertial: Node<'_, '_>) -> Read<Inertial> {
+/// Reads the inertia of the link of this name. One without moments of inertia is that of a point mass.
+fn read_inertial(inertial: Node<'_, '_>, link: &str, notes: &mut LoadReport) -> Read<Inertial> {
     let origin = read_origin(inertial)?;
     let mass = Mass {
         value: number(required(inertial, "mass")?, "value")?,
     };
-    let inertia = required(inertial, "inertia")?;
+    let Some(inertia) = child(inertial, "inertia")? else {
+        notes.push(LoadNote::PointMass {
+            link: link.to_owned(),
+        });
+        return Ok(Inertial {
+            origin,
+            mass,
+            ..Inertial::default()
+        });
+    };
     let entry = |name| number(inertia, name);
     Ok(Inertial {
         origin,
@@ -124,8 +217,30 @@ fn read_inertial(inertial: Node<'_, '_>) -> Read<Inertial> {
     })
 }
 
+/// A fixed joint between the links of a joint.
+fn fixed_joint(joint: Node<'_, '_>, name: &str) -> Read<Joint> {
+    let end = |name: &str| -> Read<LinkName> {
+        let link = required(joint, name)?.attribute("link");
+        let link = link.ok_or(format!("its {name} names no link"))?.to_owned();
+        Ok(LinkName { link })
+    };
+    Ok(Joint {
+        name: name.to_owned(),
+        joint_type: JointType::Fixed,
+        parent: end("parent")?,
+        child: end("child")?,
+        origin: Pose::default(),
+        axis: Axis::default(),
+        limit: JointLimit::default(),
+        calibration: None,
+        dynamics: None,
+        mimic: None,
+        safety_controller: None,
+    })
+}
+
 /// Reads a joint. Of a fixed one only the origin and the links are read.
-fn read_joint(joint: Node<'_, '_>, name: &str) -> Read<Joint> {
+fn read_joint(joint: Node<'_, '_>, name: &str, notes: &mut LoadReport) -> Read<Joint> {
     let joint_type = match joint.attribute("type").ok_or("it has no type")? {
         "revolute" => JointType::Revolute,
         "continuous" => JointType::Continuous,
@@ -136,29 +251,20 @@ fn read_joint(joint: Node<'_, '_>, name: &str) -> Read<Joint> {
         "spherical" => JointType::Spherical,
         kind => return Err(format!("there is no joint type '{kind}'")),
     };
-    let end = |name: &str| -> Read<LinkName> {
-        let link = required(joint, name)?.attribute("link");
-        let link = link.ok_or(format!("its {name} names no link"))?.to_owned();
-        Ok(LinkName { link })
-    };
-    let mut read = Joint {
-        name: name.to_owned(),
-        joint_type,
-        parent: end("parent")?,
-        child: end("child")?,
-        origin: read_origin(joint)?,
-        axis: Axis::default(),
-        limit: JointLimit::default(),
-        calibration: None,
-        dynamics: None,
-        mimic: None,
-        safety_controller: None,
-    };
+    let mut read = fixed_joint(joint, name)?;
+    read.joint_type = joint_type;
+    read.origin = read_origin(joint)?;
     if read.joint_type == JointType::Fixed {
         return Ok(read);
     }
-    if let Some(axis) = child(joint, "axis")? {
+    let mut axes = named(joint, "axis");
+    if let Some(axis) = axes.next() {
         read.axis.xyz = Vec3(numbers(axis, "xyz")?);
+    }
+    if axes.next().is_some() {
+        notes.push(LoadNote::SeveralAxes {
+            joint: name.to_owned(),
+        });
     }
     if let Some(limit) = child(joint, "limit")? {
         let end = |name| optional(limit, name).map(|end| end.map_or(0.0, |[end]| end));
@@ -184,6 +290,14 @@ fn read_joint(joint: Node<'_, '_>, name: &str) -> Read<Joint> {
         read.dynamics = Some(Dynamics {
             damping: lenient(dynamics, "damping", 0.0),
             friction: lenient(dynamics, "friction", 0.0),
+        });
+    }
+    if let Some(safety) = child(joint, "safety_controller")? {
+        read.safety_controller = Some(SafetyController {
+            soft_lower_limit: lenient(safety, "soft_lower_limit", f64::NEG_INFINITY),
+            soft_upper_limit: lenient(safety, "soft_upper_limit", f64::INFINITY),
+            k_position: lenient(safety, "k_position", 0.0),
+            k_velocity: lenient(safety, "k_velocity", 0.0),
         });
     }
     Ok(read)
@@ -213,7 +327,7 @@ pub(super) fn read_origin(node: Node<'_, '_>) -> Read<Pose> {
 /// Reads the geometry of a collision or visual element.
 pub(super) fn read_geometry(node: Node<'_, '_>) -> Read<Geometry> {
     let geometry = required(node, "geometry")?;
-    let mut shapes = geometry.children().filter(Node::is_element);
+    let mut shapes = elements(geometry);
     let shape = shapes.next().ok_or("its geometry is empty")?;
     if shapes.next().is_some() {
         return Err("its geometry has several shapes".to_owned());
@@ -243,54 +357,4 @@ pub(super) fn read_geometry(node: Node<'_, '_>) -> Read<Geometry> {
             ));
         }
     })
-}
-
-fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Read<Option<Node<'a, 'input>>> {
-    let mut found = node.children().filter(|c| c.has_tag_name(name));
-    let first = found.next();
-    if found.next().is_some() {
-        return Err(format!("it has several {name} elements"));
-    }
-    Ok(first)
-}
-
-fn required<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Read<Node<'a, 'input>> {
-    child(node, name)?.ok_or(format!("it has no {name} element"))
-}
-
-pub(super) fn number(node: Node<'_, '_>, attribute: &str) -> Read<f64> {
-    numbers(node, attribute).map(|[number]| number)
-}
-
-/// Reads exactly `COUNT` numbers from an attribute that may be missing.
-fn optional<const COUNT: usize>(node: Node<'_, '_>, attribute: &str) -> Read<Option<[f64; COUNT]>> {
-    let given = node.has_attribute(attribute);
-    given.then(|| numbers(node, attribute)).transpose()
-}
-
-/// Reads exactly `COUNT` numbers from an attribute.
-pub(super) fn numbers<const COUNT: usize>(
-    node: Node<'_, '_>,
-    attribute: &str,
-) -> Read<[f64; COUNT]> {
-    let element = node.tag_name().name();
-    let text = (node.attribute(attribute)).ok_or(format!("its {element} has no {attribute}"))?;
-    number_list(node, attribute)
-        .ok()
-        .and_then(|words| words.try_into().ok())
-        .ok_or_else(|| {
-            let wanted = match COUNT {
-                1 => "a number".to_owned(),
-                count => format!("{count} numbers"),
-            };
-            format!("{attribute} of its {element} is '{text}', not {wanted}")
-        })
-}
-
-/// Reads any number of numbers from an attribute.
-pub(super) fn number_list(node: Node<'_, '_>, attribute: &str) -> Read<Vec<f64>> {
-    let element = node.tag_name().name();
-    let text = (node.attribute(attribute)).ok_or(format!("its {element} has no {attribute}"))?;
-    let words: Option<Vec<f64>> = text.split_whitespace().map(|w| w.parse().ok()).collect();
-    words.ok_or_else(|| format!("{attribute} of its {element} is '{text}', not numbers"))
 }

@@ -1,7 +1,8 @@
 //! Groups of joints and their named states from an SRDF.
 
 use super::Srdf;
-use super::elements::{Read, number_list};
+use super::elements::Read;
+use super::xml::{elements, named, number_list};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use roxmltree::Node;
@@ -52,7 +53,7 @@ pub struct GroupState {
 /// several variants of a robot.
 pub(super) fn read_group(node: Node<'_, '_>) -> Read<Group> {
     let mut members = Vec::new();
-    for member in node.children().filter(Node::is_element) {
+    for member in elements(node) {
         let kind = member.tag_name().name();
         let named = |name| attribute(member, name).map(str::to_owned);
         members.push(match kind {
@@ -76,7 +77,7 @@ pub(super) fn read_group(node: Node<'_, '_>) -> Read<Group> {
 /// Reads an element `group_state`.
 pub(super) fn read_state(node: Node<'_, '_>) -> Read<GroupState> {
     let mut joints = Vec::new();
-    for joint in node.children().filter(|c| c.has_tag_name("joint")) {
+    for joint in named(node, "joint") {
         let positions = number_list(joint, "value")?;
         joints.push((attribute(joint, "name")?.to_owned(), positions));
     }
@@ -98,16 +99,34 @@ impl Srdf {
     /// # Errors
     /// There is no such group, it is a part of itself, the robot lacks a joint or link of it, or nothing in it moves.
     pub fn joints_of_group(&self, name: &str, model: &Model, file: &str) -> Result<Vec<usize>> {
-        let mut joints = BTreeSet::new();
-        self.add_group(name, model, &mut Vec::new(), &mut joints)
-            .map_err(|(group, condition)| {
-                Error::input(file, format!("group '{group}'"), condition)
-            })?;
+        let names = self.names_of_group(name, model, file)?;
+        let joints = model.joints().iter().enumerate();
+        let joints = joints.filter(|(_, joint)| names.contains(joint.name()));
+        let joints: Vec<usize> = joints.map(|(i, _)| i).collect();
         if joints.is_empty() {
             let condition = "it has no joint that moves";
             return Err(Error::input(file, format!("group '{name}'"), condition));
         }
-        Ok(joints.into_iter().collect())
+        Ok(joints)
+    }
+
+    /// The names of all joints of the group of this name, fixed ones and those that are held among them; `file` names
+    /// the SRDF in errors.
+    ///
+    /// # Errors
+    /// There is no such group, it is a part of itself, or the robot lacks a joint or link of it.
+    pub fn names_of_group(
+        &self,
+        name: &str,
+        model: &Model,
+        file: &str,
+    ) -> Result<BTreeSet<String>> {
+        let mut names = BTreeSet::new();
+        self.add_group(name, model, &mut Vec::new(), &mut names)
+            .map_err(|(group, condition)| {
+                Error::input(file, format!("group '{group}'"), condition)
+            })?;
+        Ok(names)
     }
 
     /// Adds the joints of a group that is part of those in `within`. An error is of the named group.
@@ -116,7 +135,7 @@ impl Srdf {
         name: &'a str,
         model: &Model,
         within: &mut Vec<&'a str>,
-        joints: &mut BTreeSet<usize>,
+        joints: &mut BTreeSet<String>,
     ) -> std::result::Result<(), (&'a str, String)> {
         let refuse = |condition: String| Err((name, condition));
         if within.contains(&name) {
@@ -140,7 +159,9 @@ impl Srdf {
                     self.add_group(inner, model, within, joints)?;
                     continue;
                 }
-                GroupMember::Joint(joint) => self.joint(joint, model).map(Vec::from_iter),
+                GroupMember::Joint(joint) => {
+                    self.joint(joint, model).map(|_| vec![joint.to_owned()])
+                }
                 GroupMember::Link(link) => {
                     frame(link, model).map(|i| Vec::from_iter(carrier(i, model)))
                 }
@@ -207,18 +228,15 @@ fn frame(link: &str, model: &Model) -> Read<usize> {
     found.ok_or_else(|| model.no_link(link))
 }
 
-/// The moving joint that carries the link of a frame.
-fn carrier(frame: usize, model: &Model) -> Option<usize> {
+/// The joint that carries the link of a frame.
+fn carrier(frame: usize, model: &Model) -> Option<String> {
     let carrier = model.frames()[frame].carrier.as_ref()?;
-    model
-        .joints()
-        .iter()
-        .position(|joint| joint.name() == carrier.joint)
+    Some(carrier.joint.clone())
 }
 
-/// The moving joints on the way from a link to another: those above one of them and not above both.
-fn chain(base: &str, tip: &str, model: &Model) -> Read<Vec<usize>> {
-    let above = |link: &str| -> Read<BTreeSet<usize>> {
+/// The joints on the way from a link to another: those above one of them and not above both.
+fn chain(base: &str, tip: &str, model: &Model) -> Read<Vec<String>> {
+    let above = |link: &str| -> Read<BTreeSet<String>> {
         let mut at = Some(frame(link, model)?);
         let mut joints = BTreeSet::new();
         while let Some(frame) = at {
@@ -231,5 +249,5 @@ fn chain(base: &str, tip: &str, model: &Model) -> Read<Vec<usize>> {
         Ok(joints)
     };
     let (base, tip) = (above(base)?, above(tip)?);
-    Ok(base.symmetric_difference(&tip).copied().collect())
+    Ok(base.symmetric_difference(&tip).cloned().collect())
 }

@@ -65,7 +65,7 @@ impl RobotSource {
         })
     }
 
-    /// The elements of the robot, in the types of `urdf-rs`.
+    /// The elements of the robot, in the types of `urdf-rs`, without the notes that [`parse`](Self::parse) has as well.
     ///
     /// # Errors
     /// Those of [`read_robot`].

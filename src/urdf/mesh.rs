@@ -15,8 +15,8 @@ use urdf_rs::utils::rospack_find;
 
 /// Loads the triangles of the mesh that a URDF in `folder` calls `file`, with its axes scaled by `scale`, in m. The
 /// formats are STL, binary or text, OBJ and COLLADA (`.dae`); coordinates of the former two have about seven digits.
-/// A package is looked up in `folder`, in the folders above it, in those of the variables `ROS_PACKAGE_PATH` and
-/// `AMENT_PREFIX_PATH`, and by the programs `rospack` or `ros2 pkg`.
+/// A package is looked up in `folder`, in the folders above it, in those above the folder that symbolic links lead to,
+/// in those of the variables `ROS_PACKAGE_PATH` and `AMENT_PREFIX_PATH`, and by the programs `rospack` or `ros2 pkg`.
 ///
 /// # Errors
 /// The file does not exist, has another format or no triangles, or contains numbers that are not finite.
@@ -105,8 +105,9 @@ fn triangles(scene: io::Result<Scene>) -> Read<Vec<Triangle>> {
 }
 
 /// Finds the file that a URDF in `folder` names. `package://NAME/PATH`, or `package:///NAME/PATH`, is `NAME/PATH` in
-/// that folder or one above it, or `PATH` in one called `NAME`; likewise in the folders of `ROS_PACKAGE_PATH` and in
-/// `share` of those of `AMENT_PREFIX_PATH`; or `PATH` in the package that `rospack` or `ros2 pkg` finds, in this order.
+/// that folder or one above it, or `PATH` in one called `NAME`; likewise above the folder that symbolic links lead to,
+/// in the folders of `ROS_PACKAGE_PATH` and in `share` of those of `AMENT_PREFIX_PATH`; or `PATH` in the package that
+/// `rospack` or `ros2 pkg` finds, in this order.
 /// Any other name is a path relative to `folder`.
 fn find(file: &str, folder: &Path) -> Read<PathBuf> {
     if !file.starts_with("package://") {
@@ -134,7 +135,10 @@ fn find(file: &str, folder: &Path) -> Read<PathBuf> {
         of_variable("ROS_PACKAGE_PATH"),
         of_variable("AMENT_PREFIX_PATH"),
     );
-    let folders = absolute.ancestors().map(Path::to_owned);
+    // A folder that is not there has no canonical path, and no file above it.
+    let canonical = absolute.canonicalize().ok();
+    let above = [Some(&absolute), canonical.as_ref()].into_iter().flatten();
+    let folders = above.flat_map(|path| path.ancestors()).map(Path::to_owned);
     let folders = folders.chain(env::split_paths(&ros));
     let folders = folders.chain(env::split_paths(&ament).map(|prefix| prefix.join("share")));
     let within = |above: PathBuf| {

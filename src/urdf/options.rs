@@ -30,6 +30,9 @@ pub struct UrdfOptions {
     pub root: Option<String>,
     /// The losses and the rotor inertia of the joints; `None` for rigid bodies alone.
     pub losses: Option<Losses>,
+    /// True to hold joints of several degrees of freedom, such as a floating base, as if they were fixed, with a note;
+    /// otherwise they are refused.
+    pub hold: bool,
     /// True to accept a robot whose mass matrix is singular, such as one whose joints will be locked.
     pub singular: bool,
     /// The folders of packages by their names, for the files that the URDF calls `package://NAME/PATH`: such a file is
@@ -74,6 +77,58 @@ pub enum LoadNote {
         /// The attribute of the limit element, `velocity` or `effort`.
         attribute: &'static str,
     },
+    /// The joint has several degrees of freedom and is held, as requested by [`UrdfOptions::hold`].
+    Held {
+        /// The joint.
+        joint: String,
+        /// Its type.
+        kind: &'static str,
+    },
+    /// An SRDF has a link that the robot does not have.
+    UnknownLink {
+        /// The link.
+        link: String,
+    },
+    /// A limit of the joint is 1e10 or more, which exporters write for none, and counts as infinite.
+    HugeLimit {
+        /// The joint.
+        joint: String,
+        /// The kind of the limit: `position`, `velocity` or `effort`.
+        limit: &'static str,
+    },
+    /// The safety controller of the joint has soft limits within its limits of position, which are not kept.
+    SoftLimits {
+        /// The joint.
+        joint: String,
+        /// The soft limits, rad or m, in words.
+        limits: String,
+        /// The largest centred share of the range of positions that is within them, if there is one.
+        share: Option<String>,
+    },
+    /// The joint has several axes, of which the first counts.
+    SeveralAxes {
+        /// The joint.
+        joint: String,
+    },
+    /// The link has a mass and no moments of inertia, and counts as a point mass at the origin of its inertial element.
+    PointMass {
+        /// The link.
+        link: String,
+    },
+    /// A collision shape of the link has the radius zero, or no extent at all, and is left out.
+    NoExtent {
+        /// The link.
+        link: String,
+        /// The name or the number of the collision element.
+        shape: String,
+    },
+    /// A prefix of elements or attributes is not declared. What has it is left out, as with declared ones.
+    UndeclaredPrefix {
+        /// The prefix.
+        prefix: String,
+    },
+    /// The declaration `<?xml ...?>` is not at the beginning of the file, and is passed over.
+    BeforeDeclaration,
     /// The joint has damping or friction, which the dynamics do not count without [`UrdfOptions::losses`].
     LeftOut {
         /// The joint.
@@ -111,10 +166,13 @@ pub enum LoadNote {
 
 impl LoadNote {
     /// Returns true if motions or torques may differ from those of the real robot. Links without mass and merged links
-    /// move correctly.
+    /// move correctly, and a declaration has no effect.
     #[must_use]
     pub fn bears_on_motion(&self) -> bool {
-        !matches!(self, Self::Massless { .. } | Self::Merged { .. })
+        !matches!(
+            self,
+            Self::Massless { .. } | Self::Merged { .. } | Self::BeforeDeclaration
+        )
     }
 
     /// The joint concerned.
@@ -127,13 +185,23 @@ impl LoadNote {
     }
 
     /// The kind and the name of the element concerned.
-    fn element(&self) -> (&'static str, &str) {
+    #[must_use]
+    pub fn element(&self) -> (&'static str, &str) {
         match self {
             Self::Massless { link }
             | Self::ImpossibleInertia { link, .. }
+            | Self::PointMass { link }
+            | Self::NoExtent { link, .. }
+            | Self::UnknownLink { link }
             | Self::Merged { link, .. } => ("link", link),
+            Self::UndeclaredPrefix { prefix } => ("prefix", prefix),
+            Self::BeforeDeclaration => ("declaration", "<?xml"),
             Self::Unlimited { joint }
             | Self::ZeroLimit { joint, .. }
+            | Self::HugeLimit { joint, .. }
+            | Self::Held { joint, .. }
+            | Self::SoftLimits { joint, .. }
+            | Self::SeveralAxes { joint }
             | Self::Independent { joint, .. }
             | Self::SubstituteRotor { joint, .. }
             | Self::Missing { joint }
@@ -143,7 +211,8 @@ impl LoadNote {
     }
 
     /// The sentence for several notes of this kind.
-    fn kind(&self) -> String {
+    #[must_use]
+    pub fn kind(&self) -> String {
         match self {
             Self::Massless { .. } => "massless".to_owned(),
             Self::ImpossibleInertia { .. } => "no body can have such an inertia".to_owned(),
@@ -152,6 +221,32 @@ impl LoadNote {
             Self::Unlimited { .. } => "no limits".to_owned(),
             Self::ZeroLimit { attribute, .. } => {
                 format!("{attribute} limit of 0 counts as unknown, no limit")
+            }
+            Self::Held { kind, .. } => format!("{kind}, held at the origin of the joint"),
+            Self::UnknownLink { .. } => {
+                "the SRDF has a pair of links with it, and the robot does not have it".to_owned()
+            }
+            Self::HugeLimit { limit, .. } => {
+                format!("{limit} limit of 1e10 or more counts as no limit")
+            }
+            Self::SoftLimits { .. } => {
+                "soft limits of the safety controller are not kept; \"enforced_limits\": {\"position\": SHARE} keeps a \
+                 centred share of the ranges of all joints"
+                    .to_owned()
+            }
+            Self::SeveralAxes { .. } => "several axes, the first counts".to_owned(),
+            Self::PointMass { .. } => {
+                "no inertia element beside the mass, counts as a point mass at its origin".to_owned()
+            }
+            Self::NoExtent { .. } => {
+                "a collision shape has the radius 0, or no extent, and is left out".to_owned()
+            }
+            Self::UndeclaredPrefix { .. } => {
+                "not declared; elements and attributes with it are left out".to_owned()
+            }
+            Self::BeforeDeclaration => {
+                "blank lines or comments are before it, where it has no effect; it should be at the beginning"
+                    .to_owned()
             }
             Self::Missing { .. } => {
                 "the robot has none of this name, its position is not used".to_owned()
@@ -184,8 +279,31 @@ impl fmt::Display for LoadNote {
                 write!(f, "merged by fixed joint '{joint}' into {body}")
             }
             Self::Independent { mimics, .. } => write!(f, "mimics '{mimics}', independent here"),
-            Self::ZeroLimit { .. } => write!(f, "its {}", self.kind()),
-            Self::Massless { .. }
+            Self::ZeroLimit { .. } | Self::HugeLimit { .. } => write!(f, "its {}", self.kind()),
+            Self::SoftLimits { limits, share, .. } => {
+                write!(f, "its soft limits {limits} are not kept; ")?;
+                match share {
+                    Some(share) => write!(
+                        f,
+                        "\"enforced_limits\": {{\"position\": {share}}} keeps within them, and all joints within this \
+                         share of their ranges"
+                    ),
+                    None => write!(
+                        f,
+                        "lower and upper of its limit element in the file would be"
+                    ),
+                }
+            }
+            Self::NoExtent { shape, .. } => {
+                write!(f, "{shape} has the radius 0, or no extent, and is left out")
+            }
+            Self::SeveralAxes { .. } => f.write_str("it has several axes, the first counts"),
+            Self::PointMass { .. }
+            | Self::Held { .. }
+            | Self::UnknownLink { .. }
+            | Self::UndeclaredPrefix { .. }
+            | Self::BeforeDeclaration
+            | Self::Massless { .. }
             | Self::Unlimited { .. }
             | Self::SubstituteRotor { .. }
             | Self::Missing { .. }

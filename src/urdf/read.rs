@@ -1,6 +1,6 @@
 //! Reading of robots from URDF files.
 
-use super::elements::read_robot;
+use super::elements::Elements;
 use super::{LoadReport, UrdfOptions, build_model};
 use crate::error::{Error, Result};
 use crate::input::read_text;
@@ -28,15 +28,18 @@ pub fn load_urdf_with(path: &Path, options: UrdfOptions) -> Result<(Model, LoadR
 
 /// Reads a robot from the text of a URDF file; `file` names it in errors.
 ///
-/// Fixed joints are merged into the body before them. A velocity or effort limit of zero, and a limit element of zeros,
-/// mean no limit, with a note. Collision elements become [`Model::collisions`]; files of meshes are not read. Visual
-/// elements, materials, transmissions and all other elements without dynamics or collision shapes are ignored.
+/// Fixed joints are merged into the body before them. A velocity or effort limit of zero, a limit element of zeros, and
+/// a limit of 1e10 or more mean no limit, with a note; soft limits of a safety controller are noted and not kept. The
+/// first of several axes counts, and a mass without moments of inertia is a point mass, with a note. Collision elements
+/// become [`Model::collisions`], without those of radius zero, which get a note; files of meshes are not read. Visual
+/// elements, materials, transmissions, elements and attributes with a prefix, and all other elements without dynamics
+/// or collision shapes are ignored.
 ///
 /// # Errors
 /// Names the faulty element and the reason: text that is not a URDF; negative or non-finite numbers; zero axes;
 /// repeated names; several roots; loops; unknown links; floating, planar, spherical and mimic joints; joints whose
-/// subtree has no inertia about them; and collision elements without a shape, with an unknown one or with a size that
-/// is not positive.
+/// subtree has no inertia about them; and collision elements without a shape, with an unknown one or with another size
+/// that is not positive.
 pub fn parse_urdf(text: &str, file: &str) -> Result<(Model, LoadReport)> {
     parse_urdf_with(text, file, UrdfOptions::default())
 }
@@ -50,7 +53,10 @@ pub fn parse_urdf_with(
     file: &str,
     options: UrdfOptions,
 ) -> Result<(Model, LoadReport)> {
-    build_model(&read_robot(text, file)?, file, options)
+    let (robot, mut notes) = Elements::read(text, file)?.whole()?;
+    let (model, more) = build_model(&robot, file, options)?;
+    notes.extend(more);
+    Ok((model, notes))
 }
 
 /// The URDF in the file at `path` with this text: the text itself, unless the extension is `xacro`.

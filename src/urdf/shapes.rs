@@ -17,6 +17,17 @@ pub(super) fn collision_name(name: Option<&str>, index: usize) -> String {
     )
 }
 
+/// Returns true for a point or a line: a sphere, a cylinder or a capsule of radius zero, and a box of zeros.
+pub(super) fn has_no_extent(geometry: &Geometry) -> bool {
+    match geometry {
+        Geometry::Sphere { radius }
+        | Geometry::Cylinder { radius, .. }
+        | Geometry::Capsule { radius, .. } => *radius == 0.0,
+        Geometry::Box { size } => size.iter().all(|length| *length == 0.0),
+        Geometry::Mesh { .. } => false,
+    }
+}
+
 /// Converts a geometry, the sizes of which must be positive and finite. `packages` are those of
 /// [`UrdfOptions`](super::UrdfOptions).
 pub(super) fn convert_shape(

@@ -1,7 +1,8 @@
 //! Collision data and groups of joints from an SRDF.
 
-use super::elements::{Read, number, numbers};
+use super::elements::Read;
 use super::group::{Group, GroupState, read_group, read_state};
+use super::xml::{elements, mended, named, number, numbers};
 use crate::error::{Error, Result, plain};
 use crate::geometry::{Shape, Sphere};
 use crate::input::read_text;
@@ -15,7 +16,8 @@ use std::path::Path;
 /// An SRDF, MoveIt's companion of a URDF.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Srdf {
-    /// The pairs of links that are not checked for collisions.
+    /// The pairs of links that are not checked for collisions: those of `disable_collisions`, and those of a link with
+    /// `disable_default_collisions` and any other link, without those of `enable_collisions`.
     pub disabled: Vec<DisabledPair>,
     /// The links of further pairs that the robot lacks: SRDFs are often for several variants of a robot.
     pub unknown_links: BTreeSet<String>,
@@ -52,15 +54,16 @@ impl Srdf {
     /// ignored; names in groups and states are looked up when these are used.
     ///
     /// # Errors
-    /// Names the file and the element: text that is not an SRDF, a pair without a link, spheres of a link that the
-    /// robot lacks, an invalid number, a negative radius, two lists of spheres for one link, or a group or state
-    /// without a name.
+    /// Names the file and the element: text that is not an SRDF, a pair without a link, default collisions without one,
+    /// spheres of a link that the robot lacks, an invalid number, a negative radius, two lists of spheres for one link,
+    /// or a group or state without a name.
     pub fn parse(text: &str, file: &str, model: &Model) -> Result<Self> {
         let refuse = |condition: String| {
             let condition = format!("not a valid SRDF: {condition}");
             Err(Error::input(file, "robot", condition))
         };
-        let document = match Document::parse(text) {
+        let (text, _) = mended(text);
+        let document = match Document::parse(&text) {
             Ok(document) => document,
             Err(error) => return refuse(error.to_string()),
         };
@@ -69,28 +72,29 @@ impl Srdf {
         if kind != "robot" {
             return refuse(format!("the root element is '{kind}'"));
         }
-        if root.children().any(|c| c.has_tag_name("joint")) {
+        if named(root, "joint").next().is_some() {
             return refuse("it has joints, as a URDF".to_owned());
         }
-        let mut srdf = Self::default();
-        for node in root.children().filter(Node::is_element) {
+        let (mut srdf, mut off, mut enabled) = (Self::default(), Vec::new(), Vec::new());
+        for node in elements(root) {
             let kind = node.tag_name().name();
             let line = document.text_pos_at(node.range().start).row;
             let named =
                 |condition: String| Error::input(file, format!("{kind} at line {line}"), condition);
             match kind {
                 "disable_collisions" => {
-                    let end = |end| required(node, end).map(str::to_owned).map_err(named);
-                    let links = [end("link1")?, end("link2")?];
-                    let unknown = links.iter().filter(|link| !has_link(model, link));
-                    srdf.unknown_links.extend(unknown.cloned());
-                    if srdf
-                        .unknown_links
-                        .is_disjoint(&BTreeSet::from(links.clone()))
+                    if let Some(links) =
+                        srdf.known(node, ["link1", "link2"], model).map_err(named)?
                     {
                         let reason = node.attribute("reason").unwrap_or_default().to_owned();
                         srdf.disabled.push(DisabledPair { links, reason });
                     }
+                }
+                "disable_default_collisions" => {
+                    off.extend(srdf.known(node, ["link"], model).map_err(named)?);
+                }
+                "enable_collisions" => {
+                    enabled.extend(srdf.known(node, ["link1", "link2"], model).map_err(named)?);
                 }
                 "link_sphere_approximation" => {
                     let link = link(node, "link", model).map_err(named)?;
@@ -108,7 +112,41 @@ impl Srdf {
                 _ => {}
             }
         }
+        for [link] in off {
+            srdf.disable_by_default(&link, &enabled, model);
+        }
         Ok(srdf)
+    }
+
+    /// The links that these attributes name if the robot has all of them; others are listed as unknown.
+    fn known<const COUNT: usize>(
+        &mut self,
+        node: Node<'_, '_>,
+        attributes: [&str; COUNT],
+        model: &Model,
+    ) -> Read<Option<[String; COUNT]>> {
+        let links = attributes.map(|attribute| required(node, attribute).map(str::to_owned));
+        let links = links.into_iter().collect::<Read<Vec<_>>>()?;
+        let unknown = links.iter().filter(|link| !has_link(model, link));
+        self.unknown_links.extend(unknown.cloned());
+        let all_known = links.iter().all(|link| !self.unknown_links.contains(link));
+        Ok(links.try_into().ok().filter(|_| all_known))
+    }
+
+    /// Disables the pairs of a link and each other one that are neither disabled yet nor enabled.
+    fn disable_by_default(&mut self, link: &str, enabled: &[[String; 2]], model: &Model) {
+        for other in model.frames().iter().map(|frame| frame.name.as_str()) {
+            let is_pair = |[a, b]: &[String; 2]| {
+                [a.as_str(), b] == [link, other] || [a.as_str(), b] == [other, link]
+            };
+            let disabled = self.disabled.iter().any(|pair| is_pair(&pair.links));
+            if other != link && !disabled && !enabled.iter().any(is_pair) {
+                self.disabled.push(DisabledPair {
+                    links: [link, other].map(str::to_owned),
+                    reason: "by default".to_owned(),
+                });
+            }
+        }
     }
 
     /// Replaces the shapes of those links of the model for which this SRDF has spheres.
@@ -151,7 +189,7 @@ fn has_link(model: &Model, name: &str) -> bool {
 /// The spheres of a link. A single sphere of radius zero means none.
 fn spheres(node: Node<'_, '_>) -> Read<Vec<Sphere>> {
     let mut balls = Vec::new();
-    for sphere in node.children().filter(|c| c.has_tag_name("sphere")) {
+    for sphere in named(node, "sphere") {
         let centre = Vector3::from(numbers::<3>(sphere, "center")?);
         let radius = number(sphere, "radius")?;
         if !(centre.iter().all(|x| x.is_finite()) && radius.is_finite() && radius >= 0.0) {

@@ -1,8 +1,9 @@
 //! The `<visual>` elements of a URDF.
 
 use super::build::convert_pose;
-use super::elements::{Read, numbers, read_geometry, read_origin};
+use super::elements::{Read, read_geometry, read_origin};
 use super::shapes::convert_shape;
+use super::xml::{mended, named, numbers};
 use crate::model::CollisionShape;
 use crate::spatial::Placement;
 use roxmltree::{Document, Node};
@@ -29,14 +30,14 @@ pub fn read_visuals(
     packages: &BTreeMap<String, PathBuf>,
 ) -> (Vec<Visual>, Vec<String>) {
     let (mut visuals, mut faults) = (Vec::new(), Vec::new());
-    let Ok(document) = Document::parse(text) else {
+    let (text, _) = mended(text);
+    let Ok(document) = Document::parse(&text) else {
         return (visuals, vec!["the text is no XML".to_owned()]);
     };
     let root = document.root_element();
-    for link in root.children().filter(|node| node.has_tag_name("link")) {
+    for link in named(root, "link") {
         let name = link.attribute("name").unwrap_or_default();
-        let elements = link.children().filter(|c| c.has_tag_name("visual"));
-        for (i, visual) in elements.enumerate() {
+        for (i, visual) in named(link, "visual").enumerate() {
             match read_visual(root, name, visual, packages) {
                 Ok(visual) => visuals.push(visual),
                 Err(fault) => faults.push(format!("link '{name}': visual {}: {fault}", i + 1)),
@@ -62,13 +63,12 @@ fn read_visual(
 
 /// The colour of the material, its own or that of the robot's material of the same name.
 fn color(robot: Node<'_, '_>, visual: Node<'_, '_>) -> Read<Option<[f64; 3]>> {
-    let material = |node: Node<'_, '_>| node.has_tag_name("material");
-    let Some(own) = visual.children().find(|node| material(*node)) else {
+    let Some(own) = named(visual, "material").next() else {
         return Ok(None);
     };
     let name = own.attribute("name");
-    let named = |node: &Node<'_, '_>| material(*node) && node.attribute("name") == name;
-    let shared = || robot.children().find(named).and_then(colored);
+    let same = |node: &Node<'_, '_>| node.attribute("name") == name;
+    let shared = || named(robot, "material").find(same).and_then(colored);
     let Some(color) = colored(own).or_else(shared) else {
         return Ok(None);
     };
@@ -77,5 +77,5 @@ fn color(robot: Node<'_, '_>, visual: Node<'_, '_>) -> Read<Option<[f64; 3]>> {
 }
 
 fn colored<'a, 'input>(material: Node<'a, 'input>) -> Option<Node<'a, 'input>> {
-    material.children().find(|c| c.has_tag_name("color"))
+    named(material, "color").next()
 }

@@ -2,7 +2,7 @@
 
 use crate::elements::{massless, one_joint, unlimited};
 use aghf::model::Limits;
-use aghf::urdf::LoadNote::ZeroLimit;
+use aghf::urdf::LoadNote::{HugeLimit, SoftLimits, ZeroLimit};
 
 #[test]
 fn missing_limits_are_told_and_mean_none() {
@@ -86,4 +86,79 @@ fn limits_are_kept_and_continuous_joints_have_none_on_position() {
         assert_eq!(*model.joints()[0].limits(), expected, "{kind}");
         assert_eq!(report, [massless("base")], "{kind}");
     }
+}
+
+/// Exporters write the largest number for none.
+#[test]
+fn huge_limits_are_told_and_mean_none() {
+    let huge = |limit| HugeLimit {
+        joint: "body_joint".to_owned(),
+        limit,
+    };
+    let endless = f64::INFINITY;
+    let all = ["position", "velocity", "effort"].map(huge);
+    for most in ["1.7976931348623157e308", "1e10", "3.4e38"] {
+        let limit =
+            format!(r#"<limit lower="-{most}" upper="{most}" velocity="{most}" effort="{most}"/>"#);
+        let (model, report) = one_joint("revolute", &limit);
+        assert_eq!(*model.joints()[0].limits(), Limits::NONE, "{most}");
+        assert_eq!(report, [&[massless("base")][..], &all].concat(), "{most}");
+        let (model, report) = one_joint("continuous", &limit);
+        assert_eq!(*model.joints()[0].limits(), Limits::NONE, "{most}");
+        assert_eq!(report, [&[massless("base")][..], &all[1..]].concat());
+    }
+    let words = "joint 'body_joint': its effort limit of 1e10 or more counts as no limit";
+    assert_eq!(huge("effort").to_string(), words);
+    // Infinity says so itself, and the other end of a range is kept.
+    let limit = r#"<limit lower="-1" upper="inf" velocity="9e9" effort="inf"/>"#;
+    let (model, report) = one_joint("prismatic", limit);
+    let limits = model.joints()[0].limits();
+    let kept = [limits.lower, limits.upper, limits.velocity, limits.effort];
+    assert_eq!(kept, [-1.0, endless, 9e9, endless]);
+    assert_eq!(report, [massless("base")]);
+}
+
+#[test]
+fn soft_limits_are_told_with_the_share_that_keeps_them() {
+    let limit = r#"<limit lower="-3" upper="3" velocity="1" effort="1"/>"#;
+    let soft = |limits: &str, share: Option<&str>| SoftLimits {
+        joint: "body_joint".to_owned(),
+        limits: limits.to_owned(),
+        share: share.map(str::to_owned),
+    };
+    for (limit, safety, note) in [
+        (
+            limit,
+            r#"soft_lower_limit="-0.5" soft_upper_limit="0.5""#,
+            Some(soft("-0.5 to 0.5", Some("0.166"))),
+        ),
+        (
+            limit,
+            r#"soft_lower_limit="-1" soft_upper_limit="2.5""#,
+            Some(soft("-1 to 2.5", Some("0.333"))),
+        ),
+        (
+            limit,
+            r#"soft_lower_limit="1" soft_upper_limit="2""#,
+            Some(soft("1 to 2", None)),
+        ),
+        (
+            limit,
+            r#"soft_upper_limit="low""#,
+            Some(soft("-inf to NaN", None)),
+        ),
+        (limit, r#"soft_lower_limit="-3" soft_upper_limit="4""#, None),
+        (limit, r#"soft_lower_limit="0" soft_upper_limit="0""#, None),
+        (limit, "", None),
+    ] {
+        let safety = format!("{limit}<safety_controller {safety} k_velocity=\"1\"/>");
+        let (model, report) = one_joint("revolute", &safety);
+        let expected: Vec<_> = [massless("base")].into_iter().chain(note).collect();
+        assert_eq!(report, expected, "{safety}");
+        assert_eq!(model.joints()[0].limits().upper, 3.0);
+    }
+    let words = "joint 'body_joint': its soft limits -0.5 to 0.5 are not kept; \"enforced_limits\": \
+                 {\"position\": 0.166}";
+    let noted = soft("-0.5 to 0.5", Some("0.166")).to_string();
+    assert!(noted.starts_with(words), "{noted}");
 }

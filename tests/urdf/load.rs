@@ -122,3 +122,19 @@ fn packages_of_ros_come_after_the_folders() {
     ];
     assert!(words.iter().all(|w| text.contains(w)), "{text}");
 }
+
+/// A package is above the folder that a link leads to.
+#[test]
+fn symbolic_links_above_a_package_are_followed() {
+    let folder = folder("links_package", &[]);
+    let urdf = folder.join("there/hand/urdf");
+    fs::create_dir_all(&urdf).expect("it is writable");
+    let text = "v 7 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n";
+    fs::write(folder.join("there/hand/one.obj"), text).expect("it is writable");
+    let link = folder.join("link");
+    if !link.exists() {
+        std::os::unix::fs::symlink(&urdf, &link).expect("it is writable");
+    }
+    let mesh = load_mesh("package://hand/one.obj", &link, &Vector3::repeat(1.0));
+    assert_eq!(mesh.expect("it is there")[0][0].x, 7.0);
+}

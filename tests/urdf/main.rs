@@ -24,6 +24,7 @@ mod srdf;
 mod tree;
 mod underactuated;
 mod write;
+mod xml;
 
 #[path = "../geometry"]
 mod geometry {

@@ -150,14 +150,14 @@ fn shapes_that_no_urdf_can_say_are_refused() {
     let mirror = Placement::new(-Matrix3::identity(), Vector3::zeros());
     let ball = CollisionShape::Solid(Shape::Sphere { radius: 1.0 });
     let turned = Collision::at_link(&model, "tool", &mirror, ball).expect("the link is there");
-    for (collision, words) in [(point, "radius"), (turned, "a shape of it cannot be said")] {
+    for collision in [point, turned] {
         let model = model.clone().with_collisions(vec![collision]);
         let error = model
             .and_then(|m| m.to_urdf())
             .expect_err("it is bad")
             .to_string();
         assert!(
-            error.contains("link 'tool'") && error.contains(words),
+            error.contains("link 'tool'") && error.contains("a shape of it cannot be said"),
             "{error}"
         );
     }

@@ -50,3 +50,20 @@ fn pairs_and_spheres_of_an_srdf_are_read() {
         CollisionShape::Solid(Shape::Sphere { radius: 0.2 })
     );
 }
+
+/// As in MoveIt: collisions of a link are off by default, single pairs on again, and those that are disabled stay off.
+#[test]
+fn collisions_of_a_link_are_disabled_by_default() {
+    let model = robot();
+    let text = r#"<robot name="shapes"><disable_collisions link1="arm" link2="base" reason="Adjacent"/>
+      <enable_collisions link1="base" link2="tool"/><enable_collisions link1="arm" link2="base"/>
+      <enable_collisions link1="finger" link2="tool"/><enable_collisions link1="tail" link2="base"/>
+      <disable_default_collisions link="base"/><disable_default_collisions link="finger"/>
+      <disable_default_collisions link="wheel"/></robot>"#;
+    let srdf = Srdf::parse(text, "shapes.srdf", &model).expect("it is good");
+    let pairs = srdf.disabled.iter().map(|p| p.links.join(" "));
+    let pairs: Vec<_> = pairs.collect();
+    assert_eq!(pairs, ["arm base", "base finger", "finger arm"]);
+    let unknown = ["tail", "wheel"].map(str::to_owned);
+    assert_eq!(srdf.unknown_links, BTreeSet::from(unknown));
+}

@@ -163,6 +163,7 @@ impl Robot {
                 Some(_) => Mimic::Independent,
                 None => file.mimic,
             },
+            hold: file.group.is_some(),
             root: file.root.clone(),
             losses: file.losses.options(),
             singular: true,
@@ -175,7 +176,7 @@ impl Robot {
             let read = read.map_err(|e| Error::input(path, "self_collision", e.to_string()))?;
             file.self_collision = Some(read);
         }
-        hold_others(file, &whole, &source, folder, path)?;
+        hold_others(file, (&whole, &mut notes), &source, folder, path)?;
         let held = |joint: &str| file.locked_joints.contains_key(joint);
         notes.retain(|note| !note.joint().is_some_and(held));
         let load = match &file.payload {

@@ -4,8 +4,8 @@ use super::{RobotShape, ScenarioFile, SelfCollision};
 use aghf::error::{Error, Result};
 use aghf::model::{Model, Reduced};
 use aghf::names::instead;
-use aghf::urdf::{Follower, Mimic, RobotSource, Srdf, followers};
-use std::collections::BTreeMap;
+use aghf::urdf::{Follower, LoadNote, LoadReport, Mimic, RobotSource, Srdf, followers};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Locks the joints outside of the group that a file names, lets the links overlap that the SRDF disables unless
@@ -14,14 +14,15 @@ use std::path::Path;
 ///
 /// A joint is held where `locked_joints` has it, otherwise in the named state, otherwise, for a mimic joint, at the
 /// position that its master gives it, otherwise at the position that is closest to zero. `robot` has all joints that
-/// move, mimic joints among them; `folder` is that of the scenario, called `path`.
+/// move, mimic joints among them, and the notes of reading it, to which those on the SRDF are added; `folder` is that
+/// of the scenario, called `path`.
 ///
 /// # Errors
-/// A key without the others, a group or a state that is not there or does not fit the robot, or a mimic joint that
-/// would have to follow one that is planned.
+/// A key without the others, a group or a state that is not there or does not fit the robot, a joint of several degrees
+/// of freedom in the group, or a mimic joint that would have to follow one that is planned.
 pub(super) fn hold_others(
     file: &mut ScenarioFile,
-    robot: &Model,
+    (robot, notes): (&Model, &mut LoadReport),
     source: &RobotSource,
     folder: &Path,
     path: &str,
@@ -42,6 +43,8 @@ pub(super) fn hold_others(
     let srdf_name = srdf_path.display().to_string();
     let of_key = |key: &'static str| move |e: Error| Error::input(path, key, e.to_string());
     let srdf = Srdf::load(&srdf_path, robot).map_err(of_key("srdf"))?;
+    let unknown = srdf.unknown_links.iter().cloned();
+    notes.extend(unknown.map(|link| LoadNote::UnknownLink { link }));
     let shape = file.robot_shape.unwrap_or_else(|| RobotShape::of(robot));
     if file.self_collision.is_none() && matches!(shape, RobotShape::Collision { .. }) {
         let links: Vec<_> = srdf.disabled.iter().map(|p| p.links.clone()).collect();
@@ -50,6 +53,8 @@ pub(super) fn hold_others(
         }
     }
     let Some(group) = group else { return Ok(()) };
+    let names = srdf.names_of_group(&group, robot, &srdf_name);
+    check_held(&names.map_err(of_key("group"))?, notes, path)?;
     let group = srdf
         .joints_of_group(&group, robot, &srdf_name)
         .map_err(of_key("group"))?;
@@ -78,6 +83,22 @@ pub(super) fn hold_others(
     if !followers.is_empty() {
         // No joint that follows another one is left among them.
         file.mimic = Mimic::Independent;
+    }
+    Ok(())
+}
+
+/// Refuses a group with a joint that is held as it has several degrees of freedom.
+fn check_held(group: &BTreeSet<String>, notes: &LoadReport, path: &str) -> Result<()> {
+    for note in notes {
+        if let LoadNote::Held { joint, kind } = note
+            && group.contains(joint)
+        {
+            let condition = format!(
+                "it has the joint '{joint}', which is {kind}, and only joints with one axis can be planned: a group \
+                 without it holds it"
+            );
+            return Err(Error::input(path, "group", condition));
+        }
     }
     Ok(())
 }

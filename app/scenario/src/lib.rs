@@ -90,7 +90,7 @@ pub use preflight::least_horizon;
 pub use provenance::{Provenance, Solved};
 pub use rate_limits::{RateLimits, Urdf};
 pub use report::{Record, Solve, SolveReport, Trace};
-pub use robot_shape::{cover_links, cover_shape};
+pub use robot_shape::{cover_each, cover_links, cover_shape, too_many_balls};
 pub use scenario_file::ScenarioFile;
 pub use schema::{DescribedOption, described_options, option_keys, scenario_keys, scenario_schema};
 pub use self_collision::{IgnoredPair, IgnoredPairs, always_overlapping};

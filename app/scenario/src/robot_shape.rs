@@ -23,6 +23,9 @@ const EXCESS: [f64; 2] = [0.005, 0.02];
 /// thousands of balls with that of a mesh.
 const SHARE: f64 = 0.1;
 
+/// Larger excesses that are tried for a robot that takes too many balls, m.
+const LARGER: [f64; 4] = [0.01, 0.02, 0.05, 0.1];
+
 /// Covers the shapes of the links of a robot by balls, in [sets](CollisionGeometry::with_sets) unless all shapes are
 /// spheres: these as they are, others by [`cover_shape`]. Meshes are looked up from `folder`, that of the URDF.
 ///
@@ -60,6 +63,19 @@ pub fn cover_shape(
     }
 }
 
+/// The covers of the shapes of a robot by [`cover_shape`], in their order. Meshes are looked up from `folder`, that of
+/// the URDF.
+pub fn cover_each(
+    model: &Model,
+    folder: &Path,
+    excess: impl Into<Option<f64>>,
+) -> Vec<Result<Cover>> {
+    let excess = excess.into();
+    let shapes = model.collisions().par_iter();
+    let covers = shapes.map(|collision| cover_shape(&collision.shape, folder, excess));
+    covers.collect()
+}
+
 /// Covers the shapes of a robot, and of a load that it carries.
 fn cover_with(
     model: &Model,
@@ -73,10 +89,10 @@ fn cover_with(
     }
     let mut geometry = CollisionGeometry::default();
     let all = || model.collisions().iter().chain(load);
-    let shapes: Vec<_> = all().collect();
-    let covers = shapes.par_iter();
-    let covers = covers.map(|shape| balls(model, shape, folder, excess));
-    for (shape, cover) in shapes.iter().zip(covers.collect::<Result<Vec<_>>>()?) {
+    let covers = cover_each(model, folder, excess).into_iter();
+    let of_load = load.map(|load| cover_shape(&load.shape, folder, excess));
+    for (shape, cover) in all().zip(covers.chain(of_load)) {
+        let cover = placed(model, shape, cover)?;
         geometry
             .links
             .extend(cover.iter().map(|_| shape.link.clone()));
@@ -91,12 +107,11 @@ fn cover_with(
     })
 }
 
-/// The balls that cover a shape of a link.
-fn balls(
+/// The balls that cover a shape of a link, in the frame of its body.
+fn placed(
     model: &Model,
     collision: &Collision,
-    folder: &Path,
-    excess: Option<f64>,
+    cover: Result<Cover>,
 ) -> Result<Vec<CollisionSphere>> {
     let Collision {
         link,
@@ -111,8 +126,44 @@ fn balls(
         centre: placement.rotation * ball.centre + placement.translation,
         radius: ball.radius,
     };
-    let cover = cover_shape(&collision.shape, folder, excess).map_err(named)?;
-    Ok(cover.balls.into_iter().map(placed).collect())
+    Ok(cover
+        .map_err(named)?
+        .balls
+        .into_iter()
+        .map(placed)
+        .collect())
+}
+
+/// The reason why a cover of a robot, and of a load that it carries, by this many balls is refused, and the remedy, in
+/// words; `None` if so many are allowed. The remedy has the least of some larger excesses with which few enough balls
+/// are needed.
+#[must_use]
+pub fn too_many_balls(
+    (model, load): (&Model, Option<&Collision>),
+    count: usize,
+    folder: &Path,
+    excess: Option<f64>,
+) -> Option<[String; 2]> {
+    if count as f64 <= MOST_BALLS {
+        return None;
+    }
+    let given = excess.map_or_else(|| "not given".to_owned(), plain);
+    let condition = format!(
+        "excess_m is {given}, which takes {count} balls to cover the robot, at most {MOST_BALLS} are allowed"
+    );
+    let mut larger = LARGER.into_iter().filter(|larger| {
+        let all = model.collisions().par_iter().chain(load.into_par_iter());
+        let counts =
+            all.map(|shape| Some(cover_shape(&shape.shape, folder, *larger).ok()?.balls.len()));
+        let count: Option<usize> = counts.sum();
+        excess.is_none_or(|excess| *larger > excess)
+            && count.is_some_and(|count| count as f64 <= MOST_BALLS)
+    });
+    let remedy = larger.next().map_or_else(
+        || "spheres of the links in an SRDF (\"link_sphere_approximation\")".to_owned(),
+        |larger| format!("\"robot_shape\": {{\"collision\": {{\"excess_m\": {larger}}}}}"),
+    );
+    Some([condition, remedy])
 }
 
 /// Builds the collision geometry of a scenario's robot and of the load that it carries; `path` names the scenario in
@@ -150,7 +201,7 @@ pub(super) fn collision_geometry(
             }
             let capsules = Capsule::along_links(model, radius_m);
             let count = capsules.iter().map(|c| c.pieces(spacing_m) + 1.0).sum();
-            check_count("swept_links.spacing_m", Some(spacing_m), count, path)?;
+            check_count(spacing_m, count, path)?;
             (capsules, spacing_m)
         }
         RobotShape::Collision { excess_m } => {
@@ -161,8 +212,12 @@ pub(super) fn collision_geometry(
             }
             let refused = |e: Error| Error::input(path, "robot_shape", e.to_string());
             let mut geometry = cover_with(model, load, folder, excess_m).map_err(refused)?;
-            let count = geometry.balls.len() as f64;
-            check_count("collision.excess_m", excess_m, count, path)?;
+            let count = geometry.balls.len();
+            if let Some([condition, remedy]) =
+                too_many_balls((model, load), count, folder, excess_m)
+            {
+                return refuse(format!("{condition}: {remedy} is needed"));
+            }
             for CollisionSphere { body, centre, .. } in &mut geometry.balls {
                 reduce(bodies, body, &mut [centre]);
             }
@@ -170,7 +225,8 @@ pub(super) fn collision_geometry(
         }
     };
     if let Some(load) = load {
-        let balls = balls(model, load, folder, Some(spacing.min(default_spacing())))
+        let cover = cover_shape(&load.shape, folder, spacing.min(default_spacing()));
+        let balls = placed(model, load, cover)
             .map_err(|e| Error::input(path, "payload.shape", e.to_string()))?;
         capsules.extend(balls.into_iter().map(|ball| Capsule {
             body: ball.body,
@@ -184,13 +240,16 @@ pub(super) fn collision_geometry(
     CollisionGeometry::of_capsules(capsules, spacing)
 }
 
-/// Refuses too many balls.
-fn check_count(key: &str, given: Option<f64>, count: f64, path: &str) -> Result<()> {
+/// Refuses links swept by too many balls of this spacing.
+fn check_count(spacing: f64, count: f64, path: &str) -> Result<()> {
     if count <= MOST_BALLS {
         return Ok(());
     }
-    let given = given.map_or_else(|| "not given".to_owned(), plain);
-    let (count, key) = (plain(count), format!("robot_shape.{key}"));
+    let (given, count, key) = (
+        plain(spacing),
+        plain(count),
+        "robot_shape.swept_links.spacing_m",
+    );
     let condition = format!(
         "it is {given}, which takes {count} balls to cover the robot, at most {MOST_BALLS} are allowed"
     );

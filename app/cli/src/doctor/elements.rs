@@ -2,7 +2,8 @@
 
 use super::{Finding, Severity};
 use std::collections::BTreeMap;
-use urdf_rs::{Joint, JointLimit, JointType, Robot};
+use std::f64::consts::{PI, TAU};
+use urdf_rs::{Inertial, Joint, JointLimit, JointType, Pose, Robot};
 
 /// The number of joints of each kind.
 pub(super) fn kinds(robot: &Robot) -> BTreeMap<&'static str, usize> {
@@ -30,27 +31,49 @@ fn has_several_degrees(joint: &Joint) -> bool {
     matches!(joint.joint_type, Floating | Planar | Spherical)
 }
 
-/// The robot with joints of several degrees of freedom fixed.
-pub(super) fn without_several_degrees(robot: &Robot) -> Robot {
-    let mut robot = robot.clone();
-    for joint in &mut robot.joints {
-        if has_several_degrees(joint) {
-            joint.joint_type = JointType::Fixed;
-        }
+/// The robot without a link or a joint that is called as in errors: such a link is empty, and such a joint fixed at the
+/// origin of its parent. `None` if nothing of the robot is called so.
+pub(super) fn without(robot: &Robot, element: &str) -> Option<Robot> {
+    let mut less = robot.clone();
+    let named = |kind: &str, name: &str| {
+        let name = format!("{kind} '{name}'");
+        (element.strip_prefix(&name)).is_some_and(|rest| rest.is_empty() || rest.starts_with(':'))
+    };
+    let mut found = false;
+    for link in less.links.iter_mut().filter(|l| named("link", &l.name)) {
+        link.inertial = Inertial::default();
+        link.collision.clear();
+        found = true;
     }
-    robot
+    for joint in less.joints.iter_mut().filter(|j| named("joint", &j.name)) {
+        joint.joint_type = JointType::Fixed;
+        joint.origin = Pose::default();
+        found = true;
+    }
+    found.then_some(less)
 }
 
 /// Larger numbers are unlikely for robots, and frequent in files in degrees, millimetres or grams: a limit of position,
-/// rad, and of velocity, rad/s, a position in a parent or a limit, m, and the mass of a link, kg. A number of
+/// rad, and of velocity, rad/s or m/s, a position in a parent or a limit, m, and the mass of a link, kg. A number of
 /// `NO_LIMIT` or more is no limit.
 const NO_LIMIT: f64 = 1e5;
-const FAR: f64 = 20.0 * std::f64::consts::PI;
+const FAR: f64 = 20.0 * PI;
 const FAST: f64 = 100.0;
 const LONG: f64 = 10.0;
 const HEAVY: f64 = 1000.0;
 /// The remedy for numbers in other units.
 const UNITS: &str = "the file, which is in m, rad and kg";
+
+/// The finding about angles of an origin beyond a turn.
+const BEYOND_A_TURN: [&str; 2] = [
+    "rpy of an origin is beyond a turn: are these degrees?",
+    UNITS,
+];
+
+/// Returns true for angles beyond a turn, which are most often in degrees. A full turn may be written with few digits.
+fn is_beyond_a_turn(origin: &Pose) -> bool {
+    origin.rpy.iter().any(|angle| angle.abs() > 1.01 * TAU)
+}
 
 /// A property of a joint.
 type Property = fn(&Joint) -> bool;
@@ -60,12 +83,13 @@ pub(super) fn of_joints(robot: &Robot) -> Vec<Finding> {
     let moving = |joint: &&Joint| joint.joint_type != JointType::Fixed;
     let moving: Vec<&Joint> = robot.joints.iter().filter(moving).collect();
     let mut found = vec![Finding::about(
-        Severity::Refused,
+        Severity::NeedsKey,
         "joint",
         names(&moving, has_several_degrees),
         [
             "it has several degrees of freedom, and every joint has one here; it is held in what follows",
-            "type=\"fixed\" in the file, if its base stays",
+            "\"srdf\": FILE and \"group\": NAME (--group NAME) of joints without it, which hold it; or \
+             type=\"fixed\" in the file",
         ],
     )];
     let mimic = moving.iter().filter_map(|joint| {
@@ -87,16 +111,26 @@ pub(super) fn of_joints(robot: &Robot) -> Vec<Finding> {
         ],
     ));
     found.extend(notes(&moving));
+    let turned = robot
+        .joints
+        .iter()
+        .filter(|joint| is_beyond_a_turn(&joint.origin));
+    found.push(Finding::about(
+        Severity::Note,
+        "joint",
+        turned.map(|joint| joint.name.clone()),
+        BEYOND_A_TURN,
+    ));
     found.into_iter().flatten().collect()
 }
 
 /// The notes about limits and losses of the joints that move.
-fn notes(moving: &[&Joint]) -> [Option<Finding>; 12] {
+fn notes(moving: &[&Joint]) -> [Option<Finding>; 13] {
     let losses = "\"losses\": true (--losses); {\"armature\": ...} adds rotor inertia, which a URDF does not have";
     let in_file = "the limit element in the file";
     let rates = "\"enforced_limits\": {\"acceleration\": NUMBER}, a list, or {\"file\": MoveIt's joint_limits.yaml}";
     let given = "\"enforced_limits\": {\"acceleration\": \"urdf\", \"jerk\": \"urdf\"}";
-    let notes: [(&str, &str, Property); 12] = [
+    let notes: [(&str, &str, Property); 13] = [
         (
             "limits of position beyond ten turns: are these degrees?",
             UNITS,
@@ -120,6 +154,13 @@ fn notes(moving: &[&Joint]) -> [Option<Finding>; 12] {
             |j| {
                 j.joint_type == JointType::Prismatic
                     && (LONG..NO_LIMIT).contains(&farthest(&j.limit))
+            },
+        ),
+        (
+            "a limit of velocity above 100 m/s: are these millimetres?",
+            UNITS,
+            |j| {
+                j.joint_type == JointType::Prismatic && (FAST..NO_LIMIT).contains(&j.limit.velocity)
             },
         ),
         ("no limits of any kind", in_file, |j| {
@@ -226,5 +267,16 @@ pub(super) fn of_links(robot: &Robot) -> Vec<Finding> {
         massless.map(|link| link.name.clone()),
         ["it moves and has no inertia, so it counts as massless", ""],
     );
-    found.into_iter().chain(heavy).collect()
+    let turned = robot.links.iter().filter(|link| {
+        let mut shapes = link.collision.iter();
+        is_beyond_a_turn(&link.inertial.origin)
+            || shapes.any(|shape| is_beyond_a_turn(&shape.origin))
+    });
+    let turned = Finding::about(
+        Severity::Note,
+        "link",
+        turned.map(|link| link.name.clone()),
+        BEYOND_A_TURN,
+    );
+    found.into_iter().chain(heavy).chain(turned).collect()
 }

@@ -2,24 +2,28 @@
 
 mod contacts;
 mod elements;
+mod inertia;
+mod notes;
 mod page;
 mod shapes;
 
 use aghf::error::{Error, Result};
 use aghf::model::Model;
 use aghf::urdf::{
-    Follower, LoadNote, Mimic, RobotSource, Srdf, UrdfOptions, build_model, followers,
+    Elements, Follower, LoadReport, Mimic, RobotSource, Srdf, UrdfOptions, build_model, followers,
 };
 use contacts::pairs_and_states;
 pub use contacts::{Contact, State};
-use elements::{kinds, of_joints, of_links, without_several_degrees};
+use elements::{kinds, of_joints, of_links, without};
+use inertia::of_inertias;
+use notes::of_notes;
 pub use page::page;
 use serde::Serialize;
 use shapes::covered;
 pub use shapes::{LinkShape, Shapes};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use urdf_rs::Robot;
+use urdf_rs::{JointType, Robot};
 
 /// The files and the options of an examination.
 #[derive(Clone, Debug)]
@@ -146,14 +150,17 @@ pub fn examine(examination: &Examination) -> Result<Diagnosis> {
         return Err(Error::input("options", "excess", condition));
     }
     let source = RobotSource::find(&examination.robot, Path::new(""))?;
-    let robot = source.elements()?;
-    let mut findings = of_joints(&robot);
-    findings.extend(of_links(&robot));
+    let read = Elements::read(&source.text, &source.name())?;
+    let robot = &read.robot;
+    let mut findings = of_joints(robot);
+    findings.extend(of_links(robot));
+    findings.extend(of_notes(&read.notes));
+    findings.extend(read.faults.into_iter().map(refused));
     let mut diagnosis = Diagnosis {
         robot: examination.robot.clone(),
         plannable: Plannable::Yes,
         links: robot.links.len(),
-        joints: kinds(&robot),
+        joints: kinds(robot),
         mass_kg: None,
         kept_clear: match robot.links.iter().any(|link| !link.collision.is_empty()) {
             true => "collision shapes of obstacles, and of each other but for neighbours",
@@ -163,29 +170,19 @@ pub fn examine(examination: &Examination) -> Result<Diagnosis> {
         states: Vec::new(),
         findings,
     };
-    let options = UrdfOptions {
-        mimic: Mimic::Independent,
-        singular: true,
-        packages: examination.packages.clone(),
-        ..UrdfOptions::default()
-    };
-    let examined = without_several_degrees(&robot);
-    match build_model(&examined, &source.name(), options) {
-        Ok((model, notes)) => {
-            (diagnosis.findings).extend(of_model(&model, &notes, &robot)?);
-            diagnosis.mass_kg = Some(model.mass());
-            let followers = followers(&examined, &model, &source.name());
-            let followers = followers.unwrap_or_else(|error| {
-                let remedy = "the mimic element in the file";
-                (diagnosis.findings).push(Finding::of_error(error, Severity::Note, remedy));
-                Vec::new()
-            });
-            diagnosis.of_shapes((&model, &followers), source.folder(), examination)?;
-        }
-        Err(error) => {
-            let remedy = "the file has to be changed";
-            (diagnosis.findings).push(Finding::of_error(error, Severity::Refused, remedy));
-        }
+    if let Some((examined, model, notes)) = diagnosis.built(robot, &source, examination) {
+        let findings = &mut diagnosis.findings;
+        findings.extend(of_notes(&notes));
+        findings.extend(of_model(&model, robot)?);
+        diagnosis.mass_kg = Some(model.mass());
+        let followers = followers(&examined, &model, &source.name());
+        let followers = followers.unwrap_or_else(|error| {
+            let remedy = "the mimic element in the file";
+            findings.push(Finding::of_error(error, Severity::Note, remedy));
+            Vec::new()
+        });
+        let bodies = (&model, followers.as_slice(), &examined);
+        diagnosis.of_shapes(bodies, source.folder(), examination)?;
     }
     diagnosis.findings.sort_by_key(|finding| finding.severity);
     diagnosis.plannable = match diagnosis.findings.first().map(|first| first.severity) {
@@ -196,11 +193,62 @@ pub fn examine(examination: &Examination) -> Result<Diagnosis> {
     Ok(diagnosis)
 }
 
+/// The finding of an element for which the robot is refused, or of the robot as a whole.
+fn refused(error: Error) -> Finding {
+    let remedy = match &error {
+        Error::Input { element, .. } if element != "robot" => {
+            "the element has to be changed in the file; the rest is examined without it"
+        }
+        _ => "the file has to be changed",
+    };
+    Finding::of_error(error, Severity::Refused, remedy)
+}
+
 impl Diagnosis {
+    /// Builds the model, without links and joints for which it is refused: each is a finding. `None` if nothing is left
+    /// that can be built.
+    fn built(
+        &mut self,
+        robot: &Robot,
+        source: &RobotSource,
+        given: &Examination,
+    ) -> Option<(Robot, Model, LoadReport)> {
+        let options = UrdfOptions {
+            mimic: Mimic::Independent,
+            hold: true,
+            singular: true,
+            packages: given.packages.clone(),
+            ..UrdfOptions::default()
+        };
+        let (mut examined, mut removed) = (robot.clone(), BTreeSet::new());
+        loop {
+            let error = match build_model(&examined, &source.name(), options.clone()) {
+                Ok((model, notes)) => return Some((examined, model, notes)),
+                Err(error) => error,
+            };
+            let is_new = match &error {
+                Error::Input { element, .. } => removed.insert(element.clone()),
+                _ => true,
+            };
+            let less = match &error {
+                Error::Input { element, .. } if is_new => without(&examined, element),
+                _ => None,
+            };
+            // Without the elements with faults there may be no joint that moves, which is no fault of its own.
+            let is_first = self.findings.iter().all(|f| f.severity > Severity::Refused);
+            let mut joints = examined.joints.iter();
+            let moves = joints.any(|joint| joint.joint_type != JointType::Fixed);
+            if is_new && (is_first || moves) {
+                self.findings.push(refused(error));
+            }
+            examined = less?;
+        }
+    }
+
     /// Adds the shapes of the links and those that overlap.
     fn of_shapes(
         &mut self,
-        (model, followers): (&Model, &[Follower]),
+        (model, followers, robot): (&Model, &[Follower], &Robot),
         folder: &Path,
         given: &Examination,
     ) -> Result<()> {
@@ -220,7 +268,7 @@ impl Diagnosis {
             .iter()
             .flat_map(|(srdf, _)| srdf.unknown_links.iter().cloned());
         let words = [
-            "the SRDF disables collisions of it, and the robot does not have it",
+            "the SRDF has a pair of links with it, and the robot does not have it",
             "nothing is needed, unless the name is misspelt",
         ];
         self.findings
@@ -231,6 +279,7 @@ impl Diagnosis {
         };
         let (shapes, geometry, found) = covered(&with_spheres, folder, given.excess);
         self.findings.extend(found);
+        self.findings.extend(of_inertias(robot, model, &geometry));
         let excess = shapes.excess_of_links();
         let srdf = srdf.as_ref().map(|(srdf, file)| (srdf, file.as_str()));
         let (states, found) =
@@ -243,20 +292,8 @@ impl Diagnosis {
 }
 
 /// The findings about the dynamics.
-fn of_model(model: &Model, notes: &[LoadNote], robot: &Robot) -> Result<Vec<Finding>> {
+fn of_model(model: &Model, robot: &Robot) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
-    for note in notes {
-        if let LoadNote::ImpossibleInertia { link, condition } = note {
-            let remedy =
-                "the inertia of the link in the file has to be changed; it is used as it is";
-            findings.extend(Finding::about(
-                Severity::Note,
-                "link",
-                [link.clone()],
-                [condition, remedy],
-            ));
-        }
-    }
     let singular = model.singular_joints()?;
     if let Some((_, condition)) = singular.first() {
         let names = singular

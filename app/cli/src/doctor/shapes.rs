@@ -4,8 +4,7 @@ use super::{Finding, Severity};
 use aghf::error::Error;
 use aghf::geometry::{CollisionGeometry, CollisionSphere};
 use aghf::model::{CollisionShape, Model};
-use aghf_scenario::cover_shape;
-use rayon::prelude::*;
+use aghf_scenario::{cover_each, too_many_balls};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -50,16 +49,14 @@ impl Shapes {
     }
 }
 
-/// Covers the shapes that can be read by balls, and names the others.
+/// Covers the shapes that can be read by balls, as a scenario does, and names the others. A cover that a scenario
+/// refuses is a finding too.
 pub(super) fn covered(
     model: &Model,
     folder: &Path,
     excess: Option<f64>,
-) -> (Shapes, CollisionGeometry, Option<Finding>) {
-    let all = model.collisions().par_iter();
-    let covers: Vec<_> = all
-        .map(|collision| cover_shape(&collision.shape, folder, excess))
-        .collect();
+) -> (Shapes, CollisionGeometry, Vec<Finding>) {
+    let covers = cover_each(model, folder, excess);
     let (mut shapes, mut geometry) = (Shapes::default(), CollisionGeometry::default());
     for (collision, cover) in model.collisions().iter().zip(covers) {
         let (shape, mesh) = match &collision.shape {
@@ -109,5 +106,14 @@ pub(super) fn covered(
              file otherwise",
         ],
     );
-    (shapes, geometry, found)
+    let refused = too_many_balls((model, None), shapes.balls, folder, excess);
+    let too_many = refused.and_then(|[condition, remedy]| {
+        let robot = [model.name().to_owned()];
+        Finding::about(Severity::NeedsKey, "robot", robot, [&condition, &remedy])
+    });
+    (
+        shapes,
+        geometry,
+        found.into_iter().chain(too_many).collect(),
+    )
 }

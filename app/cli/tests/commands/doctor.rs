@@ -61,7 +61,7 @@ fn doctor(folder: &Path, more: &[&str]) -> Run {
 }
 
 /// The findings with such words in their condition, and the names in them.
-fn found(diagnosis: &Value, words: &str) -> Vec<(String, Vec<String>)> {
+pub fn found(diagnosis: &Value, words: &str) -> Vec<(String, Vec<String>)> {
     let text = |value: &Value| value.as_str().expect("it is text").to_owned();
     let findings = diagnosis["findings"].as_array().expect("a list").iter();
     let with_words = findings.filter(|finding| text(&finding["condition"]).contains(words));
@@ -122,7 +122,18 @@ fn each_finding_names_its_elements() {
             &["arm and base (neighbours)"],
         ),
         ("the state 'bent' of the SRDF has it", note, &["wheel"]),
-        ("the SRDF disables collisions of it", note, &["tail"]),
+        ("the SRDF has a pair of links with it", note, &["tail"]),
+        (
+            "the radius of gyration",
+            note,
+            &[
+                "arm (1.00 m)",
+                "mid (3.00 m)",
+                "hand (1.00 m)",
+                "fist (1.00 m)",
+            ],
+        ),
+        ("the centre of mass is", note, &["hand (0.35 m)"]),
         ("links overlap there", note, &["zero", "straight of arm"]),
     ] {
         let names = names.iter().map(|name| (*name).to_owned()).collect();
@@ -132,7 +143,7 @@ fn each_finding_names_its_elements() {
             "{words}"
         );
     }
-    assert_eq!(found(&diagnosis, "").len(), 15, "{diagnosis}");
+    assert_eq!(found(&diagnosis, "").len(), 17, "{diagnosis}");
     let shapes = diagnosis["shapes"]["shapes"].as_array().expect("a list");
     assert!(
         shapes.iter().all(|shape| shape["unread"].is_null()),
@@ -154,14 +165,19 @@ fn each_finding_names_its_elements() {
 #[test]
 fn what_is_refused_is_a_finding_and_the_rest_is_examined() {
     let folder = folder("doctor_refused", "floating");
+    let robot = ROBOT.replace("FLOAT", "floating").replace(
+        "name=\"pan\" type=\"continuous\"",
+        "name=\"pan\" type=\"wheel\"",
+    );
+    std::fs::write(folder.join("ill.urdf"), robot).expect("it is writable");
     let run = doctor(&folder, &[]);
     assert_eq!((run.code, run.stderr.as_str()), (Some(3), ""));
     for words in [
         "ill.urdf: motions cannot be planned with this file",
         "In the way",
-        "joint 'float': it has several degrees of freedom",
-        "remedy: type=\"fixed\"",
-        "Needs a key",
+        "file 'ill.urdf': joint 'pan': there is no joint type 'wheel'\n    remedy: the element has to be changed",
+        "Needs a key\n  joint 'float': it has several degrees of freedom",
+        "remedy: \"srdf\": FILE and \"group\": NAME (--group NAME) of joints without it",
         "remedy: \"srdf\": FILE and \"group\": NAME",
         "not found; another format",
         "  1 not read, shape 'package://parts/base.dae': there is no such file; --package parts=FOLDER",
@@ -227,7 +243,10 @@ fn faults_of_files_are_findings_or_bad_input() {
         found(&diagnosis, "link 'arm': its mass is negative")[0].0,
         "refused"
     );
+    // Each fault is listed, and the rest is examined.
+    assert_eq!(found(&diagnosis, "its mass is negative").len(), 4);
     assert_eq!(found(&diagnosis, "it follows another joint").len(), 1);
+    assert_eq!(diagnosis["mass_kg"], 0.0);
 
     std::fs::write(
         folder.join("ill.srdf"),
@@ -269,58 +288,36 @@ fn faults_of_files_are_findings_or_bad_input() {
     );
 }
 
-/// Numbers in degrees, millimetres and grams are asked about.
+/// A cover that a scenario refuses needs the key that the finding names.
 #[test]
-fn units_of_another_kind_are_noted() {
-    let arm = |limit: &str, x: f64, kg: f64| {
-        format!(
-            r#"<robot name="arm"><link name="base"/>
-            <link name="upper"><inertial><mass value="{kg}"/>
-            <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-            <joint name="lift" type="revolute"><parent link="base"/><child link="upper"/>
-            <origin xyz="{x} 0 0"/><axis xyz="0 0 1"/><limit {limit} effort="10"/></joint></robot>"#
-        )
+fn too_many_balls_are_a_finding_with_an_excess_that_works() {
+    let folder = empty_folder("doctor_balls");
+    let robot = r#"<robot name="mast"><link name="base"/><link name="mast">
+        <inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+        <collision><geometry><capsule radius="0.01" length="10"/></geometry></collision></link>
+        <joint name="turn" type="continuous"><parent link="base"/><child link="mast"/></joint></robot>"#;
+    std::fs::write(folder.join("mast.urdf"), robot).expect("it is writable");
+    let doctor = |excess| {
+        parsed(&aghf(
+            &folder,
+            &["doctor", "mast.urdf", "--json", "--excess", excess],
+        ))
     };
-    let radians = r#"lower="-3" upper="3" velocity="2""#;
-    for (text, words, expected) in [
-        (arm(radians, 0.4, 3.0), "are these", None),
-        (
-            arm(r#"lower="-118" upper="120" velocity="2""#, 0.4, 3.0),
-            "limits of position",
-            Some("lift"),
-        ),
-        (
-            arm(r#"lower="-1e9" upper="1e9" velocity="1e9""#, 0.4, 3.0),
-            "are these",
-            None,
-        ),
-        (
-            arm(r#"lower="0" upper="400" velocity="2""#, 0.4, 3.0).replace("revolute", "prismatic"),
-            "limits of position beyond 10 m",
-            Some("lift"),
-        ),
-        (
-            arm(r#"lower="-3" upper="3" velocity="180""#, 0.4, 3.0),
-            "limit of velocity above",
-            Some("lift"),
-        ),
-        (arm(radians, 400.0, 3.0), "millimetres", Some("lift")),
-        (arm(radians, 0.4, 3000.0), "grams", Some("upper")),
-    ] {
-        let folder = empty_folder("doctor_units");
-        std::fs::write(folder.join("arm.urdf"), text).expect("a file");
-        let diagnosis = parsed(&aghf(&folder, &["doctor", "arm.urdf", "--json"]));
-        let names: Vec<_> = found(&diagnosis, words)
-            .into_iter()
-            .flat_map(|(_, names)| names)
-            .collect();
-        assert_eq!(
-            names,
-            expected
-                .iter()
-                .map(|name| (*name).to_owned())
-                .collect::<Vec<_>>(),
-            "{words}"
-        );
-    }
+    let diagnosis = doctor("1e-5");
+    assert_eq!(diagnosis["plannable"], "with_keys", "{diagnosis}");
+    let findings = diagnosis["findings"].as_array().expect("a list");
+    let words =
+        "excess_m is 1e-5, which takes 11179 balls to cover the robot, at most 10000 are allowed";
+    let finding = findings.iter().find(|f| f["condition"] == words);
+    let finding = finding.unwrap_or_else(|| panic!("{diagnosis}"));
+    assert_eq!(finding["severity"], "needs_key");
+    let remedy = r#""robot_shape": {"collision": {"excess_m": 0.01}}"#;
+    assert_eq!(finding["remedy"], remedy);
+    assert_eq!(doctor("0.01")["plannable"], "yes");
+
+    let text = r#"{"robot": "mast.urdf", "horizon_s": 1, "q_start": [0], "v_start": [0], "q_goal": [1], "v_goal": [0],
+        "robot_shape": {"collision": {"excess_m": 1e-5}}}"#;
+    std::fs::write(folder.join("mast.json"), text).expect("it is writable");
+    let words = format!("mast.json: robot_shape: ; {words}; {remedy} is needed");
+    assert_bad_input(&folder, &["solve", "mast.json"], &words);
 }

@@ -7,6 +7,7 @@ mod benchmark;
 mod certify;
 mod check;
 mod doctor;
+mod doctor_numbers;
 mod eval;
 mod export;
 mod ik;

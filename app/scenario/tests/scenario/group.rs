@@ -1,6 +1,7 @@
 //! Scenarios that plan the joints of a group.
 
 use crate::written::{folder, load, solved_once, with};
+use aghf::urdf::summarised;
 use aghf_scenario::{LoadOptions, Scenario};
 use serde_json::{Value, json};
 
@@ -167,4 +168,49 @@ fn groups_that_cannot_be_planned_are_refused_by_key() {
     });
     let scenario = load("first", &with(files(), keys)).expect("it is good");
     assert_eq!(scenario.model.joints()[0].name(), "first");
+}
+
+/// The arm on a floating base, with and without the base in the group.
+#[test]
+fn joints_of_several_degrees_are_held_outside_of_the_group() {
+    let file = files();
+    let path = folder().join("arm.urdf");
+    let text = std::fs::read_to_string(&path).expect("it was written");
+    let floats = r#"<link name="world"/><joint name="float" type="floating"><parent link="world"/>
+        <child link="base"/><origin xyz="0 0 1"/></joint></robot>"#;
+    std::fs::write(
+        folder().join("mobile.urdf"),
+        text.replace("</robot>", floats),
+    )
+    .expect("a file");
+    let srdf = r#"<robot name="arm"><group name="arm"><chain base_link="base" tip_link="lower"/></group>
+        <group name="whole"><chain base_link="world" tip_link="lower"/></group>
+        <disable_collisions link1="base" link2="tail"/></robot>"#;
+    std::fs::write(folder().join("mobile.srdf"), srdf).expect("a file");
+    let mobile = with(
+        file,
+        json!({ "robot": "mobile.urdf", "srdf": "mobile.srdf" }),
+    );
+    let scenario = load("mobile", &mobile).expect("its base is held");
+    let names: Vec<_> = scenario.model.joints().iter().map(|j| j.name()).collect();
+    assert_eq!(names, ["shoulder", "elbow"]);
+    let notes = summarised(&scenario.load_notes);
+    let expected = [
+        "joint 'float': floating, held at the origin of the joint",
+        "link 'tail': the SRDF has a pair of links with it, and the robot does not have it",
+    ];
+    assert_eq!(notes, expected);
+    for (key, words) in [
+        (
+            json!({ "group": "whole" }),
+            "group: it has the joint 'float', which is floating",
+        ),
+        (
+            json!({ "group": null }),
+            "joint 'float': floating joints are not supported",
+        ),
+    ] {
+        let error = load("mobile", &with(mobile.clone(), key)).expect_err(words);
+        assert!(error.contains(words), "{error}");
+    }
 }
