@@ -48,8 +48,9 @@ impl Srdf {
         Self::parse(&read_text(path)?, &path.display().to_string(), model)
     }
 
-    /// Parses the SRDF in `text` for the robot `model`; `file` names it in errors. End effectors and passive joints are
-    /// ignored; names in groups and states are looked up when these are used.
+    /// Parses the SRDF in `text` for the robot `model`; `file` names it in errors. A link of
+    /// `disable_default_collisions` is disabled with all others, except in pairs of `enable_collisions`. End
+    /// effectors and passive joints are ignored; names in groups and states are looked up when these are used.
     ///
     /// # Errors
     /// Names the file and the element: text that is not an SRDF, a pair without a link, spheres of a link that the
@@ -73,6 +74,7 @@ impl Srdf {
             return refuse("it has joints, as a URDF".to_owned());
         }
         let mut srdf = Self::default();
+        let (mut off, mut enabled) = (Vec::new(), Vec::new());
         for node in root.children().filter(Node::is_element) {
             let kind = node.tag_name().name();
             let line = document.text_pos_at(node.range().start).row;
@@ -92,6 +94,13 @@ impl Srdf {
                         srdf.disabled.push(DisabledPair { links, reason });
                     }
                 }
+                "disable_default_collisions" => {
+                    off.push(required(node, "link").map_err(named)?.to_owned());
+                }
+                "enable_collisions" => {
+                    let end = |end| required(node, end).map(str::to_owned).map_err(named);
+                    enabled.push([end("link1")?, end("link2")?]);
+                }
                 "link_sphere_approximation" => {
                     let link = link(node, "link", model).map_err(named)?;
                     if srdf.spheres.iter().any(|(other, _)| *other == link) {
@@ -108,7 +117,28 @@ impl Srdf {
                 _ => {}
             }
         }
+        for link in off {
+            srdf.disable_all_of(&link, &enabled, model);
+        }
         Ok(srdf)
+    }
+
+    /// Adds the pairs of a link with all others, except those that are `enabled` or listed.
+    fn disable_all_of(&mut self, link: &str, enabled: &[[String; 2]], model: &Model) {
+        if !has_link(model, link) {
+            self.unknown_links.insert(link.to_owned());
+            return;
+        }
+        for other in model.frames().iter().map(|frame| &frame.name) {
+            let same = |pair: &[String; 2]| pair.iter().any(|a| a == link) && pair.contains(other);
+            let listed = self.disabled.iter().any(|pair| same(&pair.links));
+            if other != link && !listed && !enabled.iter().any(same) {
+                self.disabled.push(DisabledPair {
+                    links: [link.to_owned(), other.clone()],
+                    reason: "Default".to_owned(),
+                });
+            }
+        }
     }
 
     /// Replaces the shapes of those links of the model for which this SRDF has spheres.

@@ -1,5 +1,6 @@
 //! Pairs of links and spheres of links in an SRDF.
 
+use crate::common::assert_refused;
 use crate::shapes::robot;
 use aghf::geometry::Shape;
 use aghf::model::CollisionShape;
@@ -49,4 +50,32 @@ fn pairs_and_spheres_of_an_srdf_are_read() {
         with.collisions()[2].shape,
         CollisionShape::Solid(Shape::Sphere { radius: 0.2 })
     );
+}
+
+/// A link that is off by default may overlap with all others, unless a pair says otherwise.
+#[test]
+fn links_may_be_disabled_by_default() {
+    let model = robot();
+    let text = r#"<robot name="r"><disable_default_collisions link="base"/>
+        <enable_collisions link1="finger" link2="base"/><disable_default_collisions link="wheel"/>
+        <disable_collisions link1="arm" link2="base" reason="Adjacent"/></robot>"#;
+    let srdf = Srdf::parse(text, "off.srdf", &model).expect("it is good");
+    let names: Vec<_> = model
+        .frames()
+        .iter()
+        .map(|frame| frame.name.as_str())
+        .collect();
+    let may = |a: &str, b: &str| {
+        let pairs = srdf.disabled.iter().map(|pair| &pair.links);
+        pairs
+            .filter(|pair| pair.contains(&a.to_owned()) && pair.contains(&b.to_owned()))
+            .count()
+    };
+    for name in names.iter().filter(|name| **name != "base") {
+        assert_eq!(may("base", name), usize::from(*name != "finger"), "{name}");
+    }
+    assert_eq!(may("arm", "finger"), 0);
+    assert!(srdf.unknown_links.contains("wheel"));
+    let bad = text.replace("link=\"base\"", "name=\"base\"");
+    assert_refused(Srdf::parse(&bad, "off.srdf", &model), "it has no link");
 }
