@@ -15,6 +15,7 @@ mod input;
 mod judge;
 mod output;
 mod pages;
+mod pairs;
 mod readme;
 mod refused;
 mod robots;
