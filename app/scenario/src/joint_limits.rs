@@ -33,9 +33,8 @@ struct Contents {
 }
 
 /// The limits of a joint in that file. A limit holds where its flag says so, or where it has a number and no flag.
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
 #[serde(default)]
-#[derive(Default)]
 struct JointLimits {
     has_position_limits: Option<bool>,
     min_position: Option<f64>,

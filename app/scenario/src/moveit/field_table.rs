@@ -4,7 +4,8 @@ use super::fields::Fields;
 use super::fields::Treatment::{Accepted, In, Only, Read, Refused};
 
 /// What is said of shapes that are not read.
-pub(super) const SHAPES: &str = "boxes, cylinders and spheres alone are read; an obstacle of these that contains it stands in for it";
+pub(super) const SHAPES: &str = "boxes, cylinders and spheres alone are read; an obstacle of these that \
+    contains it stands in for it";
 
 const CLEARANCE: &str = "the robot has the shapes of its URDF; `clearance_m` of the scenario keeps a distance from all \
     obstacles and between links";

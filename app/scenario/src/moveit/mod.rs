@@ -67,7 +67,8 @@ pub struct MoveIt {
 /// The horizon of a converted scenario.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MoveItHorizon {
-    /// Free, from the shortest one that the velocity limits allow, but at least 0.1 s, to fifteen times that.
+    /// Free, from the shortest one that the velocity limits allow, but at least 0.1 s, to fifteen times that, or times
+    /// the time that limits of acceleration and of the speed of a link take about, if it is longer.
     Free,
     /// Free between these bounds, s.
     Between(f64, f64),

@@ -6,7 +6,8 @@ use serde_json::{Value, json};
 
 /// A scenario of two joints, the second of which is continuous, that takes this kind of limit from this file.
 fn limited(key: &str, yaml: &str) -> Result<Scenario, String> {
-    let link = r#"<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>"#;
+    let link = r#"<inertial><mass value="1"/>
+        <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>"#;
     let urdf = format!(
         r#"<robot name="two"><link name="base"/><link name="a">{link}<link name="b">{link}
         <joint name="j1" type="revolute"><parent link="base"/><child link="a"/>
@@ -36,7 +37,8 @@ fn of(key: &str, yaml: &str) -> Result<[Option<f64>; 2], String> {
 
 #[test]
 fn angles_in_degrees_are_converted() {
-    let yaml = "joint_limits:\n  j1: {max_velocity: !degrees 30.0, max_acceleration: !degrees 90, max_jerk: !radians 5}\n  \
+    let yaml = "joint_limits:\n  \
+        j1: {max_velocity: !degrees 30.0, max_acceleration: !degrees 90, max_jerk: !radians 5}\n  \
         j2: {has_velocity_limits: true, max_velocity: !radians 0.25}\n";
     let velocities = of("max_velocity", yaml).expect("it is good");
     assert_eq!(velocities, [Some(30.0_f64.to_radians()), Some(0.25)]);

@@ -80,9 +80,13 @@ fn limits_of(scenario: &Scenario) -> Value {
     serde_json::to_value(&scenario.file.enforced_limits).expect("it is written")
 }
 
-const LIMITS: &str = "default_velocity_scaling_factor: 0.5\ndefault_acceleration_scaling_factor: 0.25\njoint_limits:\n  \
-    shoulder: {has_velocity_limits: true, max_velocity: 1, has_acceleration_limits: true, max_acceleration: 4,
-      has_jerk_limits: true, max_jerk: 30}\n";
+const LIMITS: &str = "
+default_velocity_scaling_factor: 0.5
+default_acceleration_scaling_factor: 0.25
+joint_limits:
+  shoulder: {has_velocity_limits: true, max_velocity: 1, has_acceleration_limits: true, max_acceleration: 4,
+    has_jerk_limits: true, max_jerk: 30}
+";
 
 #[test]
 fn factors_scale_the_limits_and_the_horizon() {
@@ -310,7 +314,8 @@ fn frames_that_are_not_the_base_are_refused() {
 fn a_rotation_vector_has_no_free_axis() {
     let turned = |parameterization: u8, about_z: f64| {
         let upright = json!({ "link_name": "hand", "orientation": [0, 0, 0, 1], "absolute_x_axis_tolerance": 0.1,
-            "absolute_y_axis_tolerance": 0.1, "absolute_z_axis_tolerance": about_z, "parameterization": parameterization });
+            "absolute_y_axis_tolerance": 0.1, "absolute_z_axis_tolerance": about_z,
+            "parameterization": parameterization });
         made(
             json!({ "path_constraints": { "orientation_constraints": [upright] } }),
             None,
