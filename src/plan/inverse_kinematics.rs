@@ -175,9 +175,7 @@ impl<'a, K: Constraint + ?Sized> InverseKinematics<'a, K> {
             if joint.kind() == JointKind::Prismatic {
                 return *q;
             }
-            let least = ((lower - q) / TAU).ceil();
-            let most = ((upper - q) / TAU).floor();
-            q + TAU * ((to - q) / TAU).round().max(least).min(most)
+            nearest_turn(*q, *to, [*lower, *upper])
         });
         turned.collect()
     }
@@ -289,4 +287,13 @@ fn adjusted(
     } else {
         1.0
     }
+}
+
+/// The angle that differs from `q` by whole turns and is as near to `near` as `bounds` allow, all in rad; the bounds
+/// may be infinite.
+#[must_use]
+pub fn nearest_turn(q: f64, near: f64, [lower, upper]: [f64; 2]) -> f64 {
+    let least = ((lower - q) / TAU).ceil();
+    let most = ((upper - q) / TAU).floor();
+    q + TAU * ((near - q) / TAU).round().max(least).min(most)
 }

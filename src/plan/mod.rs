@@ -31,7 +31,7 @@ mod tree;
 pub use checker::Checker;
 pub(crate) use fit::along;
 pub use fit::curve_along;
-pub use inverse_kinematics::{InverseKinematics, Posture};
+pub use inverse_kinematics::{InverseKinematics, Posture, nearest_turn};
 #[doc(hidden)]
 pub use sampler::Sampler;
 

@@ -148,6 +148,22 @@ pub enum LoadNote {
         /// The distance from the limit, rad or m, in words.
         by: String,
     },
+    /// A goal in another file is an angle of the continuous joint, and was moved by whole turns as near as possible to
+    /// its start.
+    Turned {
+        /// The joint.
+        joint: String,
+        /// The number of turns, in words.
+        by: String,
+    },
+    /// Another file has different limits of acceleration and of deceleration for the joint, the smaller of which holds
+    /// in both directions.
+    Deceleration {
+        /// The joint.
+        joint: String,
+        /// The limit, rad/s^2 or m/s^2, in words.
+        least: String,
+    },
     /// The joint moves nothing with inertia about it and is planned with a rotor inertia that stands in for it.
     SubstituteRotor {
         /// The joint.
@@ -206,6 +222,8 @@ impl LoadNote {
             | Self::SubstituteRotor { joint, .. }
             | Self::Missing { joint }
             | Self::AtLimit { joint, .. }
+            | Self::Turned { joint, .. }
+            | Self::Deceleration { joint, .. }
             | Self::LeftOut { joint, .. } => ("joint", joint),
         }
     }
@@ -254,6 +272,12 @@ impl LoadNote {
             Self::AtLimit { by, .. } => {
                 format!("its position is {by} beyond a limit, and was set to the limit")
             }
+            Self::Turned { by, .. } => {
+                format!("its goal was moved by {by}, as near as possible to its start")
+            }
+            Self::Deceleration { least, .. } => format!(
+                "limits of acceleration and deceleration differ, the smaller of {least} holds in both directions"
+            ),
             Self::SubstituteRotor { armature, .. } => format!(
                 "nothing that it moves has inertia about it, planned with a rotor inertia of {armature}; \
                  \"losses\": {{\"armature\": ...}} sets another"
@@ -308,6 +332,8 @@ impl fmt::Display for LoadNote {
             | Self::SubstituteRotor { .. }
             | Self::Missing { .. }
             | Self::AtLimit { .. }
+            | Self::Turned { .. }
+            | Self::Deceleration { .. }
             | Self::LeftOut { .. } => f.write_str(&self.kind()),
         }
     }

@@ -4,7 +4,7 @@ use crate::common::{assert_refused, robot};
 use aghf::constraint::{Bounds, Constraint, Evaluator, FrameRows};
 use aghf::dynamics::{forward_kinematics, frame_placement};
 use aghf::model::{Frame, Model};
-use aghf::plan::InverseKinematics;
+use aghf::plan::{InverseKinematics, nearest_turn};
 use aghf::spatial::Placement;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rand::SeedableRng;
@@ -157,6 +157,22 @@ fn turns_are_taken_back() {
     let expected = [7.0 - TAU, TAU - 3.5, 0.1 + TAU, 0.0, 0.0, 0.0, 6.0 * TAU];
     for (found, expected) in found.iter().zip(expected) {
         assert!((found - expected).abs() < 1e-14);
+    }
+}
+
+/// By whole turns, within bounds even if a farther turn would be nearer.
+#[test]
+fn an_angle_is_the_nearest_of_its_turns() {
+    let free = [f64::NEG_INFINITY, f64::INFINITY];
+    for (q, near, bounds, turns) in [
+        (-3.1, 3.1, free, 1.0),
+        (0.1, 12.6, free, 2.0),
+        (7.0, 0.5, free, -1.0),
+        (0.5, 0.6, free, 0.0),
+        (0.1, 12.6, [-1.0, 7.0], 1.0),
+        (-3.1, 3.1, [-3.14, 3.14], 0.0),
+    ] {
+        assert_eq!(nearest_turn(q, near, bounds), q + TAU * turns);
     }
 }
 

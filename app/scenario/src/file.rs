@@ -107,7 +107,8 @@ impl Scenario {
         };
         file.check_states(model, path)?;
         file.check_numbers(path)?;
-        (file.enforced_limits).read(model, source, folder, path)?;
+        let mut load_notes = robot.notes;
+        (file.enforced_limits).read(model, source, (path, folder), &mut load_notes)?;
         file.enforced_limits.check(model, path)?;
         check_objective(&file, model, path)?;
         check_passive(&file, model, path)?;
@@ -117,7 +118,7 @@ impl Scenario {
             robot_sha256: sha256(source.text.as_bytes()),
             file,
             model: robot.model,
-            load_notes: robot.notes,
+            load_notes,
             scene: robot.scene,
             overlapping: robot.overlapping,
             source: robot.source,

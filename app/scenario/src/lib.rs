@@ -22,6 +22,7 @@ mod goal;
 mod goal_ends;
 mod group;
 pub mod guide;
+mod joint_limits;
 mod joint_trajectory;
 mod json;
 pub mod judge;
@@ -76,7 +77,7 @@ pub use keep::{Kept, PointSpeed};
 pub use limits::{Enforced, EnforcedLimits};
 pub use load::LoadOptions;
 pub use losses::{JointNumbers, LossNumbers, Losses};
-pub use moveit::{MoveIt, MoveItHorizon};
+pub use moveit::{MoveIt, MoveItHorizon, moveit_fields};
 pub use objective::{
     Continuous, HorizonBounds, Objective, ObjectiveWeights, PerJoint, Preset, Units,
 };

@@ -1,15 +1,12 @@
 //! Limits of velocity, acceleration and jerk that a scenario gives.
 
-use super::json::by_name;
-use super::yaml::read_yaml;
+use super::joint_limits::JointLimitsFile;
 use super::{EnforcedLimits, Limit};
 use aghf::error::{Error, Result, plain};
-use aghf::input::read_text;
 use aghf::model::Model;
-use aghf::urdf::RobotSource;
+use aghf::urdf::{LoadReport, RobotSource};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use urdf_rs::Robot;
 
@@ -30,7 +27,7 @@ pub enum RateLimits {
     /// Those of a file.
     File {
         /// The path of a `joint_limits.yaml` of MoveIt, relative to the scenario, whose limits of velocity,
-        /// acceleration, deceleration and jerk are read.
+        /// acceleration, deceleration and jerk are read, times its default scaling factors.
         file: PathBuf,
     },
 }
@@ -41,51 +38,6 @@ pub enum Urdf {
     /// The attributes `velocity` and, of URDF 1.2, `acceleration`, `deceleration` and `jerk` of its `limit` elements.
     #[serde(rename = "urdf")]
     Urdf,
-}
-
-/// The part of MoveIt's `joint_limits.yaml` that is read.
-#[derive(Deserialize)]
-struct JointLimitsFile {
-    #[serde(deserialize_with = "by_name")]
-    joint_limits: BTreeMap<String, JointLimits>,
-}
-
-/// The limits of a joint in that file. A limit holds where its flag is set.
-#[derive(Default, Deserialize)]
-#[serde(default)]
-struct JointLimits {
-    has_velocity_limits: bool,
-    max_velocity: Option<f64>,
-    has_acceleration_limits: bool,
-    max_acceleration: Option<f64>,
-    has_deceleration_limits: bool,
-    max_deceleration: Option<f64>,
-    has_jerk_limits: bool,
-    max_jerk: Option<f64>,
-}
-
-impl JointLimits {
-    /// The keys of the limits of a kind that hold, each with its number.
-    fn of(&self, limit: Limit) -> Vec<(&'static str, Option<f64>)> {
-        let all = match limit {
-            Limit::Velocity => vec![(self.has_velocity_limits, "max_velocity", self.max_velocity)],
-            Limit::Jerk => vec![(self.has_jerk_limits, "max_jerk", self.max_jerk)],
-            _ => vec![
-                (
-                    self.has_acceleration_limits,
-                    "max_acceleration",
-                    self.max_acceleration,
-                ),
-                (
-                    self.has_deceleration_limits,
-                    "max_deceleration",
-                    self.max_deceleration,
-                ),
-            ],
-        };
-        let holding = all.into_iter().filter(|(holds, ..)| *holds);
-        holding.map(|(_, key, number)| (key, number)).collect()
-    }
 }
 
 impl RateLimits {
@@ -138,15 +90,18 @@ impl RateLimits {
         model: &Model,
         source: &RobotSource,
         folder: &Path,
+        notes: &mut LoadReport,
     ) -> Result<()> {
         let (file, numbers) = match self {
             Self::Same(_) | Self::Each(_) => return Ok(()),
             Self::Urdf(_) => (source.name(), of_urdf(&source.elements()?, limit, model)),
             Self::File { file } => {
                 let path = folder.join(file);
-                let file = path.display().to_string();
-                let read: JointLimitsFile = read_yaml(&read_text(&path)?, &file, "joint limits")?;
-                (file.clone(), of_file(&read, limit, model, &file)?)
+                let joints: Vec<_> = model.joints().iter().collect();
+                let read = JointLimitsFile::load(&path, &joints)?;
+                let factor = read.factor(limit)?;
+                let numbers = read.limits(limit, &joints, factor, notes)?;
+                (path.display().to_string(), numbers)
             }
         };
         let named = model.joints().iter().zip(&numbers);
@@ -189,32 +144,6 @@ fn of_urdf(robot: &Robot, limit: Limit, model: &Model) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// The limits of the joints of a model in a file of MoveIt.
-fn of_file(
-    read: &JointLimitsFile,
-    limit: Limit,
-    model: &Model,
-    file: &str,
-) -> Result<Vec<Option<f64>>> {
-    let of = |name: &str| {
-        let Some(joint) = read.joint_limits.get(name) else {
-            return Ok(None);
-        };
-        let mut numbers = Vec::new();
-        for (key, number) in joint.of(limit) {
-            let element = format!("joint_limits.{name}.{key}");
-            let missing = || Error::input(file, element, "it is missing");
-            numbers.push(number.ok_or_else(missing)?);
-        }
-        Ok(smallest(numbers.into_iter()))
-    };
-    model
-        .joints()
-        .iter()
-        .map(|joint| of(joint.name()))
-        .collect()
-}
-
 /// The smallest number, NaN if one is.
 fn smallest(numbers: impl Iterator<Item = f64>) -> Option<f64> {
     numbers.reduce(|a, b| if a < b || a.is_nan() { a } else { b })
@@ -237,8 +166,8 @@ impl EnforcedLimits {
         &mut self,
         model: &Model,
         source: &RobotSource,
-        folder: &Path,
-        path: &str,
+        (path, folder): (&str, &Path),
+        notes: &mut LoadReport,
     ) -> Result<()> {
         for (limit, key, limits) in [
             (Limit::Velocity, "max_velocity", &mut self.max_velocity),
@@ -247,7 +176,7 @@ impl EnforcedLimits {
         ] {
             if let Some(limits) = limits {
                 let key = format!("enforced_limits.{key}");
-                let read = limits.read(limit, model, source, folder);
+                let read = limits.read(limit, model, source, folder, notes);
                 read.map_err(|e| Error::input(path, key, e.to_string()))?;
             }
         }

@@ -52,7 +52,8 @@ impl Scenario {
             };
             let speed = Limit::Velocity.unit(joint.kind());
             let condition = format!(
-                "joint '{name}' at {q} {unit} with {v} {speed} {does} its {side} position limit of {bound} {unit}: {lacks}"
+                "joint '{name}' at {q} {unit} with {v} {speed} {does} its {side} position limit of {bound} {unit}: \
+                 {lacks}"
             );
             return Err(Error::input(&self.name, v_key, condition));
         }

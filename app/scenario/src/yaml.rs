@@ -1,7 +1,7 @@
 //! YAML input with errors that name the key.
 
 use aghf::error::{Error, Result};
-use saphyr_parser::{Event, Parser, ScalarStyle};
+use saphyr_parser::{Event, Parser, ScalarStyle, Tag};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
@@ -11,16 +11,25 @@ const DEEPEST: usize = 64;
 /// Reads a value from the only document of a YAML text; an error names the faulty key. `what` describes the contents,
 /// such as a scene.
 pub(super) fn read_yaml<T: DeserializeOwned>(text: &str, file: &str, what: &str) -> Result<T> {
-    let refuse = |key: &str, condition: String| Err(Error::input(file, key, condition));
-    let value = match value_of(text) {
-        Ok(Value::Object(object)) => Value::Object(object),
-        Ok(_) => return refuse(what, "it is no YAML with keys".to_owned()),
-        Err(condition) => return refuse(what, format!("not valid YAML: {condition}")),
-    };
-    serde_path_to_error::deserialize(value).or_else(|error| {
+    of_value(yaml_value(text, file, what)?, file, what)
+}
+
+/// The only document of a YAML text, an object.
+pub(super) fn yaml_value(text: &str, file: &str, what: &str) -> Result<Value> {
+    let refuse = |condition: String| Err(Error::input(file, what, condition));
+    match value_of(text) {
+        Ok(Value::Object(object)) => Ok(Value::Object(object)),
+        Ok(_) => refuse("it is no YAML with keys".to_owned()),
+        Err(condition) => refuse(format!("not valid YAML: {condition}")),
+    }
+}
+
+/// Reads a value from such a document.
+pub(super) fn of_value<T: DeserializeOwned>(value: Value, file: &str, what: &str) -> Result<T> {
+    serde_path_to_error::deserialize(value).map_err(|error| {
         let path = error.path().to_string();
         let key = if path == "." { what } else { &path };
-        refuse(key, error.inner().to_string())
+        Error::input(file, key, error.inner().to_string())
     })
 }
 
@@ -45,6 +54,9 @@ fn value_of(text: &str) -> std::result::Result<Value, String> {
             Event::SequenceStart(..) | Event::MappingStart(..) if open.len() == DEEPEST => {
                 return refuse(&format!("more than {DEEPEST} lists in each other"));
             }
+            Event::SequenceStart(_, Some(tag)) | Event::MappingStart(_, Some(tag)) => {
+                return refuse(&unknown(&tag));
+            }
             Event::SequenceStart(..) => {
                 open.push(Open::List(Vec::new()));
                 continue;
@@ -58,9 +70,9 @@ fn value_of(text: &str) -> std::result::Result<Value, String> {
                 Some(Open::Mapping(mapping, _)) => Value::Object(mapping),
                 None => return refuse("an end without a beginning"),
             },
-            Event::Scalar(text, style, ..) => match scalar(&text, style) {
-                Some(value) => value,
-                None => return refuse(&format!("a number that is not finite, {text},")),
+            Event::Scalar(text, style, _, tag) => match tagged(&text, style, tag.as_deref()) {
+                Ok(value) => value,
+                Err(condition) => return refuse(&condition),
             },
             Event::Alias(_) => return refuse("a reference, which is not read,"),
             _ => continue,
@@ -86,6 +98,29 @@ fn value_of(text: &str) -> std::result::Result<Value, String> {
         }
     }
     whole.ok_or_else(|| "it is empty".to_owned())
+}
+
+/// The value of a scalar with its tag, or the fault. The tags of angles are those that rosparam and xacro read.
+fn tagged(text: &str, style: ScalarStyle, tag: Option<&Tag>) -> std::result::Result<Value, String> {
+    let infinite = || format!("a number that is not finite, {text},");
+    let value = scalar(text, style).ok_or_else(infinite)?;
+    let Some(tag) = tag else {
+        return Ok(value);
+    };
+    let of_number = |angle: Option<f64>| match angle {
+        Some(angle) => Ok(Value::from(angle)),
+        None => Err(format!("the tag {tag} without a number")),
+    };
+    match tag.to_string().as_str() {
+        "!degrees" => of_number(value.as_f64().map(f64::to_radians)),
+        "!radians" => of_number(value.as_f64()),
+        _ => Err(unknown(tag)),
+    }
+}
+
+/// The fault of a tag that is not read.
+fn unknown(tag: &Tag) -> String {
+    format!("the tag {tag}, of which !degrees and !radians alone are read,")
 }
 
 /// The value of a scalar by the core schema of YAML; `None` for a number that is not finite.

@@ -127,6 +127,7 @@ fn of_moveit(
             packages: packages.clone(),
             mimic: Mimic::default(),
             srdf: srdf.is_file().then(|| srdf.to_owned()),
+            joint_limits: None,
             excess: EXCESS,
             horizon: MoveItHorizon::Free,
             objective: Preset::Balanced,

@@ -24,10 +24,15 @@ enum From {
 
 /// Converts a planning scene and a planning request of MoveIt, both in YAML, to a scenario.
 ///
-/// The motion goes from the joint state of the request to its goal, by joints or by pose, at rest at both ends, within
-/// all limits of the robot, and keeps path constraints; joints outside of the goal, for a goal by pose outside of the
-/// group, are locked. Boxes, cylinders and spheres of the scene are obstacles. The robot has the shapes of its URDF. A
-/// scenario is written only if all of the input could be read.
+/// The motion goes from the joint state of the request, with its velocities, to rest at its goal, by joints or by pose,
+/// within all limits of the robot times the scaling factors of the request, and keeps path constraints and the speed of
+/// a link; joints outside of the goal, for a goal by pose outside of the group, are locked. The goal of a continuous
+/// joint is an angle, and moved by whole turns to be near its start, with a note. Boxes, cylinders and spheres of the
+/// scene are obstacles. The robot has the shapes of its URDF.
+///
+/// A scenario is written only if all that bears on the motion could be read: every field of both files is read, or
+/// refused by its name if it has a value, or has no meaning for the motion, such as a label, a colour, or the choice
+/// and the time of a planner. A table of all fields is in the guide of aghf-scenario, page moveit.
 #[derive(Debug, Args)]
 struct FromMoveIt {
     /// The planning scene.
@@ -44,6 +49,10 @@ struct FromMoveIt {
     /// Treatment of mimic joints: refuse the robot, or let them move independently.
     #[arg(long, value_parser = choice::<Mimic>(), default_value_t)]
     mimic: Mimic,
+    /// MoveIt's joint_limits.yaml, whose limits of velocity, acceleration and jerk are kept too, times the scaling
+    /// factors of the request, otherwise its default ones. A factor of accelerations needs it.
+    #[arg(long)]
+    joint_limits: Option<PathBuf>,
     /// Largest distance by which balls may stick out that cover shapes other than spheres, m.
     #[arg(long, default_value_t = 0.005, allow_negative_numbers = true)]
     excess: f64,
@@ -52,7 +61,8 @@ struct FromMoveIt {
     /// Horizon, s [default: free].
     #[arg(long, conflicts_with = "horizon_bounds", allow_negative_numbers = true)]
     horizon: Option<f64>,
-    /// Bounds of a free horizon, s [default: the shortest that the velocity limits allow, and fifteen times that].
+    /// Bounds of a free horizon, s [default: the shortest that the velocity limits allow, and fifteen times that or the
+    /// time that limits of acceleration and of the speed of a link take].
     #[arg(long, num_args = 2, value_names = ["SHORTEST", "LONGEST"], allow_negative_numbers = true)]
     horizon_bounds: Option<Vec<f64>>,
     /// Objective; a motion on a given horizon has least effort.
@@ -88,6 +98,7 @@ impl FromMoveIt {
             mimic: self.mimic,
             packages: self.packages.folders(),
             srdf: self.srdf,
+            joint_limits: self.joint_limits,
             excess: self.excess,
             horizon,
             objective: self.objective,

@@ -1,4 +1,4 @@
-//! `aghf import` makes scenarios, whole ones or none; `aghf pairs` lists the links that may overlap.
+//! `aghf import` makes scenarios, whole ones or none.
 
 use crate::command::{aghf, assert_bad_input, empty_folder};
 use serde_json::{Value, json};
@@ -291,6 +291,52 @@ fn the_horizon_is_what_was_asked_for() {
 }
 
 #[test]
+fn factors_of_a_request_scale_the_limits_of_a_file() {
+    let folder = folder(
+        "import_scaled",
+        "request.yaml",
+        Some("group_name: arm"),
+        "max_velocity_scaling_factor: 0.1\nmax_acceleration_scaling_factor: 0.5",
+    );
+    let yaml = "joint_limits: {shoulder: {max_acceleration: 4, max_deceleration: -3}}";
+    std::fs::write(folder.join("joint_limits.yaml"), yaml).expect("the folder is writable");
+    let run = aghf(
+        &folder,
+        &[&IMPORT[..], &["--joint-limits", "joint_limits.yaml"]].concat(),
+    );
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let words = "joint 'shoulder': limits of acceleration and deceleration differ, the smaller of 4 and 3 holds";
+    assert!(run.stderr.contains(words), "{}", run.stderr);
+    let limits = &made(&folder)["enforced_limits"];
+    assert_eq!(
+        [&limits["velocity"], &limits["acceleration"]],
+        [&json!(0.1), &json!([1.5])]
+    );
+}
+
+#[test]
+fn a_goal_by_whole_turns_is_told() {
+    let start = "joint_state: {name: [shoulder], position: [3.1]}";
+    let request = REQUEST.replace("joint_state: {name: [shoulder], position: [-0.5]}", start);
+    let folder = folder(
+        "import_turn",
+        "request.yaml",
+        None,
+        &request.replace("1.0", "-3.1"),
+    );
+    let robot = ROBOT.replacen("type=\"revolute\"", "type=\"continuous\"", 1);
+    std::fs::write(folder.join("robot.urdf"), robot).expect("the folder is writable");
+    let run = aghf(&folder, &IMPORT);
+    let words = "joint 'shoulder': its goal was moved by 1 turn, as near as possible to its start";
+    assert_eq!(run.code, Some(0));
+    assert!(run.stderr.contains(words), "{}", run.stderr);
+    assert_eq!(
+        made(&folder)["q_goal"],
+        json!([std::f64::consts::TAU - 3.1])
+    );
+}
+
+#[test]
 fn an_end_in_an_obstacle_is_told() {
     let inside = folder("inside", "scene.yaml", Some("[0.1, 0, -1]"), "[0.1, 0, 0]");
     let run = aghf(&inside, &IMPORT);
@@ -299,43 +345,6 @@ fn an_end_in_an_obstacle_is_told() {
         run.stderr.contains("note: it has no solution: ") && run.stderr.contains("inside 'table'"),
         "{}",
         run.stderr
-    );
-}
-
-#[test]
-fn pairs_are_those_of_the_srdf_or_found() {
-    let folder = folder("pairs", "", None, "");
-    let printed = aghf(&folder, &["pairs", "robot.urdf"]);
-    let found: Value = serde_json::from_str(&printed.stdout).expect("it is JSON");
-    let pair = |reason: &str| json!([{ "links": ["arm", "hand"], "reason": reason }]);
-    assert_eq!(found["ignored_pairs"], pair("neighbours"));
-    let run = aghf(
-        &folder,
-        &[
-            "pairs",
-            "robot.urdf",
-            "--srdf",
-            "robot.srdf",
-            "-o",
-            "pairs.json",
-        ],
-    );
-    assert_eq!(run.code, Some(0), "{}", run.stderr);
-    let text = std::fs::read_to_string(folder.join("pairs.json")).expect("it was written");
-    let found: Value = serde_json::from_str(&text).expect("it is JSON");
-    assert_eq!(
-        found["ignored_pairs"],
-        pair("disabled in the SRDF: Adjacent")
-    );
-    assert_bad_input(
-        &folder,
-        &["pairs", "robot.urdf", "-o", "pairs.json"],
-        "pairs.json; exists already",
-    );
-    assert_bad_input(
-        &folder,
-        &["pairs", "pendulum_2"],
-        "pendulum_2; none of its links has a collision element",
     );
 }
 

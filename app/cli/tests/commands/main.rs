@@ -16,6 +16,7 @@ mod input;
 mod judge;
 mod output;
 mod pages;
+mod pairs;
 mod readme;
 mod refused;
 mod robots;

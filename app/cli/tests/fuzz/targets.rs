@@ -204,6 +204,7 @@ fn moveit(path: &Path, mutated: &str) -> Result<Outcome, String> {
         packages: BTreeMap::new(),
         mimic: Mimic::Refuse,
         srdf: None,
+        joint_limits: None,
         excess: 0.005,
         horizon: MoveItHorizon::Free,
         objective: Preset::Balanced,

@@ -27,6 +27,9 @@ pub mod standing {}
 #[doc = include_str!("variants.md")]
 pub mod variants {}
 
+#[doc = include_str!("moveit.md")]
+pub mod moveit {}
+
 #[doc = include_str!("certificates.md")]
 #[doc = include_str!("pictures/certificates.svg")]
 pub mod certificates {}

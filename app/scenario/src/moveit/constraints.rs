@@ -1,10 +1,9 @@
 //! The goal and the conditions along the way of a planning request.
 
-use super::has_entries;
 use super::messages::{Constraints, OrientationConstraint, PositionConstraint, Request};
 use crate::goal::PositionBox;
 use crate::obstacles::{Pose as PoseOfKey, unit_quaternion};
-use crate::{AxisDirection, Goal, Kept};
+use crate::{AxisDirection, Goal, Kept, PointSpeed};
 use aghf::error::{Error, Result, plain};
 use aghf::model::Model;
 use nalgebra::Vector3;
@@ -76,13 +75,45 @@ pub(super) fn kept(request: &Request, model: &Model, file: &str) -> Result<Vec<K
         ));
     }
     let sets = poses(constraints, model, file, key)?.into_iter();
-    let kept = sets.map(|poses| Kept {
-        poses: Some(poses),
-        speed: None,
+    let kept = sets.map(|poses| throughout(Some(poses), None));
+    Ok(kept.collect())
+}
+
+/// The speed of a link that a request limits.
+pub(super) fn kept_speed(request: &Request, model: &Model, file: &str) -> Result<Option<Kept>> {
+    let (most_m_s, link) = (
+        request.max_cartesian_speed,
+        &request.cartesian_speed_limited_link,
+    );
+    if most_m_s <= 0.0 {
+        return Ok(None);
+    }
+    if model.frames().iter().all(|frame| frame.name != *link) {
+        let condition = match link.as_str() {
+            "" => "it is needed with a max_cartesian_speed".to_owned(),
+            _ => format!("the robot has no link '{link}'"),
+        };
+        return Err(Error::input(
+            file,
+            "cartesian_speed_limited_link",
+            condition,
+        ));
+    }
+    let speed = PointSpeed {
+        frame: link.clone(),
+        point_m: [0.0; 3],
+        most_m_s,
+    };
+    Ok(Some(throughout(None, Some(speed))))
+}
+
+fn throughout(poses: Option<Goal>, speed: Option<PointSpeed>) -> Kept {
+    Kept {
+        poses,
+        speed,
         from_s: None,
         to_s: None,
-    });
-    Ok(kept.collect())
+    }
 }
 
 /// Returns true if a position and an orientation are those of one link in one frame.
@@ -96,10 +127,6 @@ fn both_fit(position: &Goal, orientation: &Goal) -> bool {
 
 /// The sets of poses of constraints at `key`: those of positions, then those of orientations.
 fn poses(constraints: &Constraints, model: &Model, file: &str, key: &str) -> Result<Vec<Goal>> {
-    if constraints.visibility_constraints.iter().any(has_entries) {
-        let element = format!("{key}.visibility_constraints");
-        return Err(Error::input(file, element, "they are not read"));
-    }
     let positions = constraints.position_constraints.iter().enumerate();
     let positions =
         positions.map(|(i, of)| of.set(model, file, &format!("{key}.position_constraints[{i}]")));
@@ -109,14 +136,16 @@ fn poses(constraints: &Constraints, model: &Model, file: &str, key: &str) -> Res
     positions.chain(orientations).collect()
 }
 
+/// Returns true if a frame of this name is the base.
+pub(super) fn is_base(name: &str, model: &Model) -> bool {
+    let root = model.frames().iter().find(|frame| frame.carrier.is_none());
+    name.is_empty() || name == "world" || root.is_some_and(|root| root.name == name)
+}
+
 /// Any pose of a link in a frame, which is the base or another link.
 fn any_pose(link: &str, frame: &str, model: &Model, file: &str, key: &str) -> Result<Goal> {
-    let is_base = |name: &str| {
-        let root = model.frames().iter().find(|frame| frame.carrier.is_none());
-        name.is_empty() || name == "world" || root.is_some_and(|root| root.name == name)
-    };
     let of_robot = model.frames().iter().any(|known| known.name == frame);
-    if !is_base(frame) && !of_robot {
+    if !is_base(frame, model) && !of_robot {
         let condition = format!("the frame '{frame}' is neither the base nor a link of the robot");
         return Err(Error::input(
             file,
@@ -126,7 +155,7 @@ fn any_pose(link: &str, frame: &str, model: &Model, file: &str, key: &str) -> Re
     }
     Ok(Goal {
         frame: link.to_owned(),
-        relative_to: (!is_base(frame)).then(|| frame.to_owned()),
+        relative_to: (!is_base(frame, model)).then(|| frame.to_owned()),
         position_m: None,
         tolerance_m: None,
         within: None,
@@ -151,10 +180,9 @@ impl PositionConstraint {
         }
         let region = &self.constraint_region;
         let element = "constraint_region";
-        let ([primitive], [pose], true) = (
+        let ([primitive], [pose]) = (
             region.primitives.as_slice(),
             region.primitive_poses.as_slice(),
-            region.meshes.is_empty(),
         ) else {
             return refuse(element, "one primitive with its pose is read".to_owned());
         };
@@ -204,6 +232,14 @@ impl OrientationConstraint {
         if let Some((element, by)) = by_axis.iter().find(|(_, by)| by.is_nan() || *by < 0.0) {
             let condition = format!("it is {}, at least zero is needed", plain(*by));
             return refuse(element, condition);
+        }
+        // A rotation vector within the tolerances is no turn about the free axis and a small one about the others.
+        let most = u8::from(by_axis.iter().all(|(_, by)| *by < PI));
+        if self.parameterization > most {
+            let number = self.parameterization;
+            let condition =
+                format!("it is {number}; 0 is read, and 1 where no tolerance is half a turn");
+            return refuse("parameterization", condition);
         }
         let free: Vec<usize> = (0..3).filter(|i| by_axis[*i].1 >= PI).collect();
         let least = by_axis

@@ -1,8 +1,38 @@
 //! The parts of MoveIt's planning scenes and requests that are read, in the YAML form of these messages.
 
+use super::fields::check_fields;
+use crate::yaml::{of_value, yaml_value};
 use aghf::error::{Error, Result};
+use aghf::input::read_text;
 use nalgebra::Vector3;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use std::path::Path;
+
+/// A message that is a file of its own.
+pub(super) trait Message: DeserializeOwned {
+    /// Its type and, in words, its contents.
+    const TYPE: &str;
+    const WHAT: &str;
+
+    /// Reads it from a YAML file, and refuses fields that are not read.
+    fn load(path: &Path) -> Result<Self> {
+        let file = path.display().to_string();
+        let value = yaml_value(&read_text(path)?, &file, Self::WHAT)?;
+        check_fields(&value, Self::TYPE, [&file, ""])?;
+        of_value(value, &file, Self::WHAT)
+    }
+}
+
+impl Message for Scene {
+    const TYPE: &str = "moveit_msgs/PlanningScene";
+    const WHAT: &str = "scene";
+}
+
+impl Message for Request {
+    const TYPE: &str = "moveit_msgs/MotionPlanRequest";
+    const WHAT: &str = "request";
+}
 
 /// A planning scene: `moveit_msgs/PlanningScene`.
 #[derive(Debug, Deserialize)]
@@ -12,6 +42,14 @@ pub(super) struct Scene {
     pub robot_state: RobotState,
     #[serde(default)]
     pub allowed_collision_matrix: AllowedCollisions,
+    #[serde(default)]
+    pub fixed_frame_transforms: Vec<FixedFrame>,
+}
+
+/// The pose of a frame in the scene: `geometry_msgs/TransformStamped`.
+#[derive(Debug, Deserialize)]
+pub(super) struct FixedFrame {
+    pub transform: Transform,
 }
 
 /// The pairs that may overlap: `moveit_msgs/AllowedCollisionMatrix`.
@@ -27,6 +65,7 @@ pub(super) struct AllowedCollisions {
 #[derive(Debug, Deserialize)]
 #[serde(
     untagged,
+    deny_unknown_fields,
     expecting = "a list of true and false is needed, or the key enabled with one"
 )]
 enum Entries {
@@ -63,14 +102,13 @@ impl AllowedCollisions {
 #[derive(Debug, Deserialize)]
 pub(super) struct World {
     pub collision_objects: Vec<CollisionObject>,
-    /// A map of occupied cells.
-    #[serde(default)]
-    pub octomap: Option<serde_json::Value>,
 }
 
 /// An obstacle of several parts.
 #[derive(Debug, Deserialize)]
 pub(super) struct CollisionObject {
+    #[serde(default)]
+    pub header: Header,
     pub id: String,
     #[serde(default)]
     pub pose: Option<Pose>,
@@ -78,10 +116,6 @@ pub(super) struct CollisionObject {
     pub primitives: Vec<Primitive>,
     #[serde(default)]
     pub primitive_poses: Vec<Pose>,
-    #[serde(default)]
-    pub meshes: Vec<serde_json::Value>,
-    #[serde(default)]
-    pub planes: Vec<serde_json::Value>,
 }
 
 /// A shape: `shape_msgs/SolidPrimitive`.
@@ -125,7 +159,11 @@ pub(super) struct Pose {
 
 /// A point.
 #[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(untagged, expecting = "a list or the keys x y z are needed")]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "a list or the keys x y z are needed"
+)]
 pub(super) enum Position {
     List([f64; 3]),
     Keys { x: f64, y: f64, z: f64 },
@@ -142,7 +180,11 @@ impl From<Position> for Vector3<f64> {
 
 /// A quaternion.
 #[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(untagged, expecting = "a list or the keys x y z w are needed")]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "a list or the keys x y z w are needed"
+)]
 pub(super) enum Orientation {
     List([f64; 4]),
     Keys { x: f64, y: f64, z: f64, w: f64 },
@@ -164,17 +206,17 @@ pub(super) struct RobotState {
     pub joint_state: JointState,
     #[serde(default)]
     pub multi_dof_joint_state: MultiDofJointState,
-    #[serde(default)]
-    pub attached_collision_objects: Vec<serde_json::Value>,
 }
 
-/// The positions of joints.
+/// The positions and velocities of joints; there may be no velocities.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct JointState {
     #[serde(default)]
     pub name: Vec<String>,
     #[serde(default)]
     pub position: Vec<f64>,
+    #[serde(default)]
+    pub velocity: Vec<f64>,
 }
 
 /// The poses of joints with several degrees of freedom, such as a floating base.
@@ -191,6 +233,15 @@ pub(super) struct Transform {
     pub rotation: Orientation,
 }
 
+impl Transform {
+    /// Returns true if it moves and turns nothing.
+    pub fn is_identity(&self) -> bool {
+        let translation: Vector3<f64> = self.translation.into();
+        let [x, y, z, _]: [f64; 4] = self.rotation.into();
+        translation.iter().chain(&[x, y, z]).all(|x| *x == 0.0)
+    }
+}
+
 /// A planning request: `moveit_msgs/MotionPlanRequest`.
 #[derive(Debug, Deserialize)]
 pub(super) struct Request {
@@ -201,6 +252,17 @@ pub(super) struct Request {
     pub goal_constraints: Vec<Constraints>,
     #[serde(default)]
     pub path_constraints: Option<Constraints>,
+    /// Shares of the limits; zero counts as one.
+    #[serde(default)]
+    pub max_velocity_scaling_factor: f64,
+    #[serde(default)]
+    pub max_acceleration_scaling_factor: f64,
+    /// Until ROS 2 Humble under the other name.
+    #[serde(default, alias = "cartesian_speed_end_effector_link")]
+    pub cartesian_speed_limited_link: String,
+    /// The largest speed of that link, m/s; none at zero or below.
+    #[serde(default)]
+    pub max_cartesian_speed: f64,
 }
 
 /// All of several conditions: `moveit_msgs/Constraints`.
@@ -212,8 +274,6 @@ pub(super) struct Constraints {
     pub position_constraints: Vec<PositionConstraint>,
     #[serde(default)]
     pub orientation_constraints: Vec<OrientationConstraint>,
-    #[serde(default)]
-    pub visibility_constraints: Vec<serde_json::Value>,
 }
 
 impl Constraints {
@@ -248,8 +308,6 @@ pub(super) struct Region {
     pub primitives: Vec<Primitive>,
     #[serde(default)]
     pub primitive_poses: Vec<Pose>,
-    #[serde(default)]
-    pub meshes: Vec<serde_json::Value>,
 }
 
 /// An orientation of a link with tolerances about its axes: `moveit_msgs/OrientationConstraint`.
@@ -262,6 +320,9 @@ pub(super) struct OrientationConstraint {
     pub absolute_x_axis_tolerance: f64,
     pub absolute_y_axis_tolerance: f64,
     pub absolute_z_axis_tolerance: f64,
+    /// The angles of which these are tolerances: 0 of Euler, 1 of a rotation vector.
+    #[serde(default)]
+    pub parameterization: u8,
 }
 
 /// The position of a joint at the goal.

@@ -1,21 +1,16 @@
 //! The obstacles of a planning scene.
 
+use super::constraints::is_base;
 use super::messages::{CollisionObject, Pose, Primitive, Scene};
 use crate::obstacles::unit_quaternion;
 use crate::{Obstacle, ObstacleShape};
 use aghf::error::{Error, Result};
+use aghf::model::Model;
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// The obstacles of a scene. `file` names the scene in errors.
-pub(super) fn obstacles_of(scene: &Scene, file: &str) -> Result<Vec<Obstacle>> {
+pub(super) fn obstacles_of(scene: &Scene, model: &Model, file: &str) -> Result<Vec<Obstacle>> {
     let mut obstacles = Vec::new();
-    let octomap = scene.world.octomap.as_ref();
-    let data = octomap.and_then(|map| map.pointer("/octomap/data"));
-    if data.is_some_and(|data| data.as_array().is_none_or(|cells| !cells.is_empty())) {
-        let condition =
-            "it is a map of occupied cells; boxes, cylinders and spheres alone are read";
-        return Err(Error::input(file, "world.octomap", condition));
-    }
     for (i, object) in scene.world.collision_objects.iter().enumerate() {
         let element = format!("world.collision_objects[{i}] '{}'", object.id);
         let refuse = |element: String, condition: &str| Err(Error::input(file, element, condition));
@@ -24,12 +19,12 @@ pub(super) fn obstacles_of(scene: &Scene, file: &str) -> Result<Vec<Obstacle>> {
             primitive_poses,
             ..
         } = object;
-        for (list, what) in [(&object.meshes, "meshes"), (&object.planes, "planes")] {
-            if !list.is_empty() {
-                let condition =
-                    format!("it has {what}; boxes, cylinders and spheres alone are read");
-                return refuse(element, &condition);
-            }
+        let frame = &object.header.frame_id;
+        if !is_base(frame, model) {
+            let condition = format!(
+                "the frame '{frame}' is not the base, in which the pose of an object is needed"
+            );
+            return refuse(format!("{element}.header.frame_id"), &condition);
         }
         if primitives.is_empty() {
             return refuse(element, "it has no primitives");

@@ -23,7 +23,8 @@ fn cost(name: &str, scenario: &Value) -> f64 {
 /// The limits of accelerations and jerks, with which the duration of a motion is that of a real arm.
 fn limited(goal: Value, objective: &str) -> Value {
     let keys = json!({
-        "objective": objective, "robot_shape": "joint_frames", "enforced_limits": { "acceleration": 5.0, "jerk": 100.0 },
+        "objective": objective, "robot_shape": "joint_frames",
+        "enforced_limits": { "acceleration": 5.0, "jerk": 100.0 },
         "q_start": [0.2, 0.4, 0.1, 1.5, -0.2, 1.1, 0.3],
     });
     with(kinova(goal), keys)

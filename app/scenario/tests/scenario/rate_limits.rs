@@ -156,7 +156,7 @@ fn limits_that_are_not_there_or_no_limits_are_refused() {
         ),
         (
             "joint_limits: {turn_a: {has_acceleration_limits: true, max_acceleration: -1}}",
-            "joint 'turn_a': its limit of acceleration is -1, a positive number is needed",
+            "joint_limits.turn_a.max_acceleration: it is -1, a positive number is needed",
         ),
         (
             "joint_limits: {wheel: {has_acceleration_limits: true, max_acceleration: 1}}",
@@ -166,7 +166,7 @@ fn limits_that_are_not_there_or_no_limits_are_refused() {
             "joint_limits: {turn_a: {max_acceleration: fast}}",
             "joint_limits.turn_a.max_acceleration: ",
         ),
-        ("limits: {}", "missing field `joint_limits`"),
+        ("{}", "missing field `joint_limits`"),
     ] {
         let keys = json!({ "enforced_limits": { "acceleration": file } });
         let scenario = with(files(), keys);
