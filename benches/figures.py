@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Compares the figures in the README and the guide with the tables that they come from.
+"""Compares the figures in the README, the page of figures and the guide with the tables that they come from.
 
     python3 benches/figures.py
 
 A claim is a text with `{}` in place of its numbers, and the values in the tables of results that round to these. Every
-number in the tables "Results" and of peers in the README belongs to a claim. Exits with 1 where something differs.
+number in the table of results in the README and in the tables of the page of figures belongs to a claim. Exits with 1
+where something differs.
 """
 
 import csv
@@ -89,15 +90,45 @@ def ends(values: list[Decimal]) -> list[Decimal]:
     return [min(values), max(values)]
 
 
-def of_readme(ours: Results) -> list[tuple[str, list[Decimal]]]:
-    """The claims of the README but for those beside peers."""
+def of_readme(ours: Results, peers: Results) -> list[tuple[str, list[Decimal]]]:
+    """The claims of the README."""
+    solved, medians = (ours.of("Within all limits", name, "^(?!G1)") for name in ("solved", "median, ms"))
+    mutations = (ROOT / "tests/mutations/list.toml").read_text(encoding="utf-8").count("[[mutation]]")
+    poses, own = r"^Kinova \| pose$", r"^(Kinova|Panda|xArm7) \| ours"
+    vamp = peers.of(MBM, "median ms", r"^all \| VAMP.*spline")[0]
+    plans = [vamp, ours.of(CUROBO, "median, ms", r"^cuRobo.* \| yes")[-1]]
+    return [
+        ("{} deliberate errors", [Decimal(mutations)]),
+        (
+            "Panda, {} problems | {}, one has no solution | {} s |",
+            [ours.of(MBM, name, "^all", 1)[0] for name in ("problems", "optimal")]
+            + [ours.of(MBM, "median ms", "^all", 1)[0] / 1000],
+        ),
+        ("five arms | {} of {} | {} to {} ms |", [sum(solved), Decimal(100 * len(solved)), *ends(medians)]),
+        (
+            "as goals, Kinova | {} of {} | {} s |",
+            [*ours.both(GOALS, "solved and valid", poses), ours.of(GOALS, "median, ms", poses)[0] / 1000],
+        ),
+        (
+            "three arms | {} of {} | {} to {} ms |",
+            [sum(ours.of(IK, "solved", own)), sum(ours.of(IK, "poses", own)), *ends(ours.of(IK, "median ms", own))],
+        ),
+        (
+            "its torque limits | {} of {} phases certified | {} s |",
+            [ours.of(WALKS, name, "Digit")[0] for name in ("certified", "phases", "solve, s")],
+        ),
+        ("as in the paper | {} ms |", ours.of(PAPER, "solve, ms", r"^Kinova \|")),
+        ("VAMP plans in {} ms and cuRobo on a GPU in {} ms", plans),
+    ]
+
+
+def of_page(ours: Results) -> list[tuple[str, list[Decimal]]]:
+    """The claims of the page of figures but for those beside peers."""
     solved, medians = (ours.of("Within all limits", name, "^(?!G1)") for name in ("solved", "median, ms"))
     costs, starts = ours.both(STEP, "cost, least to largest", "^ours"), ours.of(STEP, "valid", "^ours")
     poses = (r"^Kinova \| pose$", r"^Panda \| pose$")
     own, theirs = (rf"^(Kinova|Panda|xArm7) \| {who}" for who in ("ours", "TRAC-IK, 50 ms"))
-    mutations = (ROOT / "tests/mutations/list.toml").read_text(encoding="utf-8").count("[[mutation]]")
     return [
-        ("{} deliberate errors", [Decimal(mutations)]),
         ("{} of {} MotionBenchMaker problems", ours.of(MBM, "valid", "^all") + ours.of(MBM, "problems", "^all")),
         (
             "median {} s, the slowest {} s",
@@ -152,7 +183,7 @@ def of_readme(ours: Results) -> list[tuple[str, list[Decimal]]]:
 
 
 def beside_planners(ours: Results, peers: Results) -> list[tuple[str, list[Decimal]]]:
-    """The claims of the README beside VAMP, cuRoboV2, RAPTOR and Pinocchio."""
+    """The claims of the page of figures beside VAMP, cuRoboV2, RAPTOR and Pinocchio."""
     vamp, fast, balanced = "VAMP.*spline", "ours, least time", "ours, balanced"
     longer = rf"last ({NUMBER}) times .*?with"
     times = [peers.of(MBM, "median ms", rf"^all \| {who}")[0] for who in (vamp, fast, balanced)]
@@ -190,7 +221,7 @@ def beside_planners(ours: Results, peers: Results) -> list[tuple[str, list[Decim
 
 
 def beside_optimisers(peers: Results, solves: Solves) -> list[tuple[str, list[Decimal]]]:
-    """The claims of the README beside Crocoddyl, IPOPT and Aligator."""
+    """The claims of the page of figures beside Crocoddyl, IPOPT and Aligator."""
     efforts = [solves.of("paper", "effort", who, "pend.*_[345]") for who in ("Croc.*best", "ours$", "ours, degree")]
     crocoddyl = [solves.of("paper", "effort", who, "kinova") for who in ("Croc.*best", "Croc.*tuned", "ours$")]
     more = statistics.median(min(best, tuned) / own for best, tuned, own in zip(*crocoddyl, strict=True))
@@ -313,18 +344,29 @@ def differences(file: str, claims: list[tuple[str, list[Decimal]]]) -> tuple[lis
 
 def main() -> None:
     ours, peers = Results("benches/RESULTS.md"), Results("benches/peers/RESULTS.md")
-    claims = of_readme(ours) + beside_planners(ours, peers)
+    claims = of_page(ours) + beside_planners(ours, peers)
     claims += beside_optimisers(peers, Solves("benches/peers/results.csv"))
-    found, rest = differences("README.md", claims)
-    # The headings of tables, the text behind them, and the columns of figures.
-    for head, end, columns in (
-        ("| figure | command |", "[benches/RESULTS.md]", slice(1)),
-        ("| peer | advantage of the peer |", "## Limits", slice(1, 3)),
+    found = []
+    # The claims of a page, and the headings of its tables, the text behind them, and the columns of figures.
+    for page, of, tables in (
+        ("README.md", of_readme(ours, peers), [("| task | solved |", "motions of aghf keep", slice(1, 3))]),
+        (
+            "benches/README.md",
+            claims,
+            [
+                ("| figure | command |", "[RESULTS.md]", slice(1)),
+                ("| peer | advantage of the peer |", "|END", slice(1, 3)),
+            ],
+        ),
     ):
-        for row in rest[rest.index(head) : rest.index(end)].split(" | | ")[1:]:
-            for cell in row.split(" | ")[columns]:
-                for number in re.findall(rf"(?<![\w.-]){NUMBER}", cell):
-                    found.append(f"README.md: {number} in '{cell}' belongs to no claim")
+        own, rest = differences(page, of)
+        found += own
+        rest += "|END"
+        for head, end, columns in tables:
+            for row in rest[rest.index(head) : rest.index(end, rest.index(head))].split(" | | ")[1:]:
+                for cell in row.split(" | ")[columns]:
+                    for number in re.findall(rf"(?<![\w.-]){NUMBER}", cell):
+                        found.append(f"{page}: {number} in '{cell}' belongs to no claim")
     for file, claims in of_guide(ours, peers).items():
         found += differences(file, claims)[0]
     print("\n".join(found) or "all figures are those of the tables")

@@ -52,9 +52,9 @@ def test_the_notebook_runs(tmp_path):
 
 
 def test_the_code_of_the_readme(tmp_path):
-    """All blocks one after the other, as a reader would run them."""
-    text = (EXAMPLES.parent / "README.md").read_text(encoding="utf-8")
-    code = "\n".join(re.findall(r"```python\n(.*?)```", text, re.DOTALL))
+    """All blocks one after the other, as a reader would run them, with those of the project's README."""
+    readmes = [(folder / "README.md").read_text(encoding="utf-8") for folder in EXAMPLES.resolve().parents[:2]]
+    code = "\n".join(re.findall(r"```python\n(.*?)```", "\n".join(readmes), re.DOTALL))
     assert "import aghf" in code and "check_constraint" in code
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, timeout=300)
     assert run.returncode == 0, run.stdout + run.stderr

@@ -15,6 +15,9 @@ const BEYOND: f64 = 3.0;
 /// be smaller than the link. A rod has 0.29.
 const WIDER: f64 = 2.0;
 
+/// The least radius of gyration that is not plausible, m: shapes of small parts are often smaller than these.
+const SMALL: f64 = 0.2;
+
 /// The share of the mass of the robot below which a link does not matter: sensors often have placeholders.
 const LIGHT: f64 = 1e-3;
 
@@ -102,7 +105,7 @@ fn of_box([lower, upper]: &[Vector3<f64>; 2]) -> Extent {
     Extent {
         lower: *lower,
         upper: *upper,
-        widest: WIDER * diagonal,
+        widest: (WIDER * diagonal).max(SMALL),
         farthest: diagonal,
     }
 }

@@ -88,15 +88,16 @@ fn the_commands_of_all_pages_have_their_options() {
     assert!(seen > 30, "{seen} options");
 }
 
-/// The commands of the README, on a robot and a scenario where it leaves the choice; those that open a browser or take
-/// long only exist.
+/// The commands of the README and of the page of figures, on a robot and a scenario where they leave the choice; those
+/// that open a browser or take long only exist.
 #[test]
 fn the_commands_of_the_readme_run() {
     let folder = empty_folder("readme_commands");
     let solved = aghf(&folder, &["solve", "pendulum_2_swingup", "--out", "out"]);
     assert_eq!(solved.code, Some(0), "{}", solved.stderr);
     let mut run = 0;
-    for words in commands(&text_of("README.md")) {
+    let pages = ["README.md", "benches/README.md"].map(text_of);
+    for words in pages.iter().flat_map(|text| commands(text)) {
         if ["view", "benchmark"].contains(&words[0].as_str()) {
             let help = aghf(&folder, &[&words[0], "--help"]);
             assert_eq!(help.code, Some(0), "{words:?}");
