@@ -23,6 +23,7 @@
 //! `transcription` computes integrals of running costs and rows and their derivatives; `cost` has user-defined costs;
 //! [`SearchOptions`] and [`nlp::Options`](crate::nlp::Options) have all constants.
 
+mod fixed_ends;
 mod goal;
 mod minimise;
 mod options;
@@ -49,6 +50,7 @@ use crate::curve::Curve;
 use crate::error::{Error, Result};
 use crate::motion::{Problem, Watch};
 use crate::transcription::{Grids, Rows};
+use fixed_ends::check_ends;
 pub use minimise::Multipliers;
 pub(crate) use minimise::working_set::{WorkingSet, equalities};
 use minimise::{Candidate, Context, minimise};
@@ -170,14 +172,15 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
     /// Finds a motion of locally least cost.
     ///
     /// # Errors
-    /// A setting is out of range; the cost, the constraints or the start have another number of joints; or the integral
-    /// of the cost becomes negative. A search that ends outside the constraints or before its tolerance is not an
-    /// error: the solution reports it.
+    /// A setting is out of range; the cost, the constraints or the start have another number of joints; a given end
+    /// violates a row of the state; or the integral of the cost becomes negative. A search that ends outside the
+    /// constraints or before its tolerance is not an error: the solution reports it.
     pub fn solve(mut self) -> Result<DirectSolution> {
         let (problem, settings) = (self.problem, &self.settings);
         settings.check(problem)?;
         let phases = self.cost.phases();
         self.check_phases(phases)?;
+        check_ends(problem, settings, &self.constraints.state)?;
         let grids = Grids::default();
         let rows = Rows::new(problem.model(), self.constraints, self.cost.clone())?;
         self.check_multipliers(rows.count())?;

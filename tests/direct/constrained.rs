@@ -299,20 +299,6 @@ fn a_torque_limit_is_kept() {
     );
 }
 
-/// An end that is in a sphere cannot be helped, and it is said how deep it is.
-#[test]
-fn an_end_in_an_obstacle_is_a_failure() {
-    let model = point_mass(&[Vector3::x()]);
-    let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
-    let bound = Bound {
-        entry: 0,
-        side: Side::Upper,
-        value: 0.9,
-    };
-    let solution = solved(&problem, &state(AnyConstraint::Bounds(Bounds(vec![bound]))));
-    assert!(!solution.converged && solution.largest_violation >= 0.1 - 1e-9);
-}
-
 /// A motion to a limit, or from one, that would cost less beyond it keeps the limit beside its end, also where the
 /// given state exceeds it by rounding, in fewer iterations than with margins of the points beside the end (73).
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::common::direct::{solved, solved_within};
 use crate::common::scenario::Scenario;
-use crate::common::slider;
+use crate::common::{assert_refused, slider};
 use aghf::constraint::{Bound, Bounds, Constraints, Side, TorqueLimits};
 use aghf::cost::{CostThroughDynamics, HyperDual64, StageInput};
 use aghf::curve::Curve;
@@ -71,11 +71,12 @@ fn a_free_final_velocity_is_that_of_least_effort() {
         free_final_velocity: true,
         ..DirectSettings::constrained()
     };
-    let within = |settings: &DirectSettings| solved_within(&problem, settings, &kept);
-    let solution = within(&settings);
+    let solution = solved_within(&problem, &settings, &kept);
     assert!(solution.converged, "{solution:?}");
     is_exact(&solution.curve);
-    assert!(!within(&DirectSettings::constrained()).converged);
+    let arriving = Direct::new(&problem).constraints(&kept);
+    let arriving = arriving.settings(DirectSettings::constrained()).solve();
+    assert_refused(arriving, "problem: goal: it violates lower velocity limit");
 }
 
 /// A motion to a given velocity is one to any velocity.

@@ -6,6 +6,7 @@ mod common;
 
 mod composition;
 mod constrained;
+mod fixed_ends;
 mod free_end;
 mod goal;
 mod interrupt;
