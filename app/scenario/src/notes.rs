@@ -3,7 +3,8 @@
 use super::{IgnoredPair, Method, Objective, RobotShape, Scenario};
 use aghf::error::plain;
 use aghf::model::JointKind;
-use std::f64::consts::{PI, TAU};
+use aghf::plan::nearest_turn;
+use std::f64::consts::PI;
 
 impl Scenario {
     /// The keys of this scenario that the method ignores, and the bodies that keep clear by default, in words.
@@ -68,7 +69,7 @@ impl Scenario {
                     && (*to - *from).abs() > PI + f64::EPSILON.sqrt()
             });
         let note = turning.map(|(joint, (from, to))| {
-            let nearest = to + TAU * ((from - to) / TAU).round();
+            let nearest = nearest_turn(*to, *from, [f64::NEG_INFINITY, f64::INFINITY]);
             let [way, less] = [(to - from).abs(), (nearest - from).abs()].map(|x| plain((1e4 * x).round() / 1e4));
             format!(
                 "q_goal: continuous joint '{}' turns by {way} rad; {} would be the same place, {less} rad away",
