@@ -170,7 +170,7 @@ fn an_angle_is_the_nearest_of_its_turns() {
         (7.0, 0.5, free, -1.0),
         (0.5, 0.6, free, 0.0),
         (0.1, 12.6, [-1.0, 7.0], 1.0),
-        (-3.1, 3.1, [-3.14, 3.14], 0.0),
+        (-3.1, 3.1, [-3.15, 3.15], 0.0),
     ] {
         assert_eq!(nearest_turn(q, near, bounds), q + TAU * turns);
     }

@@ -14,7 +14,7 @@ const PROMISING: f64 = 0.95;
 impl Search<'_, '_> {
     /// The shortest of the motions that `search` finds to one end each, in the order of their bounds, as long as the
     /// bound of an end is below the duration of the best motion; by a search to all of them at once if none is valid.
-    pub(super) fn to_ends(
+    pub(super) fn compare_ends(
         &mut self,
         search: impl Fn(&mut Search<'_, '_>) -> Result<DirectSolution>,
     ) -> Result<DirectSolution> {

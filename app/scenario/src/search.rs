@@ -83,7 +83,7 @@ impl<'s, 'o> Search<'s, 'o> {
         match self.scenario.file.objective.preset() {
             None | Some(Preset::LeastEffort) => self.first(self.settings.clone()),
             Some(Preset::LeastTime) => self.least_time(),
-            Some(Preset::Balanced) => self.to_ends(|search| search.balanced_to_end()),
+            Some(Preset::Balanced) => self.compare_ends(|search| search.balanced_to_end()),
         }
     }
 
@@ -118,7 +118,7 @@ impl<'s, 'o> Search<'s, 'o> {
 
     /// The motion of least time.
     pub fn least_time(&mut self) -> Result<DirectSolution> {
-        self.to_ends(|search| {
+        self.compare_ends(|search| {
             let (first, others) = search.faster()?;
             Ok(search.whole(first, others))
         })
