@@ -39,6 +39,17 @@ impl Search<'_, '_> {
             let mut own = Search::new(self.scenario, settings, &mut *self.observe);
             let mut found = search(&mut own)?;
             iterations.append(&mut found.iterations);
+            if !(found.converged && is_valid(&found)) && own.has_time() {
+                // To this very configuration, which is in the set.
+                (own.settings.goal, own.end) = (None, Some(end.q.clone()));
+                let mut fixed = search(&mut own)?;
+                iterations.append(&mut fixed.iterations);
+                if is_valid(&fixed)
+                    && (!is_valid(&found) || fixed.curve.horizon() < found.curve.horizon())
+                {
+                    found = fixed;
+                }
+            }
             found.alternative = end.alternative;
             if is_valid(&found) && found.curve.horizon() < best_yet {
                 best = Some(found);

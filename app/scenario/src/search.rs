@@ -55,6 +55,8 @@ pub(super) struct Search<'s, 'o> {
     pub constraints: Constraints<Vec<AnyConstraint>>,
     pub observe: &'o mut dyn FnMut(&Iteration),
     pub started: Instant,
+    /// The final configuration, if it is one of those in a goal that is a set.
+    pub end: Option<Vec<f64>>,
     /// The reason why the last solve stopped early, if it did.
     stopped: Option<Stopped>,
     /// False if the last solve was not reached, or led to nothing better than the one before.
@@ -73,6 +75,7 @@ impl<'s, 'o> Search<'s, 'o> {
             constraints: scenario.constraints(),
             observe,
             started: Instant::now(),
+            end: None,
             stopped: None,
             complete: true,
         }
@@ -128,8 +131,7 @@ impl<'s, 'o> Search<'s, 'o> {
     /// weight of the effort that vanishes in steps, each from the motion before.
     fn faster(&mut self) -> Result<(DirectSolution, Vec<DirectSolution>)> {
         let scenario = self.scenario;
-        let ends = self.settings.goal.as_ref().map(|goal| &goal.ends[0].q);
-        let goal = ends.unwrap_or(&scenario.file.q_goal);
+        let goal = self.first_end().unwrap_or(&scenario.file.q_goal);
         let unit = scenario.cost_of_straight(&mut scenario.running_cost()?, goal)?;
         let mut weight_before = unit / scenario.unit_of_time(Some(goal));
         let mut settings = self.settings.clone();
@@ -327,7 +329,7 @@ impl<'s, 'o> Search<'s, 'o> {
         };
         settings.search.point_penalty = POINT_PENALTY;
         settings.search.planned_penalty *= AGAIN.powi(again);
-        let problem = self.scenario.problem()?.with_horizon(horizon)?;
+        let problem = self.problem()?.with_horizon(horizon)?;
         let found = self.solve(&problem, settings)?;
         Ok(DirectSolution {
             alternative,
@@ -338,14 +340,24 @@ impl<'s, 'o> Search<'s, 'o> {
     /// The problem with which a search begins: on a free horizon to an end of a goal that is a set, whatever
     /// `horizon_s`.
     fn problem(&self) -> Result<Problem<'s>> {
-        let problem = self.scenario.problem()?;
-        match (&self.settings.goal, self.settings.free_horizon) {
-            (Some(goal), Some(free)) if self.scenario.file.objective.weighs_time() => {
-                let first = self.scenario.first_horizon(&goal.ends[0].q);
+        let mut problem = self.scenario.problem()?;
+        if let Some(end) = &self.end {
+            problem = problem.with_final_position(end)?;
+        }
+        match (self.first_end(), self.settings.free_horizon) {
+            (Some(end), Some(free)) if self.scenario.file.objective.weighs_time() => {
+                let first = self.scenario.first_horizon(end);
                 problem.with_horizon(first.clamp(free.shortest, free.longest))
             }
             _ => Ok(problem),
         }
+    }
+
+    /// The end of a goal that is a set to which the search goes first.
+    fn first_end(&self) -> Option<&[f64]> {
+        let goal = self.settings.goal.as_ref();
+        let end = self.end.as_deref();
+        end.or_else(|| goal.map(|goal| &goal.ends[0].q[..]))
     }
 
     /// One solve of a problem of the scenario.
