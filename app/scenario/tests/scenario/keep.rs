@@ -2,12 +2,13 @@
 
 use crate::written::{load, solved_once, with};
 use aghf::curve::Curve;
+use aghf::direct::DirectSettings;
 use aghf::dynamics::{Data, forward_kinematics, frame_jacobian, frame_placement};
 use aghf::model::Model;
 use aghf::spatial::Placement;
 use aghf_scenario::certify::{Texts, certify};
 use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge, sufficient_samples};
-use aghf_scenario::{DirectOptions, Scenario, Solve};
+use aghf_scenario::{DirectOptions, Scenario, Solve, Verdict};
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -382,7 +383,12 @@ proptest! {
             }
         } else if found.summary.success {
             prop_assert!(most < bound + 1e-6, "{}", most - bound);
-            prop_assert!(proved.failures.is_empty(), "{:?}", proved.failures);
+            // A motion that is no minimum keeps its limits to the tolerance of the search, without the reserve.
+            let is_optimal = found.summary.verdict == Verdict::Optimal;
+            for failure in &proved.failures {
+                let off = (failure.value - failure.bound).abs();
+                prop_assert!(!is_optimal && off <= DirectSettings::FEASIBLE, "{failure:?}");
+            }
         }
     }
 }
