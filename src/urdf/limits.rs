@@ -102,7 +102,7 @@ fn soft_limits(joint: &Joint, limits: &Limits) -> Option<LoadNote> {
     let safety = joint.safety_controller.as_ref()?;
     let soft = [safety.soft_lower_limit, safety.soft_upper_limit];
     let [lower, upper] = soft;
-    // What is no number is within no limits, and noted too.
+    // A soft limit that is no number is within no limits, and noted too.
     if soft == [0.0, 0.0] || lower <= limits.lower && upper >= limits.upper {
         return None;
     }

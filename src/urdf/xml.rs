@@ -38,7 +38,7 @@ pub(super) fn mended(text: &str) -> (Cow<'_, str>, LoadReport) {
     }
 }
 
-/// What is before the root element.
+/// The text before the root element.
 struct Prolog {
     /// The first declaration `<?xml ... ?>`.
     declaration: Option<Range<usize>>,

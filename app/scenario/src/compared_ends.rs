@@ -18,12 +18,10 @@ impl Search<'_, '_> {
         &mut self,
         search: impl Fn(&mut Search<'_, '_>) -> Result<DirectSolution>,
     ) -> Result<DirectSolution> {
-        let Some(goal) = self.settings.goal.clone() else {
+        let goal = self.settings.goal.clone();
+        let Some(goal) = goal.filter(|_| self.settings.start.is_none()) else {
             return search(self);
         };
-        if self.settings.start.is_some() {
-            return search(self);
-        }
         let mut best: Option<DirectSolution> = None;
         let mut iterations = Vec::new();
         for end in goal.ends.iter().take(COMPARED) {
@@ -69,13 +67,7 @@ impl Search<'_, '_> {
         let settings = &self.settings;
         let left = |limit: std::time::Duration| limit.saturating_sub(self.started.elapsed());
         let mut own = DirectSettings {
-            goal: Some(GoalSet {
-                alternatives: vec![goal.alternatives[end.alternative].clone()],
-                ends: vec![GoalEnd {
-                    q: end.q.clone(),
-                    alternative: 0,
-                }],
-            }),
+            goal: Some(goal_near(goal, end)),
             starts: settings.starts.div_ceil(COMPARED),
             time_limit: settings
                 .time_limit
@@ -85,5 +77,16 @@ impl Search<'_, '_> {
         // A planned one in addition; others follow if no end is reached.
         own.search.most_starts = own.starts + 1;
         own
+    }
+}
+
+/// The goal with one alternative, that of an end, and this end alone.
+pub(super) fn goal_near(goal: &GoalSet, end: &GoalEnd) -> GoalSet {
+    GoalSet {
+        alternatives: vec![goal.alternatives[end.alternative].clone()],
+        ends: vec![GoalEnd {
+            q: end.q.clone(),
+            alternative: 0,
+        }],
     }
 }

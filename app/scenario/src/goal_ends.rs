@@ -75,15 +75,13 @@ impl Scenario {
     /// The measures by which ends are compared before any search, the first one first.
     fn measure_of(&self, end: &[f64]) -> Result<[f64; 2]> {
         let free = self.file.free_horizon.is_some() || self.file.objective.weighs_time();
-        Ok(match free {
-            true => {
-                let least = self.least_horizon_to(Some(end));
-                let way = self.file.q_start.iter().zip(end);
-                let way: f64 = way.map(|(from, to)| (to - from).powi(2)).sum();
-                [least.map_or(0.0, |(.., least)| least), way]
-            }
-            false => [effort_to(&self.problem()?, end)?, 0.0],
-        })
+        if !free {
+            return Ok([effort_to(&self.problem()?, end)?, 0.0]);
+        }
+        let least = self.least_horizon_to(Some(end));
+        let way = self.file.q_start.iter().zip(end);
+        let way: f64 = way.map(|(from, to)| (to - from).powi(2)).sum();
+        Ok([least.map_or(0.0, |(.., least)| least), way])
     }
 
     /// Different configurations in a set of poses with these rows, or the reason why there is none. They are searched

@@ -1,9 +1,10 @@
 //! The search of the direct method for the motion of an objective: one solve, or one after the other for a preset.
 
+use super::compared_ends::goal_near;
 use super::{Preset, Scenario};
 use aghf::constraint::{AnyConstraint, Constraints};
 use aghf::direct::{
-    Direct, DirectSettings, DirectSolution, FreeHorizon, GoalEnd, GoalSet, Iteration, Multipliers,
+    Direct, DirectSettings, DirectSolution, FreeHorizon, GoalEnd, Iteration, Multipliers,
 };
 use aghf::error::Result;
 use aghf::motion::{Problem, Stopped};
@@ -302,12 +303,11 @@ impl<'s, 'o> Search<'s, 'o> {
         let (curve, alternative) = (&from.curve, from.alternative);
         let dof = curve.dof();
         let limit = self.settings.time_limit;
-        let goal = self.settings.goal.as_ref().map(|goal| GoalSet {
-            alternatives: vec![goal.alternatives[alternative].clone()],
-            ends: vec![GoalEnd {
-                q: curve.x().column(curve.x().ncols() - 1).as_slice()[..dof].to_vec(),
-                alternative: 0,
-            }],
+        let goal = self.settings.goal.as_ref();
+        let goal = goal.map(|goal| {
+            let last = curve.x().column(curve.x().ncols() - 1);
+            let q = last.as_slice()[..dof].to_vec();
+            goal_near(goal, &GoalEnd { q, alternative })
         });
         let times = &from.waypoint_times;
         let mut waypoints = self.settings.waypoints.clone();

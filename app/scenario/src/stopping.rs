@@ -23,9 +23,10 @@ impl Scenario {
                 continue;
             };
             let is_upwards = (v[i] > 0.0) == is_start;
-            let (room, bound, side) = match is_upwards {
-                true => (upper - q[i], upper, "upper"),
-                false => (q[i] - lower, lower, "lower"),
+            let (room, bound, side) = if is_upwards {
+                (upper - q[i], upper, "upper")
+            } else {
+                (q[i] - lower, lower, "lower")
             };
             let most = self
                 .bound(Limit::Acceleration, i)
@@ -36,19 +37,19 @@ impl Scenario {
             }
             let unit = Limit::Position.unit(joint.kind());
             let (name, [q, v, bound]) = (joint.name(), [q[i], v[i], bound].map(plain));
-            let lacks = match most.is_finite() {
-                true => {
-                    let [distance, room] =
-                        [distance, room.max(0.0)].map(|x| three_digits(x, f64::round));
-                    format!(
-                        "it needs {distance} {unit} at its enforced acceleration limit, {room} {unit} are left"
-                    )
-                }
-                false => "no motion stays within it".to_owned(),
+            let lacks = if most.is_finite() {
+                let [distance, room] =
+                    [distance, room.max(0.0)].map(|x| three_digits(x, f64::round));
+                format!(
+                    "it needs {distance} {unit} at its enforced acceleration limit, {room} {unit} are left"
+                )
+            } else {
+                "no motion stays within it".to_owned()
             };
-            let does = match is_start {
-                true => "moves towards",
-                false => "comes from",
+            let does = if is_start {
+                "moves towards"
+            } else {
+                "comes from"
             };
             let speed = Limit::Velocity.unit(joint.kind());
             let condition = format!(

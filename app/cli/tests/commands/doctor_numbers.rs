@@ -1,4 +1,4 @@
-//! What `aghf doctor` says about numbers in other units, inertias, and what the reader completed or left out.
+//! Findings of `aghf doctor` about numbers in other units, inertias, and parts that the reader completed or left out.
 
 use crate::command::{aghf, empty_folder, parsed};
 use crate::doctor::found;

@@ -3,7 +3,7 @@
 use super::fields::Fields;
 use super::fields::Treatment::{Accepted, In, Only, Read, Refused};
 
-/// What is said of shapes that are not read.
+/// The remedy for shapes that are not read.
 pub(super) const SHAPES: &str = "boxes, cylinders and spheres alone are read; an obstacle of these that \
     contains it stands in for it";
 

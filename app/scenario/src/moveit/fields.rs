@@ -6,7 +6,7 @@ use aghf::error::{Error, Result};
 use aghf::names::instead;
 use serde_json::Value;
 
-/// What becomes of a field.
+/// The treatment of a field.
 #[derive(Clone, Copy)]
 pub(super) enum Treatment {
     /// It is read, as this.

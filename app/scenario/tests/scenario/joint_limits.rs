@@ -1,4 +1,4 @@
-//! What a `joint_limits.yaml` says is kept, or refused by its file and element.
+//! Each limit of a `joint_limits.yaml` is kept, or refused by its file and element.
 
 use crate::written::{folder, load};
 use aghf_scenario::{Limit, Scenario};

@@ -1,4 +1,4 @@
-//! What a planning request of MoveIt asks for is in the scenario; the command is tested in `app/cli`.
+//! Everything that a planning request of MoveIt asks for is in the scenario; the command is tested in `app/cli`.
 
 use crate::written::folder;
 use aghf_scenario::{MoveIt, MoveItHorizon, Preset, Scenario};

@@ -20,7 +20,7 @@ fn fields() -> impl Iterator<Item = (&'static str, &'static str)> {
     })
 }
 
-/// What the page says about a field: read, accepted or refused.
+/// The treatment of a field in the page: read, accepted or refused.
 fn treatment(message: &str, field: &str) -> &'static str {
     let start = format!("| `{message}` | `{field}` | ");
     let mut rows = PAGE.lines().filter_map(|line| line.strip_prefix(&start));
