@@ -8,6 +8,7 @@
     python3 benches/goals.py --robot .../xarm7.urdf --frame link7
     python3 benches/goals.py --robot kinova_gen3 --frame bracelet_link --upright
     python3 benches/goals.py --robot panda --frame panda_hand --scenarios robots/panda/scenarios/*.json
+    python3 benches/goals.py --robot kinova_gen3 --frame bracelet_link --mixed --count 1000
 
 Start and goal are drawn uniformly within the position limits, such that the motors hold them; the pose of the goal is
 that by Pinocchio, and the joint positions are forgotten. The horizon is one second more than one and a half times the
@@ -17,10 +18,13 @@ a ball of 0.1 m is halfway between the frame at start and goal, if all joints at
 with a state in self-collision, which are refused, are drawn again. With --upright goals are joint positions, and the
 z axis of the frame stays within five degrees of the vertical, as the hand does with a glass of water: start and goal
 are the configurations that `aghf ik` finds from those that are drawn, on twice the horizon. With --scenarios
-the joint goals are those of files.
+the joint goals are those of files. With --mixed goals are in turn near the start (no joint moves by more than 0.1 rad),
+in the middle (0.6 rad) and anywhere, by each of three objectives, with accelerations of at most 10 rad/s^2: the cost is
+then that of the objective, the duration with `least-time` and `balanced`.
 """
 
 import argparse
+import itertools
 import json
 import resource
 import statistics
@@ -41,6 +45,10 @@ MOST_REFUSED = 10
 REASONS = 5
 # The exit code of `aghf ik` where no configuration is found.
 NOT_FOUND = 3
+# The largest way of a joint in mixed goals, rad, the objectives, and the limit of accelerations, rad/s^2 or m/s^2.
+WAYS = {"near": 0.1, "middle": 0.6, "far": None}
+OBJECTIVES = ("least-time", "balanced", "least-effort")
+ACCELERATION = 10.0
 # The largest angle of a glass, rad, and that at both ends.
 TILT, TILT_AT_ENDS = np.radians(5.0), np.radians(4.5)
 
@@ -69,6 +77,16 @@ class Robot:
             if np.all(np.abs(held) < 0.95 * self.model.effortLimit):
                 return q
 
+    def draw_from(self, start: np.ndarray, way: float) -> np.ndarray | None:
+        """A goal to which no joint moves farther, or none if it is not within limits and held."""
+        goal = start + self.rng.uniform(-way, way, len(start))
+        lower, upper = self.model.lowerPositionLimit, self.model.upperPositionLimit
+        for joint, x in zip(list(self.model.joints)[1:], goal):
+            if joint.nq == 1 and not lower[joint.idx_q] <= x <= upper[joint.idx_q]:
+                return None
+        held = pinocchio.computeGeneralizedGravity(self.model, self.data, self.full(goal))
+        return goal if np.all(np.abs(held) < 0.95 * self.model.effortLimit) else None
+
     def pose(self, q: np.ndarray) -> pinocchio.SE3:
         pinocchio.framesForwardKinematics(self.model, self.data, self.full(q))
         return self.data.oMf[self.frame].copy()
@@ -93,6 +111,21 @@ def scenario(robot: Robot, name: str, with_obstacle: bool) -> dict:
             shape = {"sphere": {"radius_m": RADIUS}}
             made["obstacles"] = [{"shape": shape, "pose": {"position_m": list(centre)}}]
         return made
+
+
+def mixed(robot: Robot, name: str, number: int) -> dict:
+    """A scenario with a joint goal at one of three distances, by one of three objectives."""
+    kinds = [(distance, objective) for distance in WAYS for objective in OBJECTIVES]
+    distance, objective = kinds[number % len(kinds)]
+    while True:
+        made = scenario(robot, name, False)
+        if WAYS[distance]:
+            goal = robot.draw_from(np.array(made["q_start"]), WAYS[distance])
+            if goal is None:
+                continue
+            least = np.max(np.abs(goal - made["q_start"]) / robot.model.velocityLimit)
+            made |= {"q_goal": list(goal), "horizon_s": 1.0 + 1.5 * least}
+        return made | {"objective": objective, "enforced_limits": {"acceleration": ACCELERATION}}
 
 
 def upright(robot: Robot, name: str, frame: str) -> dict:
@@ -154,8 +187,19 @@ def measured(found: dict | None, prefix: str = "") -> dict:
         return {prefix + "solved": False}
     figures = {"seconds": found["solve_seconds"], "cpu": found["cpu"], "starts": found["starts_tried"]}
     figures |= {"verdict": found["verdict"], "solved": found["success"] and found["judged"]}
-    figures |= {"duration": found["horizon_s"], "cost": found["cost"]}
+    objective = found["provenance"]["scenario"].get("objective", "least-effort")
+    duration = found["horizon_s"]
+    figures |= {"duration": duration, "cost": duration if objective in OBJECTIVES[:2] else found["cost"]}
     return {prefix + key: value for key, value in figures.items()}
+
+
+def kind_of(made: dict) -> str:
+    """The distance of a mixed goal with its objective; empty for others."""
+    if "objective" not in made:
+        return ""
+    way = np.max(np.abs(np.subtract(made["q_goal"], made["q_start"])))
+    distance = next((name for name, most in WAYS.items() if most and way <= most), "far")
+    return f"{distance}, {made['objective']}"
 
 
 def row_of(made: dict, robot: Robot, given: argparse.Namespace, folder: Path) -> dict:
@@ -168,7 +212,7 @@ def row_of(made: dict, robot: Robot, given: argparse.Namespace, folder: Path) ->
     options = ["--starts", str(given.starts)] if given.starts else []
     asked, pose = by_pose(made, robot, given.frame)
     found, why = solve(asked, folder, options)
-    row = measured(joint, "joint_") | measured(found) | {"why": (found or {}).get("failure") or why}
+    row = {"kind": kind_of(made)} | measured(joint, "joint_") | measured(found) | {"why": (found or {}).get("failure") or why}
     if found:
         reached = robot.pose(np.array(found["end"]["q"]))
         row["position"] = float(np.linalg.norm(reached.translation - pose.translation))
@@ -184,6 +228,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--obstacle", action="store_true")
     parser.add_argument("--upright", action="store_true")
+    parser.add_argument("--mixed", action="store_true")
     parser.add_argument("--scenarios", type=Path, nargs="+", help="scenarios with joint goals in place of draws")
     parser.add_argument("--json", type=Path, help="a file for all numbers")
     parser.add_argument("--starts", type=int, help="the number of starts of goals by pose [default: that of aghf]")
@@ -193,9 +238,13 @@ def main() -> None:
     builtin = ROOT / "robots" / given.robot / f"{given.robot}.urdf"
     robot = Robot(builtin if builtin.exists() else Path(given.robot), given.frame, given.seed)
 
+    numbers = itertools.count()
+
     def draw() -> dict:
         if given.upright:
             return upright(robot, given.robot, given.frame)
+        if given.mixed:
+            return mixed(robot, given.robot, next(numbers))
         return scenario(robot, given.robot, given.obstacle)
 
     draws = iter(draw, None)
@@ -237,14 +286,17 @@ def report(rows: list[dict]) -> None:
             last = times[min(len(times) - 1, round(0.99 * len(times)))]
             print(f"{key}: median {1e3 * statistics.median(times):.0f} ms, 99 % {1e3 * last:.0f} ms")
     both = [row for row in solved if row.get("joint_solved")]
-    for key in ("cost", "duration"):
-        ratios = sorted(row[key] / row["joint_" + key] for row in both)
-        if ratios:
-            above = sum(ratio > 1.02 for ratio in ratios)
-            print(
-                f"{key} beside the joint goal: median {statistics.median(ratios):.3f}, largest {ratios[-1]:.3f}, "
-                f"more than 2 % above in {above} of {len(ratios)}"
-            )
+    kinds = sorted({row["kind"] for row in both})
+    for kind in dict.fromkeys(["", *kinds]):
+        rows = [row for row in both if kind in row["kind"]]
+        for key in ("cost", "duration"):
+            ratios = sorted(row[key] / row["joint_" + key] for row in rows)
+            if ratios:
+                above = sum(ratio > 1.02 for ratio in ratios)
+                print(
+                    f"{kind or 'all'}: {key} beside the joint goal: median {statistics.median(ratios):.3f}, largest "
+                    f"{ratios[-1]:.3f}, more than 2 % above in {above} of {len(ratios)}"
+                )
 
 
 if __name__ == "__main__":

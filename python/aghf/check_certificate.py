@@ -454,6 +454,7 @@ class Robot:
         links = {link.get("name"): link for link in root.findall("link")}
         placed = self.add_joints(root, links, scenario, names)
         self.base, self.links = (Model.constant([0.0]), vector([0.0] * 3)), placed
+        self.gravity = option(scenario, "gravity", [0.0, 0.0, -9.81])
         for link, (body, at) in placed.items():
             inertial = links[link].find("inertial")
             if inertial is not None:
@@ -497,7 +498,8 @@ class Robot:
         (base,) = set(links) - carried
         base, locks = option(scenario, "root", base), option(scenario, "locked_joints", {})
         require(base in links, "the robot has no such root")
-        joints, placed, opened = {}, {}, [(base, None, IDENTITY, None)]
+        joints, placed = {}, {}
+        opened = [(base, None, pose_of(scenario["mount"]) if "mount" in scenario else IDENTITY, None)]
         while opened:
             link, body, at, before = opened.pop()
             require(link not in placed, "links form a loop")
@@ -578,7 +580,7 @@ class Robot:
     def torques(self, q, v, a):
         """Inverse dynamics by the recursive Newton-Euler algorithm in the frames of the joints: the torques, and the
         force on the base and its moment about the origin."""
-        zero, gravity = vector([0.0] * 3), vector([0.0, 0.0, 9.81])
+        zero, gravity = vector([0.0] * 3), vector([-x for x in self.gravity])
         places, moving, loads = [], [], []
         ground = [gravity * self.base[0], cross(self.base[1], gravity)]
         for i, joint in enumerate(self.joints):
@@ -615,7 +617,8 @@ class Robot:
         return stack(torques), ground
 
     def weight(self):
-        return 9.81 * sum(joint.mass.c[0].item() for joint in self.joints) + 9.81 * self.base[0].c[0].item()
+        mass = sum(joint.mass.c[0].item() for joint in self.joints) + self.base[0].c[0].item()
+        return math.hypot(*self.gravity) * mass
 
     def places(self, q):
         """The placements of the bodies in the base frame."""
@@ -1149,7 +1152,7 @@ def outcome(key, scenario, robot):
     is_asked = {"obstacles": has_obstacles, "self_collision": is_apart, "clearance_m": has_obstacles or is_apart}
     if (key == "passive" and scenario[key]) or (is_asked.get(key, False) and not robot.is_known):
         return "left out"
-    if key in "robot root mimic locked_joints losses payload robot_shape".split():
+    if key in "robot root mount gravity mimic locked_joints losses payload robot_shape".split():
         return "assumed"
     is_asked["q_goal"] = not entries(scenario, "goal")
     is_asked["v_goal"] = not option(scenario, "free_final_velocity", False)

@@ -1,6 +1,8 @@
 //! Evaluation of constraints and their contractions at states.
 
-use super::{Constraint, Piece, Pieces, PlacedState, RowList, WeightedDerivatives, Weights};
+use super::{
+    Constraint, Piece, Pieces, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights,
+};
 use crate::dynamics::forward_kinematics;
 use crate::error::{Result, check_length};
 use crate::model::Model;
@@ -135,5 +137,32 @@ impl<C: Scalar, S: AlgebraOver<C>> Placed<'_, C, S> {
         }
         self.contraction.collect(self.state.model, self.axes);
         Ok(self.contraction)
+    }
+}
+
+impl Placed<'_, f64, f64> {
+    /// The row that is violated most, with its excess in the unit of its label, which is negative if it is kept; `None`
+    /// without rows.
+    ///
+    /// # Errors
+    /// Those of [`value`](Self::value).
+    pub fn worst_row<K: Constraint + ?Sized>(
+        &self,
+        constraint: &K,
+    ) -> Result<Option<(f64, RowLabel)>> {
+        let (mut g, mut scales) = (vec![0.0; constraint.dim()], vec![1.0; constraint.dim()]);
+        self.value(constraint, &mut g)?;
+        constraint.row_scales(&mut scales);
+        let rows = g.iter().zip(&scales).enumerate();
+        let all = rows.map(|(row, (g, scale))| {
+            let g = if constraint.is_equality(row) {
+                g.abs()
+            } else {
+                *g
+            };
+            let label = constraint.label(row, self.state.model);
+            (label.kind.excess(g / scale, *scale), label)
+        });
+        Ok(all.max_by(|(a, _), (b, _)| a.total_cmp(b)))
     }
 }

@@ -29,7 +29,28 @@ impl Model<f64> {
     /// model.
     pub fn reduced(&self, locked: &[(usize, f64)]) -> Result<Reduced> {
         let positions = self.locked_positions(locked)?;
-        let (mut specs, mut base) = (Vec::<JointSpec<f64>>::new(), self.base_inertia);
+        self.rebuilt(positions, &Placement::identity())
+    }
+
+    /// The model with its base at this placement in the world, such as a wall or a ceiling; everything in the base
+    /// frame, gravity among it, is then in the world. Cost O(N).
+    ///
+    /// # Errors
+    /// As [`Model::from_joints`].
+    pub fn mounted(&self, mount: &Placement<f64>) -> Result<Self> {
+        Ok(self.rebuilt(vec![None; self.dof()], mount)?.model)
+    }
+
+    /// The model with the joints locked that have a position, and its base at a placement.
+    fn rebuilt(&self, positions: Vec<Option<f64>>, mount: &Placement<f64>) -> Result<Reduced> {
+        let mut specs = Vec::<JointSpec<f64>>::new();
+        let mut base = self.base_inertia.placed(mount);
+        let placed = |bodies: &[(Option<usize>, Placement<f64>)],
+                      body: Option<usize>,
+                      within: &Placement<f64>| match body {
+            Some(body) => (bodies[body].0, bodies[body].1.compose(within)),
+            None => (None, mount.compose(within)),
+        };
         let mut bodies: Vec<(Option<usize>, Placement<f64>)> = Vec::with_capacity(self.dof());
         let free = positions.iter().map(Option::is_none);
         let drives = (self.drives.iter().zip(free))
@@ -110,17 +131,5 @@ impl Model<f64> {
             return Err(Error::input(&self.name, "robot", condition));
         }
         Ok(positions)
-    }
-}
-
-/// A placement on a body of the full model, as one on a body of the reduced model.
-fn placed(
-    bodies: &[(Option<usize>, Placement<f64>)],
-    body: Option<usize>,
-    placement: &Placement<f64>,
-) -> (Option<usize>, Placement<f64>) {
-    match body {
-        Some(body) => (bodies[body].0, bodies[body].1.compose(placement)),
-        None => (None, Placement::identity().compose(placement)),
     }
 }

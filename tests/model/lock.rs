@@ -1,11 +1,11 @@
 //! A model with locked joints moves like the full one while these joints are at rest.
 
 use crate::common::{config, tree};
-use aghf::dynamics::{Data, crba, forward_kinematics, frame_placement, rnea};
+use aghf::dynamics::{Data, crba, forward_kinematics, frame_placement, rnea, root_wrench};
 use aghf::model::{JointKind, JointSpec, Limits, Model, pendulum};
 use aghf::spatial::{Inertia, Placement};
 use aghf::urdf::{builtin_robot, parse_urdf};
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 
 fn torques(model: &Model, q: &[f64], v: &[f64], a: &[f64]) -> Vec<f64> {
@@ -84,6 +84,41 @@ proptest! {
         let (read, _) = parse_urdf(&text, "reduced").expect("it is good");
         prop_assert_eq!(read.dof(), upright.dof());
         prop_assert_eq!(read.frames().len(), upright.frames().len() + 1);
+    }
+}
+
+proptest! {
+    #![proptest_config(config(96))]
+
+    /// Mounted at another place a robot has the torques of gravity as it points there, all frames at their places from
+    /// there, and the force on its base turned likewise.
+    #[test]
+    fn a_mounted_robot_moves_as_under_turned_gravity(
+        (model, [q, v, a], _) in tree_and_locks(),
+        turn in prop::array::uniform3(-3.0..3.0_f64),
+        place in prop::array::uniform3(-2.0..2.0_f64),
+    ) {
+        let inertia = Inertia::from_com(2.0, Vector3::new(0.1, 0.2, -0.3), Matrix3::identity());
+        let model = model.with_base_inertia(inertia);
+        let rotation = Rotation3::new(Vector3::from(turn)).into_inner();
+        let mount = Placement::new(rotation, place.into());
+        let gravity = Vector3::new(1.0, -2.0, 3.0);
+        let turned = model.clone().with_gravity(rotation.transpose() * gravity);
+        let mounted = model.mounted(&mount).expect("the same joints").with_gravity(gravity);
+        assert_close!(&torques(&mounted, &q, &v, &a), &torques(&turned, &q, &v, &a), 1e-9);
+        assert_close!(&mass_matrix(&mounted, &q), &mass_matrix(&turned, &q), 1e-9);
+        for ((name, at), (same, there)) in frames(&turned, &q).iter().zip(&frames(&mounted, &q)) {
+            prop_assert_eq!(name, same);
+            let expected = mount.compose(at);
+            assert_close!(&there.rotation, &expected.rotation, 1e-11);
+            assert_close!(&there.translation, &expected.translation, 1e-10);
+        }
+        let [own, there] = [&turned, &mounted].map(|model| {
+            root_wrench(model, &mut Data::new(model), &q, &v, &a).expect("lengths agree")
+        });
+        assert_close!(&there.linear, &(rotation * own.linear), 1e-8);
+        let moment = rotation * own.angular + mount.translation.cross(&there.linear);
+        assert_close!(&there.angular, &moment, 1e-8);
     }
 }
 

@@ -46,6 +46,7 @@ pub(crate) struct Robot {
     pub(crate) joints: Vec<Joint>,
     /// The mass and the first moment of the bodies that are fixed to the base.
     base: (Tm, Vector),
+    gravity: [f64; 3],
     pub(crate) links: Links,
     pub(crate) parts: Vec<Part>,
     /// True if all shapes are balls.
@@ -153,7 +154,8 @@ impl Robot {
         let mut placed = Links::new();
         let base = option(scenario, "root").map_or(base.clone(), |root| text(root).to_owned());
         require(links.contains_key(&base), "the robot has no such root")?;
-        let mut open = vec![(base, None, identity(), None)];
+        let mount = option(scenario, "mount").map_or(Ok(identity()), pose_of)?;
+        let mut open = vec![(base, None, mount, None)];
         while let Some((link, body, at, from)) = open.pop() {
             for j in all("joint").filter(|j| Some(*j) != from) {
                 // From a new root some joints are traversed from the other side: first the inverse motion, then the
@@ -195,8 +197,9 @@ impl Robot {
         let (joints, base) = (joints.ok_or_else(missing)?, (Tm::new(0.0), vector([0.0; 3])));
         let (links_of, parts) = (BTreeMap::new(), Vec::new());
         let (has_links, meshes) = (false, BTreeSet::new());
-        let mut robot =
-            Self { joints, base, links: links_of, parts, has_balls: true, is_known: true, has_links, meshes };
+        let gravity = option(scenario, "gravity").map_or([0.0, 0.0, -9.81], three);
+        let (has_balls, is_known) = (true, true);
+        let mut robot = Self { joints, base, gravity, links: links_of, parts, has_balls, is_known, has_links, meshes };
         let early = |(i, j): (usize, &Joint)| j.parent.is_none_or(|p| p < i);
         require(robot.joints.iter().enumerate().all(early), "a joint is before its parent")?;
         robot.add_masses(scenario, &links, &placed)?;
@@ -311,14 +314,15 @@ impl Robot {
 
     /// The weight, N.
     pub(crate) fn weight(&self) -> f64 {
-        9.81 * self.joints.iter().fold(self.base.0, |sum, joint| sum + joint.mass).c[0]
+        let norm = self.gravity.iter().map(|x| x * x).sum::<f64>().sqrt();
+        norm * self.joints.iter().fold(self.base.0, |sum, joint| sum + joint.mass).c[0]
     }
 
     /// The torques, by the recursive Newton-Euler algorithm in the frames of the joints, and the force on the base and
     /// its moment.
     pub(crate) fn torques(&self, q: &[Tm], v: &[Tm], a: &[Tm]) -> (Vec<Tm>, [Vector; 2]) {
         let zero = vector([0.0; 3]);
-        let gravity = vector([0.0, 0.0, 9.81]);
+        let gravity = vector(self.gravity.map(|x| -x));
         let mut ground = [times(gravity, self.base.0), cross(self.base.1, gravity)];
         let mut places: Vec<Pose> = Vec::new();
         // Angular velocity and acceleration, acceleration of the origin.

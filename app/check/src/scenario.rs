@@ -85,7 +85,9 @@ fn outcome(key: &str, scenario: &Value, robot: &Robot) -> &'static str {
         "self_collision" => clear(apart),
         "clearance_m" => clear(some("obstacles") || apart),
         "passive" if some("passive") => "left out",
-        "robot" | "root" | "mimic" | "locked_joints" | "losses" | "payload" | "robot_shape" => "assumed",
+        "robot" | "root" | "mount" | "gravity" | "mimic" | "locked_joints" | "losses" | "payload" | "robot_shape" => {
+            "assumed"
+        }
         _ => "no promise",
     }
 }

@@ -5,7 +5,7 @@ use super::search::Search;
 use super::summary::{Details, DirectDetails, HorizonBound, ReachedEnd};
 use super::warm_start::{MultipliersFile, start_from};
 use super::{DirectOptions, Scenario, Solved};
-use aghf::direct::{DirectSettings, DirectSolution, Iteration};
+use aghf::direct::{DirectSettings, DirectSolution, GoalSet, Iteration};
 use aghf::error::Result;
 use aghf::flow::effort_of;
 use aghf::motion::{Interrupt, replay_error};
@@ -31,7 +31,12 @@ pub(super) fn search_directly(
     let start = start.map(|start| start_from(start, &mut own)).transpose()?;
     let found = search(&mut own)?;
     let seconds = started.elapsed().as_secs_f64();
-    let solution = solution_of(scenario, &own.settings, (start, found.clone()), seconds)?;
+    let mut solution = solution_of(scenario, &own.settings, (start, found.clone()), seconds)?;
+    if let (Details::Direct(details), Some(tried)) = (&mut solution.details, own.tried)
+        && let Some(end) = &mut details.end
+    {
+        end.tried = tried;
+    }
     Ok((found, solution))
 }
 
@@ -55,7 +60,7 @@ pub(super) fn solution_of(
         minima: solution.minima_curves,
         best_start: solution.best_start,
     };
-    let horizon = curve.horizon();
+    let (horizon, starts) = (curve.horizon(), solution.start_costs.len());
     let time = settings.free_horizon.map(|free| free.weight * horizon);
     let details = Details::Direct(Box::new(DirectDetails {
         start,
@@ -71,7 +76,7 @@ pub(super) fn solution_of(
         replay_error_inf: replay_error(&scenario.model, &curve, &scenario.passive())?,
         adapted: solution.adapted,
         quadrature_points: solution.points,
-        starts_tried: solution.start_costs.len(),
+        starts_tried: starts,
         start_costs: solution.start_costs,
         stationarity: solution.stationarity,
         complementarity: (!scenario.is_free()).then_some(solution.complementarity),
@@ -79,10 +84,16 @@ pub(super) fn solution_of(
         iterations: iterations.len(),
         factorisations: iterations.iter().map(|i| i.factorisations).sum(),
         waypoint_times_s: solution.waypoint_times,
-        end: settings.goal.as_ref().map(|_| ReachedEnd {
-            goal: solution.alternative,
-            q: curve.at(horizon).0.as_slice()[..curve.dof()].to_vec(),
-        }),
+        end: settings
+            .goal
+            .as_ref()
+            .map(|GoalSet { ends, .. }| ReachedEnd {
+                goal: solution.alternative,
+                measure: scenario.measure().to_owned(),
+                found: ends.len(),
+                tried: ends.len().min(starts),
+                q: curve.at(horizon).0.as_slice()[..curve.dof()].to_vec(),
+            }),
     }));
     let history = iterations.into_iter().map(Record::Direct).collect();
     // No reported value depends on the penalty.

@@ -24,6 +24,7 @@ impl Search<'_, '_> {
         };
         let mut best: Option<DirectSolution> = None;
         let mut iterations = Vec::new();
+        let mut tried = 0;
         for end in goal.ends.iter().take(COMPARED) {
             let least = self.scenario.least_horizon_to(Some(&end.q));
             let least = least.map_or(0.0, |(.., least)| least);
@@ -33,6 +34,7 @@ impl Search<'_, '_> {
             if least > PROMISING * best_yet || !self.has_time() {
                 break;
             }
+            tried += 1;
             let settings = self.settings_to(&goal, end);
             let mut own = Search::new(self.scenario, settings, &mut *self.observe);
             let mut found = search(&mut own)?;
@@ -53,6 +55,7 @@ impl Search<'_, '_> {
                 best = Some(found);
             }
         }
+        self.tried = best.is_some().then_some(tried);
         let mut found = match best {
             Some(best) => best,
             None => search(self)?,

@@ -7,6 +7,7 @@ use super::json::read_json;
 use super::keep::kept_rows;
 use super::losses::substitute_rotors;
 use super::objective::check_objective;
+use super::obstacles::bounded;
 use super::own_terms::OwnTerms;
 use super::passive::check_passive;
 use super::period::period_of;
@@ -15,8 +16,9 @@ use super::scenario_file::ScenarioFile;
 use super::scene::scene;
 use super::self_collision::{in_full, name_overlapping};
 use super::stand::standing_foot;
+use super::turns::turn_less;
 use super::waypoints::waypoints;
-use aghf::direct::{GoalSet, Period, Waypoint};
+use aghf::direct::{GoalEnd, GoalSet, Period, Waypoint};
 use aghf::error::{Error, Result};
 use aghf::geometry::Scene;
 use aghf::input::name_of;
@@ -65,8 +67,11 @@ pub struct Scenario {
     pub(super) period: Option<Period>,
     /// The constraints and the cost that no key can name.
     pub(super) own: OwnTerms,
-    /// The end of a goal that is a set to which motions are expected to be best, once it was searched for.
-    pub(super) aim: OnceLock<Option<Vec<f64>>>,
+    /// The continuous joints that go to other positions than those given, in words.
+    pub(super) turned: Vec<String>,
+    /// The ends of a goal that is a set, those first to which motions are expected to be best, and the file of which
+    /// they are, once they were found.
+    pub(super) ends: OnceLock<(ScenarioFile, Vec<GoalEnd>)>,
 }
 
 impl Scenario {
@@ -92,6 +97,7 @@ impl Scenario {
         let robot = Robot::read(&mut file, path, folder)?;
         let source = &robot.source;
         let model = &robot.model;
+        let turned = turn_less(&mut file, model);
         let phases = phase_terms(&file, model, (path, folder))?;
         let period = period_of(&mut file, model, &phases, (path, folder))?;
         let goal = goal_set(&mut file, model, path)?;
@@ -127,7 +133,8 @@ impl Scenario {
             phases,
             period,
             own,
-            aim: OnceLock::new(),
+            turned,
+            ends: OnceLock::new(),
         })
     }
 
@@ -171,7 +178,8 @@ impl Robot {
             packages: file.packages.clone(),
         };
         let source = RobotSource::find(&file.robot, folder).map_err(|e| of_robot(&e, path))?;
-        let (mut whole, mut notes) = source.parse(options).map_err(|e| of_robot(&e, path))?;
+        let (whole, mut notes) = source.parse(options).map_err(|e| of_robot(&e, path))?;
+        let mut whole = in_world(whole, file, path)?;
         if let Some(given) = file.self_collision.take() {
             let read = in_full(given, folder);
             let read = read.map_err(|e| Error::input(path, "self_collision", e.to_string()))?;
@@ -204,6 +212,25 @@ impl Robot {
             scene,
             overlapping,
         })
+    }
+}
+
+/// The robot at the place where it is mounted, under the gravity there.
+fn in_world(mut robot: Model, file: &ScenarioFile, path: &str) -> Result<Model> {
+    let refuse = |key: &str, condition: String| Error::input(path, key, condition);
+    if let Some(mount) = &file.mount {
+        let mount = mount
+            .placement()
+            .map_err(|condition| refuse("mount", condition))?;
+        robot = robot.mounted(&mount)?;
+    }
+    match file.gravity {
+        None => Ok(robot),
+        Some(gravity) if bounded(&gravity) => Ok(robot.with_gravity(gravity.into())),
+        Some(_) => Err(refuse(
+            "gravity",
+            "it needs three finite numbers, in m/s^2".to_owned(),
+        )),
     }
 }
 

@@ -25,15 +25,25 @@ const DEGREE: usize = 16;
 impl Scenario {
     /// The final configuration by which the horizon and the units of an objective are measured: the one that is given,
     /// or the first one of [a goal that is a set](Self::goal_with_ends); `None` if none is found.
-    pub(super) fn aim(&self) -> Option<&[f64]> {
+    pub(super) fn aim(&self) -> Option<Vec<f64>> {
         if self.goal.is_none() {
-            return self.known_goal();
+            return self.known_goal().map(<[f64]>::to_vec);
         }
-        let search = || {
-            let goal = self.goal_with_ends().ok().flatten();
-            goal.map(|goal| goal.ends[0].q.clone())
-        };
-        self.aim.get_or_init(search).as_deref()
+        let goal = self.goal_with_ends().ok().flatten()?;
+        goal.ends.into_iter().next().map(|end| end.q)
+    }
+
+    /// The measure by which ends are compared before any search, in words.
+    pub(super) fn measure(&self) -> &'static str {
+        match self.has_free_horizon() {
+            true => "the least duration within the limits of the joints, then the distance",
+            false => "the effort of a cubic",
+        }
+    }
+
+    /// Returns true if the horizon is an unknown.
+    fn has_free_horizon(&self) -> bool {
+        self.file.free_horizon.is_some() || self.file.objective.weighs_time()
     }
 
     /// The goal with the final configurations from which searches start; `None` if the goal is no set. The first ones
@@ -47,6 +57,12 @@ impl Scenario {
         let Some(mut goal) = self.goal.clone() else {
             return Ok(None);
         };
+        if let Some((file, ends)) = self.ends.get()
+            && *file == self.file
+        {
+            goal.ends.clone_from(ends);
+            return Ok(Some(goal));
+        }
         let (mut ends, mut refused) = (Vec::new(), None);
         for alternative in 0..goal.alternatives.len() {
             let key = self.key_of_goal(alternative);
@@ -69,13 +85,14 @@ impl Scenario {
         }
         ends.sort_by(|([a, c], _), ([b, d], _)| a.total_cmp(b).then(c.total_cmp(d)));
         goal.ends = ends.into_iter().map(|(_, end)| end).collect();
+        self.ends
+            .get_or_init(|| (self.file.clone(), goal.ends.clone()));
         Ok(Some(goal))
     }
 
     /// The measures by which ends are compared before any search, the first one first.
     fn measure_of(&self, end: &[f64]) -> Result<[f64; 2]> {
-        let free = self.file.free_horizon.is_some() || self.file.objective.weighs_time();
-        if !free {
+        if !self.has_free_horizon() {
             return Ok([effort_to(&self.problem()?, end)?, 0.0]);
         }
         let least = self.least_horizon_to(Some(end));

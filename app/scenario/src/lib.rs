@@ -57,6 +57,7 @@ mod stopping;
 mod summary;
 mod tracker;
 mod tradeoff;
+mod turns;
 mod units;
 mod upgrade;
 mod walk;
@@ -101,6 +102,7 @@ pub use summary::{
 };
 pub use tracker::{ScenarioTracker, ScenarioTrackerOptions};
 pub use tradeoff::Tradeoff;
+pub use turns::Turns;
 pub use walk::{Landing, Walk};
 pub use warm_start::MultipliersFile;
 pub use waypoints::PointOnTheWay;

@@ -1,10 +1,6 @@
-//! Notes on a scenario: keys that a method ignores, bodies that keep clear by default, and turns that are not needed.
+//! Notes on a scenario: keys that a method ignores, bodies that keep clear by default, and turns that are not taken.
 
 use super::{IgnoredPair, Method, Objective, RobotShape, Scenario};
-use aghf::error::plain;
-use aghf::model::JointKind;
-use aghf::plan::nearest_turn;
-use std::f64::consts::PI;
 
 impl Scenario {
     /// The keys of this scenario that the method ignores, and the bodies that keep clear by default, in words.
@@ -17,7 +13,7 @@ impl Scenario {
                 "self_collision: links '{a}' and '{b}' {reason}, so they are not kept clear of each other"
             )
         };
-        let mut notes = self.longer_turns();
+        let mut notes = self.turned.clone();
         notes.extend(self.overlapping.iter().map(unnamed));
         notes.extend(self.kept_clear().map(str::to_owned));
         let weighted = matches!(self.file.objective, Objective::Weights(_));
@@ -50,33 +46,5 @@ impl Scenario {
             ),
             _ => None,
         }
-    }
-
-    /// The continuous joints that turn by more than half a turn to the final configuration, which is the same place of
-    /// their links as one with less turning, in words.
-    fn longer_turns(&self) -> Vec<String> {
-        let (Some(goal), true) = (self.known_goal(), self.file.waypoints.is_empty()) else {
-            return Vec::new();
-        };
-        let ends = self.file.q_start.iter().zip(goal);
-        let turning = self
-            .model
-            .joints()
-            .iter()
-            .zip(ends)
-            .filter(|(joint, (from, to))| {
-                joint.kind() == JointKind::Continuous
-                    && (*to - *from).abs() > PI + f64::EPSILON.sqrt()
-            });
-        let note = turning.map(|(joint, (from, to))| {
-            let nearest = nearest_turn(*to, *from, [f64::NEG_INFINITY, f64::INFINITY]);
-            let [way, less] = [(to - from).abs(), (nearest - from).abs()].map(|x| plain((1e4 * x).round() / 1e4));
-            format!(
-                "q_goal: continuous joint '{}' turns by {way} rad; {} would be the same place, {less} rad away",
-                joint.name(),
-                plain(nearest)
-            )
-        });
-        note.collect()
     }
 }

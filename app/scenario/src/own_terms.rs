@@ -13,7 +13,7 @@ use aghf::error::{Error, Result};
 use aghf::model::Model;
 use nalgebra::DMatrix;
 use std::fmt::{self, Debug};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The most violated row of constraints at a state $[q; v]$, and its [excess](aghf::constraint::RowKind::excess), which
 /// is negative if all rows are satisfied; `None` without rows.
@@ -22,19 +22,7 @@ pub(super) fn worst_row(
     model: &Model,
     x: &[f64],
 ) -> Result<Option<(f64, RowLabel)>> {
-    let (mut g, mut scales) = (vec![0.0; constraints.dim()], vec![1.0; constraints.dim()]);
-    Evaluator::new(model).at(x)?.value(constraints, &mut g)?;
-    constraints.row_scales(&mut scales);
-    let rows = g.iter().zip(&scales).enumerate();
-    let all = rows.map(|(row, (g, scale))| {
-        let label = constraints.label(row, model);
-        let scaled = match constraints.is_equality(row) {
-            true => g.abs() / scale,
-            false => g / scale,
-        };
-        (label.kind.excess(scaled, *scale), label)
-    });
-    Ok(all.max_by(|(a, _), (b, _)| a.total_cmp(b)))
+    Evaluator::new(model).at(x)?.worst_row(constraints)
 }
 
 /// A running cost of any type.
@@ -72,6 +60,8 @@ impl Scenario {
         let constraint = AnyConstraint::Other(Box::new(constraint));
         self.own.constraints.push(constraint);
         self.own.added += 1;
+        // An end keeps it, too.
+        self.ends = OnceLock::new();
     }
 
     /// Adds rows in $(t, q, v, a, u)$, such as a limit of the power, likewise. Only the direct method supports them.

@@ -116,6 +116,7 @@ pub(super) fn complete(file: &mut ScenarioFile, path: &str) -> Result<()> {
         ("keep", !file.keep.is_empty()),
         ("passive", !file.passive.is_empty()),
         ("obstacles", !file.obstacles.is_empty()),
+        ("mount", file.mount.is_some()),
         ("free_final_velocity", file.free_final_velocity),
     ] {
         if given {

@@ -7,11 +7,12 @@ use super::json::{by_name, one_or_more};
 use super::keep::Kept;
 use super::losses::Losses;
 use super::objective::{Continuous, HorizonBounds, Objective};
-use super::obstacles::{Obstacle, RobotShape, SelfCollision};
+use super::obstacles::{Obstacle, Pose, RobotShape, SelfCollision};
 use super::payload::Payload;
 use super::phases::WalkPhase;
 use super::schema::{self, FeedbackKeys, one_of};
 use super::stand::Stand;
+use super::turns::Turns;
 use super::waypoints::PointOnTheWay;
 use super::{EnforcedLimits, Limit};
 use aghf::curve::Chebyshev;
@@ -44,6 +45,13 @@ pub struct ScenarioFile {
     /// The link that becomes the root of the robot, such as the foot on which it stands; by default that of the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub root: Option<String>,
+    /// The pose of the root of the robot in the world, such as on a wall or a ceiling; obstacles, poses and gravity are
+    /// in the world. By default the frame of the root is the world.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mount: Option<Pose>,
+    /// The acceleration of gravity in the world, m/s^2; `[0, 0, -9.81]` by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<[f64; 3]>,
     /// The treatment of mimic joints.
     #[serde(default, skip_serializing_if = "is_default")]
     #[schemars(schema_with = "one_of::<Mimic>")]
@@ -88,6 +96,11 @@ pub struct ScenarioFile {
     /// Velocity at the end: with `goal` zero by default, otherwise required, also for an end at rest.
     #[serde(default)]
     pub v_goal: Vec<f64>,
+    /// The way of continuous joints to the positions of `q_goal` and of waypoints. A scenario that was read has the
+    /// positions to which they go.
+    #[serde(default, skip_serializing_if = "is_default")]
+    #[schemars(schema_with = "one_of::<Turns>")]
+    pub turns: Turns,
     /// For the direct method: a set of poses of a frame, or a list of sets of which the motion ends in the one that
     /// costs least. The configuration at the end is then an unknown.
     #[serde(
@@ -197,6 +210,8 @@ impl ScenarioFile {
             robot,
             packages: BTreeMap::new(),
             root: None,
+            mount: None,
+            gravity: None,
             mimic: Mimic::default(),
             srdf: None,
             group: None,
@@ -210,6 +225,7 @@ impl ScenarioFile {
             v_start,
             q_goal,
             v_goal,
+            turns: Turns::default(),
             goal: Vec::new(),
             keep: Vec::new(),
             waypoints: Vec::new(),

@@ -58,6 +58,8 @@ pub(super) struct Search<'s, 'o> {
     pub started: Instant,
     /// The final configuration, if it is one of those in a goal that is a set.
     pub end: Option<Vec<f64>>,
+    /// The number of ends of a goal that is a set to which motions were compared one by one.
+    pub tried: Option<usize>,
     /// The reason why the last solve stopped early, if it did.
     stopped: Option<Stopped>,
     /// False if the last solve was not reached, or led to nothing better than the one before.
@@ -77,6 +79,7 @@ impl<'s, 'o> Search<'s, 'o> {
             observe,
             started: Instant::now(),
             end: None,
+            tried: None,
             stopped: None,
             complete: true,
         }

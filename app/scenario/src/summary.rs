@@ -266,6 +266,12 @@ pub struct ReachedEnd {
     pub goal: usize,
     /// The final configuration, rad or m, `N` entries.
     pub q: Vec<f64>,
+    /// The number of configurations in the set that were found and compared before the search.
+    pub found: usize,
+    /// The number of these from which a search started.
+    pub tried: usize,
+    /// The measure by which they were compared, in words.
+    pub measure: String,
 }
 
 /// Reads a number that JSON has no name for, written as null, as not a number.

@@ -83,7 +83,8 @@ impl Scenario {
     /// The units of the terms of a scaled objective: the unit of time, and the integrals of $|u|^2$, $|v|^2$, $|a|^2$
     /// and $|\dot a|^2$ along the straight motion; one where that is zero, as without gravity between equal ends.
     fn units_of_squares(&self) -> Result<[f64; 4]> {
-        let goal = self.aim().unwrap_or(&self.file.q_goal);
+        let aim = self.aim();
+        let goal = aim.as_ref().unwrap_or(&self.file.q_goal);
         let horizon = SLOWER * self.unit_of_time(Some(goal));
         let ends = self.file.q_start.iter().zip(goal);
         let way: f64 = ends.map(|(from, to)| (to - from).powi(2)).sum();
@@ -110,7 +111,10 @@ impl Scenario {
         };
         let (time, squares) = match weights.units {
             Units::Si => (1.0, [1.0; 4]),
-            Units::Scaled => (self.unit_of_time(self.aim()), self.units_of_squares()?),
+            Units::Scaled => (
+                self.unit_of_time(self.aim().as_deref()),
+                self.units_of_squares()?,
+            ),
         };
         let (integrals, dof) = (weights.integrals(), self.model.dof());
         let scaled = |i: usize| {
@@ -169,11 +173,13 @@ impl Scenario {
             return file.free_horizon;
         }
         let given = file.horizon_s;
-        let least = self.least_horizon_to(self.aim()).map(|(.., least)| least);
+        let aim = self.aim();
+        let least = self.least_horizon_to(aim.as_deref());
+        let least = least.map(|(.., least)| least);
         let shortest = match least {
             Some(least) if self.goal.is_some() => SHORTEST * least,
             Some(least) => least,
-            None if self.is_at(self.aim()) => SHORTEST_S,
+            None if self.is_at(aim.as_deref()) => SHORTEST_S,
             None => SHORTEST * given,
         };
         Some(HorizonBounds {

@@ -235,6 +235,10 @@ fn direct_rows(summary: &Summary, d: &DirectDetails) -> (String, Vec<(&'static s
             "end in the goal",
             format!("goal {}: {}", end.goal, q.join(", ")),
         ));
+        rows.push((
+            "ends compared",
+            format!("{} by {}; motions to {}", end.found, end.measure, end.tried),
+        ));
     }
     (settings, rows)
 }

@@ -56,10 +56,10 @@ fn outcomes(scenario: &Scenario, is_known: bool) -> Vec<(&'static str, String)> 
     };
     #[rustfmt::skip]
     let ScenarioFile {
-        schema, robot, packages, root, mimic, srdf, group, held_state, locked_joints, losses, payload, passive,
-        horizon_s, q_start, v_start, q_goal, v_goal, goal, keep, waypoints, stand, phases, periodic,
-        free_final_velocity, continuity, objective, free_horizon, obstacles, robot_shape, self_collision, clearance_m,
-        enforced_limits, flow, feedback, success_threshold,
+        schema, robot, packages, root, mount, gravity, mimic, srdf, group, held_state, locked_joints, losses,
+        payload, passive, horizon_s, q_start, v_start, q_goal, v_goal, turns, goal, keep, waypoints, stand,
+        phases, periodic, free_final_velocity, continuity, objective, free_horizon, obstacles, robot_shape,
+        self_collision, clearance_m, enforced_limits, flow, feedback, success_threshold,
     } = &scenario.file;
     let apart = scenario.keeps_links_clear();
     let is_free = free_horizon.is_some() || objective.weighs_time();
@@ -69,6 +69,8 @@ fn outcomes(scenario: &Scenario, is_known: bool) -> Vec<(&'static str, String)> 
         row("robot", robot, ASSUMED),
         row("packages", packages, NO_PROMISE),
         row("root", root, ASSUMED),
+        row("mount", mount, ASSUMED),
+        row("gravity", gravity, ASSUMED),
         row("mimic", mimic, ASSUMED),
         row("srdf", srdf, NO_PROMISE),
         row("group", group, NO_PROMISE),
@@ -89,6 +91,7 @@ fn outcomes(scenario: &Scenario, is_known: bool) -> Vec<(&'static str, String)> 
         row("v_start", v_start, PROVED),
         row("q_goal", q_goal, unless(!goal.is_empty())),
         row("v_goal", v_goal, unless(*free_final_velocity)),
+        row("turns", turns, NO_PROMISE),
         row("goal", goal, PROVED),
         row("keep", keep, PROVED),
         row("waypoints", waypoints, PROVED),

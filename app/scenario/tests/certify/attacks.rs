@@ -51,6 +51,9 @@ fn conditions() -> Vec<Value> {
         json!({ "payload": { "link": "fore", "mass_kg": 0.7, "center_m": [0.4, 0.0, 0.1] },
             "losses": { "damping": 0.5, "friction": 0.8, "armature": { "elbow": 0.2 } },
             "clearance_m": { "obstacles": 0.01, "itself": 0.02 } }),
+        json!({ "mount": { "position_m": [0.02, -0.01, 0.03], "orientation_xyzw": [0.02, 0.03, 0.01, 0.9993] },
+            "gravity": [0.4, -0.3, -9.5], "stand": { "frame": "rail", "half_length_m": 1.7, "half_width_m": 0.6,
+            "friction": 0.9 }, "enforced_limits": { "torque": { "share": 0.2 } } }),
     ]
 }
 

@@ -16,6 +16,8 @@ fn every_key_has_a_check_or_promises_nothing() {
         robot: _,
         packages: _,
         root: _,
+        mount: _,
+        gravity: _,
         mimic: _,
         group: _,
         held_state: _,
@@ -37,6 +39,7 @@ fn every_key_has_a_check_or_promises_nothing() {
         v_start: _,
         q_goal: _,
         v_goal: _,
+        turns: _,
         goal: _,
         free_final_velocity: _,
         // Continuity, limits, passive joints.

@@ -52,6 +52,27 @@ fn refusal(scenario: &Value) -> String {
         .to_string()
 }
 
+/// The ends of a scenario that was changed are those of the changed one.
+#[test]
+fn ends_follow_the_keys() {
+    let mut scenario = load("ends", &kinova(pose_at(&REACHED))).expect("it is good");
+    let before = ends(&scenario);
+    assert_eq!(ends(&scenario), before);
+    scenario.file.q_start = REACHED.to_vec();
+    let nearest = ends(&scenario).into_iter().map(|q| {
+        q.iter()
+            .zip(REACHED)
+            .map(|(a, b)| (a - b).abs())
+            .sum::<f64>()
+    });
+    assert!(
+        nearest.fold(f64::INFINITY, f64::min) < 1e-6,
+        "the start is among them"
+    );
+    scenario.file.q_start = vec![0.0, 0.5, 0.0, 1.0, 0.0, 0.5, 0.0];
+    assert_eq!(ends(&scenario), before);
+}
+
 /// Every end has the pose, is within the limits and differs from the others.
 #[test]
 fn ends_have_the_pose() {

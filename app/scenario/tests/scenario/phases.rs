@@ -62,6 +62,10 @@ fn keys_that_cannot_be_meant_of_a_walk_are_refused() {
             "objective: phases: a walk knows the objectives by their names alone",
         ),
         (
+            json!({ "mount": { "position_m": [0, 0, 1] } }),
+            "mount: phases: a walk does not know it",
+        ),
+        (
             json!({ "root": "right_sole" }),
             "root: phases: it is not the foot of the first phase",
         ),
