@@ -212,7 +212,8 @@ def row_of(made: dict, robot: Robot, given: argparse.Namespace, folder: Path) ->
     options = ["--starts", str(given.starts)] if given.starts else []
     asked, pose = by_pose(made, robot, given.frame)
     found, why = solve(asked, folder, options)
-    row = {"kind": kind_of(made)} | measured(joint, "joint_") | measured(found) | {"why": (found or {}).get("failure") or why}
+    row = {"kind": kind_of(made)} | measured(joint, "joint_") | measured(found)
+    row["why"] = (found or {}).get("failure") or why
     if found:
         reached = robot.pose(np.array(found["end"]["q"]))
         row["position"] = float(np.linalg.norm(reached.translation - pose.translation))

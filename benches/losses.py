@@ -39,8 +39,8 @@ def table(aghf: str, run: Path) -> np.ndarray:
     rows = run / "sampled.csv"
     command = [aghf, "sample", run / "summary.json", "--rate", str(round(1 / STEP)), "--out", rows]
     subprocess.run(command, check=True, capture_output=True)
-    with rows.open() as lines:
-        return np.array([[float(x) for x in row] for row in list(csv.reader(lines))[1:]])
+    lines = [line for line in rows.read_text().splitlines() if not line.startswith("#")]
+    return np.array([[float(x) for x in row] for row in list(csv.reader(lines))[1:]])
 
 
 def replay(rows: np.ndarray, dry: bool) -> float:

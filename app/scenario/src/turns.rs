@@ -16,11 +16,8 @@ pub enum Turns("turns") {
 }
 }
 
-impl Default for Turns {
-    fn default() -> Self {
-        Self::Shortest
-    }
-}
+/// The largest position, rad, at which whole turns are subtracted to 1e-9 rad.
+const FARTHEST: f64 = 1e6;
 
 /// Replaces the positions of continuous joints in the waypoints and the goal of a file by those that are the nearest
 /// to the configuration before, unless they are meant as given. Returns a note on each that is replaced.
@@ -40,7 +37,8 @@ pub(super) fn turn_less(file: &mut ScenarioFile, robot: &Model) -> Vec<String> {
     let mut before = file.q_start.clone();
     for (key, q) in all {
         for ((joint, to), from) in robot.joints().iter().zip(q.iter_mut()).zip(&mut before) {
-            if joint.kind() == JointKind::Continuous && to.is_finite() && from.is_finite() {
+            let is_exact = to.abs().max(from.abs()) <= FARTHEST;
+            if joint.kind() == JointKind::Continuous && is_exact {
                 let nearest = nearest_turn(*to, *from, [f64::NEG_INFINITY, f64::INFINITY]);
                 let [way, less] = [*to, nearest].map(|to| (to - *from).abs());
                 if less < way - f64::EPSILON.sqrt() {

@@ -7,6 +7,9 @@ use crate::direct::FreeHorizon;
 use crate::transcription::Horizons;
 use nalgebra::DVector;
 
+/// The largest share of the range between two bounds that each of them is kept away from.
+const RANGE: f64 = 0.25;
+
 /// The horizons that are unknowns: the whole one, or those of parts.
 pub(super) struct Free {
     /// The parts with unknown lengths, and the bounds of their horizons.
@@ -18,8 +21,12 @@ pub(super) struct Free {
 }
 
 impl Free {
-    /// The unknowns for the bounds of a free horizon and of the lengths of parts, if there are any.
-    pub fn new(free: Option<FreeHorizon>, parts: &[[f64; 2]]) -> Self {
+    /// The unknowns for the bounds of a free horizon and of the lengths of parts, if there are any. A bound is kept with
+    /// a `reserve`, as a share of it, like the rows of the motion: so a horizon that is found is within the bound itself.
+    pub fn new(free: Option<FreeHorizon>, parts: &[[f64; 2]], reserve: f64) -> Self {
+        let kept = |[shortest, longest]: [f64; 2], bound: f64, sign: f64| {
+            bound * (1.0 - sign * reserve.min(RANGE * (longest / shortest - 1.0)))
+        };
         let all = match parts {
             [] => free
                 .iter()
@@ -31,13 +38,19 @@ impl Free {
         let is_free =
             |(_, [shortest, longest]): &(usize, [f64; 2])| parts.is_empty() || shortest < longest;
         let own = all.iter().copied().enumerate().filter(is_free);
-        let own = own.map(|(part, bounds)| (part, bounds.map(|length| count * length)));
+        let own = own.map(|(part, bounds)| {
+            let [shortest, longest] = bounds;
+            let kept = [kept(bounds, shortest, -1.0), kept(bounds, longest, 1.0)];
+            (part, kept.map(|length| count * length))
+        });
         let [shortest, longest] = [0, 1].map(|end| all.iter().map(|of| of[end]).sum::<f64>());
         let whole = free.iter().flat_map(|free| {
+            let bounds = [free.shortest, free.longest];
             [
                 (free.shortest, -1.0, free.shortest > shortest),
                 (free.longest, 1.0, free.longest < longest),
             ]
+            .map(|(bound, sign, is_own)| (kept(bounds, bound, sign), sign, is_own))
         });
         Self {
             parts: own.filter(|_| free.is_some()).collect(),

@@ -116,7 +116,11 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             rates: path.rates(problem),
             basis: basis.clone(),
             horizons: candidate.horizons.clone(),
-            free: Free::new(context.free_horizon, &context.settings.parts),
+            free: Free::new(
+                context.free_horizon,
+                &context.settings.parts,
+                search.reserve,
+            ),
             points: Vec::new(),
             windows: Vec::new(),
             first_of_points: points * rows.count(),

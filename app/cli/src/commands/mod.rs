@@ -50,7 +50,7 @@ const IN_PART: u8 = 4;
 
 /// Plans motions of robots by a direct method, or by the Affine Geometric Heat Flow.
 ///
-/// Without a command it plans a motion for kinova_table_01: an arm over a table and around a post, within all limits,
+/// Without a command it plans a motion for kinova_table_01: an arm over a table and past a post, within all limits,
 /// with a cost of the duration.
 #[derive(Debug, Parser)]
 #[command(name = "aghf", version, after_help = EXIT_CODES)]

@@ -2,8 +2,8 @@
 //!
 //! Each attack changes the robot, the scenario or the motion of a certified case, or several of these, and makes claims
 //! that fit: reserves of the tolerance or of the largest number, other intervals, other hashes. `AGHF_ATTACKS` is their
-//! number. `AGHF_ATTACKS_FILE` names a file for those that break a promise, one JSON list of the four texts per line,
-//! for the other checker.
+//! number, `AGHF_FIRST_ATTACK` the seed of the first one. `AGHF_ATTACKS_FILE` names a file for those that break a
+//! promise, one JSON list of the four texts per line, for the other checker.
 
 mod violation;
 
@@ -127,7 +127,8 @@ fn case(scenario: &Scenario, curve: &Curve) -> Option<Case> {
         scenario: serde_json::to_value(&scenario.file).expect("it is JSON"),
         run: run(&written(scenario, curve)),
         certificate: serde_json::to_value(found.certificate?).expect("it is JSON"),
-        folder: Path::new(env!("CARGO_TARGET_TMPDIR")).join("attacks"),
+        folder: Path::new(env!("CARGO_TARGET_TMPDIR"))
+            .join(format!("attacks_{}", std::process::id())),
     })
 }
 
@@ -350,11 +351,12 @@ fn attack_certificate(case: &mut Case, scenario: &Scenario, rng: &mut impl Rng) 
 fn motions_that_break_a_promise_are_not_certified() {
     let number = |key: &str| std::env::var(key).ok().and_then(|text| text.parse().ok());
     let count: u64 = number("AGHF_ATTACKS").unwrap_or(ATTACKS);
+    let first: u64 = number("AGHF_FIRST_ATTACK").unwrap_or(0);
     let file = std::env::var("AGHF_ATTACKS_FILE").ok();
     let mut file = file.map(|path| File::create(path).expect("it is writable"));
     let cases = cases();
     let (mut broken, mut reasons) = (0, BTreeMap::<String, usize>::new());
-    for seed in 0..count {
+    for seed in first..first + count {
         let rng = &mut ChaCha8Rng::seed_from_u64(seed);
         let mut case = cases.choose(rng).expect("there are some").clone();
         for _ in 0..=rng.random_range(0..2) {

@@ -44,6 +44,7 @@ fn turns_as_given_are_kept() {
         (json!({ "turns": "as_given" }), -3.1),
         (json!({ "q_goal": [3.1832, 0.5] }), 3.1832),
         (json!({ "q_goal": [0.5, 0.5] }), 0.5),
+        (json!({ "q_goal": [1e134, 0.5] }), 1e134),
         (
             json!({ "q_start": [0.0, 0.0], "q_goal": [std::f64::consts::PI, 0.5] }),
             std::f64::consts::PI,
