@@ -21,8 +21,8 @@ pub(super) struct Free {
 }
 
 impl Free {
-    /// The unknowns for the bounds of a free horizon and of the lengths of parts, if there are any. A bound is kept with
-    /// a `reserve`, as a share of it, like the rows of the motion: so a horizon that is found is within the bound itself.
+    /// The unknowns for the bounds of a free horizon and of the lengths of parts, if there are any. A bound is kept
+    /// with a `reserve`, as a share of it, like the rows of the motion, so that the horizon is within the bound itself.
     pub fn new(free: Option<FreeHorizon>, parts: &[[f64; 2]], reserve: f64) -> Self {
         let kept = |[shortest, longest]: [f64; 2], bound: f64, sign: f64| {
             bound * (1.0 - sign * reserve.min(RANGE * (longest / shortest - 1.0)))
