@@ -6,9 +6,7 @@
 
 mod common;
 
-use aghf::constraint::{
-    CollisionSphere, Constraint, Evaluator, SelfClearance, SolidClearance, Weights,
-};
+use aghf::constraint::{CollisionSphere, Constraint, Evaluator, SelfClearance, SolidClearance, Weights};
 use aghf::geometry::{Shape, Solid};
 use aghf::model::Model;
 use aghf::scalar::{Lanes, Scalar, Wide};
@@ -48,25 +46,16 @@ fn boxes() -> Vec<Solid> {
         let [at, turn] = [1.7, 2.9].map(|f| Vector3::from_column_slice(&wave(3, f * i as f64)));
         Solid {
             placement: Placement::new(Rotation3::new(turn).into_inner(), at * 0.8),
-            shape: Shape::Cuboid {
-                half_extents: Vector3::new(0.3, 0.2, 0.05),
-            },
+            shape: Shape::Cuboid { half_extents: Vector3::new(0.3, 0.2, 0.05) },
         }
     };
     (1..=BOXES).map(solid).collect()
 }
 
-fn time(
-    criterion: &mut Criterion,
-    times: &mut Times,
-    name: &str,
-    model: &Model,
-    constraint: &impl Constraint,
-) {
+fn time(criterion: &mut Criterion, times: &mut Times, name: &str, model: &Model, constraint: &impl Constraint) {
     let rows = constraint.dim();
-    let x: Vec<Wide> = (0..2 * model.dof())
-        .map(|i| Lanes([0.0, 0.1, 0.2, 0.3].map(|t| (0.7 * i as f64 + t).sin())))
-        .collect();
+    let x: Vec<Wide> =
+        (0..2 * model.dof()).map(|i| Lanes([0.0, 0.1, 0.2, 0.3].map(|t| (0.7 * i as f64 + t).sin()))).collect();
     let all: Vec<Wide> = wave(rows, 0.7).into_iter().map(Lanes::splat).collect();
     let mut some = all.clone();
     for (_, w) in some.iter_mut().enumerate().filter(|(i, _)| i % 20 > 0) {
@@ -83,10 +72,7 @@ fn time(
         measure(criterion, times, &name, rows, || {
             let mut here = evaluator.at(black_box(&x)).expect("the same robot");
             here.value(constraint, &mut g).expect("as many rows");
-            let weights = Weights {
-                first_order: w,
-                gauss_newton: Some(w),
-            };
+            let weights = Weights { first_order: w, gauss_newton: Some(w) };
             let sums = here.weighted_derivatives(constraint, weights);
             black_box(sums.expect("as many weights"));
         });
@@ -97,15 +83,8 @@ fn main() {
     let (mut criterion, mut times) = (criterion(), Times::new());
     let model = builtin_robot("kinova_gen3").expect("it is built in");
     let balls = balls(&model);
-    let own = SelfClearance {
-        pairs: pairs(&balls),
-        balls: balls.clone(),
-    };
-    let solids = SolidClearance {
-        balls,
-        solids: boxes(),
-        names: Vec::new(),
-    };
+    let own = SelfClearance { pairs: pairs(&balls), balls: balls.clone() };
+    let solids = SolidClearance { balls, solids: boxes(), names: Vec::new() };
     time(&mut criterion, &mut times, "itself", &model, &own);
     time(&mut criterion, &mut times, "12 boxes", &model, &solids);
     time(&mut criterion, &mut times, "both", &model, &(own, solids));

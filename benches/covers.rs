@@ -35,10 +35,7 @@ fn main() -> Result<()> {
 fn line(path: &str, excess: Option<f64>) -> Result<String> {
     let source = RobotSource::find(path, Path::new(""))?;
     let mimic = Mimic::Independent;
-    let (model, _) = source.parse(UrdfOptions {
-        mimic,
-        ..UrdfOptions::default()
-    })?;
+    let (model, _) = source.parse(UrdfOptions { mimic, ..UrdfOptions::default() })?;
     let begin = Instant::now();
     let robot = cover_links(&model, source.folder(), excess)?;
     let cover = begin.elapsed().as_secs_f64();
@@ -64,7 +61,5 @@ fn line(path: &str, excess: Option<f64>) -> Result<String> {
     }
     let point = begin.elapsed().as_secs_f64() / (4 * SAMPLES) as f64 * 1e6;
     let (name, rows) = (model.name(), g.len());
-    Ok(format!(
-        "| {name} | {balls} | {cover:.2} | {pairs:.2} | {rows} | {point:.1} |"
-    ))
+    Ok(format!("| {name} | {balls} | {cover:.2} | {pairs:.2} | {rows} | {point:.1} |"))
 }

@@ -7,12 +7,7 @@ mod common;
 use aghf_scenario::{Scenario, Solve, SolveOptions};
 use common::{Times, criterion, measure, report};
 
-const SCENARIOS: [&str; 4] = [
-    "pendulum_5_swingup",
-    "kinova_free_01",
-    "kinova_obstacles_01",
-    "digit_free_stretch",
-];
+const SCENARIOS: [&str; 4] = ["pendulum_5_swingup", "kinova_free_01", "kinova_obstacles_01", "digit_free_stretch"];
 
 fn main() {
     let mut criterion = criterion().sample_size(10);
@@ -21,10 +16,7 @@ fn main() {
         let scenario = Scenario::load(name).expect("built in");
         let (n, options) = (scenario.model.dof(), SolveOptions::default());
         measure(&mut criterion, &mut times, name, n, || {
-            Solve::new(&scenario)
-                .options(options.clone())
-                .run()
-                .expect("good input");
+            Solve::new(&scenario).options(options.clone()).run().expect("good input");
         });
     }
     criterion.final_summary();

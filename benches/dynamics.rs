@@ -7,9 +7,8 @@ mod common;
 use aghf::constraint::{FootDerivatives, FootWeights, StandingFoot};
 use aghf::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, InverseDynamicsSecondDerivatives,
-    RneaWeightedHessian, aba, aba_derivatives, crba, mass_matrix_and_rate,
-    mass_matrix_product_derivative, rnea, rnea_derivatives, rnea_second_derivatives,
-    rnea_weighted_hessian,
+    RneaWeightedHessian, aba, aba_derivatives, crba, mass_matrix_and_rate, mass_matrix_product_derivative, rnea,
+    rnea_derivatives, rnea_second_derivatives, rnea_weighted_hessian,
 };
 use aghf::spatial::Placement;
 use common::{Times, criterion, measure, models, report, wave};
@@ -48,40 +47,24 @@ fn main() {
                 call().expect("lengths agree");
             });
         };
-        time("rnea", &mut || {
-            rnea(model, &mut data, black_box(&q), &v, &a, &mut tau)
-        });
-        time("crba", &mut || {
-            crba(model, &mut data, black_box(&q), &mut h)
-        });
-        time("aba", &mut || {
-            aba(model, &mut data, black_box(&q), &v, &w, &mut tau)
-        });
+        time("rnea", &mut || rnea(model, &mut data, black_box(&q), &v, &a, &mut tau));
+        time("crba", &mut || crba(model, &mut data, black_box(&q), &mut h));
+        time("aba", &mut || aba(model, &mut data, black_box(&q), &v, &w, &mut tau));
         time("mass_matrix_and_rate", &mut || {
             mass_matrix_and_rate(model, &mut data, black_box(&q), &v, &mut h, &mut hdot)
         });
         time("mass_matrix_product_derivative", &mut || {
             mass_matrix_product_derivative(model, &mut data, black_box(&q), &w, &mut h)
         });
-        time("rnea_derivatives", &mut || {
-            rnea_derivatives(model, &mut data, black_box(&q), &v, &a, &mut id)
-        });
-        time("aba_derivatives", &mut || {
-            aba_derivatives(model, &mut data, black_box(&q), &v, &w, &mut fd)
-        });
+        time("rnea_derivatives", &mut || rnea_derivatives(model, &mut data, black_box(&q), &v, &a, &mut id));
+        time("aba_derivatives", &mut || aba_derivatives(model, &mut data, black_box(&q), &v, &w, &mut fd));
         time("rnea_weighted_hessian", &mut || {
             rnea_weighted_hessian(model, &mut data, black_box(&q), &v, &a, &w, &mut hessian)
         });
         let (foot, mut by_z) = (sole(), FootDerivatives::new(n));
         let mut g = vec![0.0; foot.dim()];
-        time("standing_foot", &mut || {
-            foot.value(model, &mut data, [black_box(&q), &v, &a], &mut g)
-        });
-        let weights = FootWeights {
-            slopes: &[1.0; 8],
-            multipliers: &[0.5; 8],
-            curvatures: &[2.0; 8],
-        };
+        time("standing_foot", &mut || foot.value(model, &mut data, [black_box(&q), &v, &a], &mut g));
+        let weights = FootWeights { slopes: &[1.0; 8], multipliers: &[0.5; 8], curvatures: &[2.0; 8] };
         time("standing_foot_derivatives", &mut || {
             let z = [black_box(&q[..]), &v, &a];
             foot.weighted_derivatives(model, &mut data, z, weights, &mut by_z)

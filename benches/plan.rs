@@ -24,18 +24,12 @@ fn percentile(ascending: &[f64], percent: usize) -> f64 {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut files: Vec<String> = std::env::args()
-        .skip(1)
-        .filter(|name| !name.starts_with("--"))
-        .collect();
+    let mut files: Vec<String> = std::env::args().skip(1).filter(|name| !name.starts_with("--")).collect();
     if files.is_empty() {
         files = panda()?;
     }
     // As the direct method plans its starts.
-    let settings = PlanSettings {
-        roundings: 0,
-        ..PlanSettings::default()
-    };
+    let settings = PlanSettings { roundings: 0, ..PlanSettings::default() };
     let (mut times, mut found) = (Vec::new(), 0);
     for file in &files {
         let scenario = Scenario::load(file)?;

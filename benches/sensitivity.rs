@@ -115,18 +115,10 @@ fn options() -> Vec<(&'static str, Change)> {
     }
     .to_vec();
     let rules: [(_, Change); 4] = [
-        ("barrier.factor", |settings, by| {
-            monotone(settings, |rule| fraction(&mut rule.factor, by))
-        }),
-        ("barrier.power", |settings, by| {
-            monotone(settings, |rule| factor(&mut rule.power, by))
-        }),
-        ("barrier.done", |settings, by| {
-            monotone(settings, |rule| both(&mut rule.done, by))
-        }),
-        ("barrier.stalled", |settings, by| {
-            monotone(settings, |rule| count(&mut rule.stalled, by))
-        }),
+        ("barrier.factor", |settings, by| monotone(settings, |rule| fraction(&mut rule.factor, by))),
+        ("barrier.power", |settings, by| monotone(settings, |rule| factor(&mut rule.power, by))),
+        ("barrier.done", |settings, by| monotone(settings, |rule| both(&mut rule.done, by))),
+        ("barrier.stalled", |settings, by| monotone(settings, |rule| count(&mut rule.stalled, by))),
     ];
     all.extend(rules);
     all
@@ -140,19 +132,14 @@ fn monotone(settings: &mut DirectSettings, change: impl Fn(&mut Monotone)) {
 }
 
 /// Iterations and successes over all problems.
-fn solved(
-    scenarios: &[Scenario],
-    change: impl Fn(&mut DirectSettings),
-) -> Result<[usize; 2], aghf::Error> {
+fn solved(scenarios: &[Scenario], change: impl Fn(&mut DirectSettings)) -> Result<[usize; 2], aghf::Error> {
     let mut sum = [0; 2];
     for scenario in scenarios {
         let mut settings = DirectOptions::default().settings(scenario)?;
         settings.starts = settings.starts.min(STARTS);
         change(&mut settings);
         let (problem, constraints) = (scenario.problem()?, scenario.constraints());
-        let direct = Direct::new(&problem)
-            .cost(scenario.running_cost()?)
-            .constraints(&constraints);
+        let direct = Direct::new(&problem).cost(scenario.running_cost()?).constraints(&constraints);
         let solution = direct.settings(settings).solve()?;
         let success = solution.converged && solution.largest_violation <= DirectSettings::FEASIBLE;
         sum[0] += solution.iterations.len();
@@ -162,26 +149,16 @@ fn solved(
 }
 
 fn main() -> Result<(), aghf::Error> {
-    let mut names: Vec<String> = std::env::args()
-        .skip(1)
-        .filter(|name| !name.starts_with("--"))
-        .collect();
+    let mut names: Vec<String> = std::env::args().skip(1).filter(|name| !name.starts_with("--")).collect();
     if names.is_empty() {
         names = problems();
     }
-    let scenarios = names
-        .iter()
-        .map(|name| Scenario::load(name))
-        .collect::<Result<Vec<_>, _>>()?;
+    let scenarios = names.iter().map(|name| Scenario::load(name)).collect::<Result<Vec<_>, _>>()?;
     let cell = |[iterations, successes]: [usize; 2]| format!("{iterations} | {successes}");
-    println!(
-        "Iterations and successes of {} problems, by default {}.\n",
-        names.len(),
-        {
-            let [iterations, successes] = solved(&scenarios, |_| {})?;
-            format!("{iterations} and {successes}")
-        }
-    );
+    println!("Iterations and successes of {} problems, by default {}.\n", names.len(), {
+        let [iterations, successes] = solved(&scenarios, |_| {})?;
+        format!("{iterations} and {successes}")
+    });
     println!("| option | halved: iterations | successes | doubled: iterations | successes |");
     println!("| --- | --- | --- | --- | --- |");
     for (name, change) in options() {

@@ -42,38 +42,19 @@ pub enum Error {
 
 impl Error {
     /// Builds an [`Error::Input`].
-    pub fn input(
-        file: impl Into<String>,
-        element: impl Into<String>,
-        condition: impl Into<String>,
-    ) -> Self {
-        Self::Input {
-            file: file.into(),
-            element: element.into(),
-            condition: condition.into(),
-        }
+    pub fn input(file: impl Into<String>, element: impl Into<String>, condition: impl Into<String>) -> Self {
+        Self::Input { file: file.into(), element: element.into(), condition: condition.into() }
     }
 
     /// Builds an [`Error::Io`] about `path`.
     pub fn io(path: impl Into<PathBuf>, source: std::io::Error) -> Self {
-        Self::Io {
-            path: path.into(),
-            source,
-        }
+        Self::Io { path: path.into(), source }
     }
 }
 
 /// Checks the length of an argument.
 pub fn check_length(what: &'static str, expected: usize, found: usize) -> Result<()> {
-    if expected == found {
-        Ok(())
-    } else {
-        Err(Error::Length {
-            what,
-            expected,
-            found,
-        })
-    }
+    if expected == found { Ok(()) } else { Err(Error::Length { what, expected, found }) }
 }
 
 /// Checks that a requested number is within its bounds. `what` names the setting.
@@ -99,9 +80,5 @@ pub fn check_positive(of: &str, what: &str, value: f64) -> Result<()> {
 
 /// Formats a number for a message, without hundreds of digits.
 pub fn plain(x: f64) -> String {
-    if x == 0.0 || !x.is_finite() || (1e-4..1e9).contains(&x.abs()) {
-        format!("{x}")
-    } else {
-        format!("{x:e}")
-    }
+    if x == 0.0 || !x.is_finite() || (1e-4..1e9).contains(&x.abs()) { format!("{x}") } else { format!("{x:e}") }
 }

@@ -98,10 +98,7 @@ fn read_whole(source: impl Read) -> io::Result<String> {
         }),
         Err(error) => {
             let valid = error.utf8_error().valid_up_to();
-            let line = 1 + error.as_bytes()[..valid]
-                .iter()
-                .filter(|b| **b == b'\n')
-                .count();
+            let line = 1 + error.as_bytes()[..valid].iter().filter(|b| **b == b'\n').count();
             refuse(&format!("it is no text in UTF-8, from line {line} on"))
         }
     }

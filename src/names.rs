@@ -43,8 +43,7 @@ pub fn instead<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> String {
     let mut words = "there are".to_owned();
     if count > FEW {
         // The one is for pieces of a longer name, the other for a digit that differs.
-        let likeness =
-            |other: &str| strsim::sorensen_dice(name, other) + strsim::jaro_winkler(name, other);
+        let likeness = |other: &str| strsim::sorensen_dice(name, other) + strsim::jaro_winkler(name, other);
         all.sort_by(|a, b| likeness(b).total_cmp(&likeness(a)));
         all.truncate(NEAREST);
         words = format!("the nearest of {count} are");

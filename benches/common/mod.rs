@@ -36,13 +36,7 @@ pub fn models() -> Vec<Model> {
 }
 
 /// Times `call` under the name `what` for a robot of `n` joints.
-pub fn measure(
-    criterion: &mut Criterion,
-    times: &mut Times,
-    what: &str,
-    n: usize,
-    mut call: impl FnMut(),
-) {
+pub fn measure(criterion: &mut Criterion, times: &mut Times, what: &str, n: usize, mut call: impl FnMut()) {
     let mut seen = Vec::new();
     criterion.bench_function(&format!("{what}/{n}"), |bencher| {
         bencher.iter_custom(|iterations| {
@@ -67,24 +61,15 @@ pub fn report(times: &mut Times) {
     }
     println!("\nmedians in microseconds by N; growth fitted over the four largest robots");
     for (what, points) in columns {
-        let row: Vec<String> = (points.iter())
-            .map(|(n, t)| format!("{n}: {:.2}", 1e6 * t))
-            .collect();
+        let row: Vec<String> = (points.iter()).map(|(n, t)| format!("{n}: {:.2}", 1e6 * t)).collect();
         let largest = &points[points.len().saturating_sub(4)..];
-        println!(
-            "{what:24} {}  growth N^{:.2}",
-            row.join("  "),
-            growth(largest)
-        );
+        println!("{what:24} {}  growth N^{:.2}", row.join("  "), growth(largest));
     }
 }
 
 /// The exponent of the power of `N` that fits the times best: least squares in the logarithms.
 fn growth(points: &[(usize, f64)]) -> f64 {
-    let logs: Vec<(f64, f64)> = points
-        .iter()
-        .map(|(n, t)| ((*n as f64).ln(), t.ln()))
-        .collect();
+    let logs: Vec<(f64, f64)> = points.iter().map(|(n, t)| ((*n as f64).ln(), t.ln())).collect();
     let count = logs.len() as f64;
     let mean = |f: fn(&(f64, f64)) -> f64| logs.iter().map(f).sum::<f64>() / count;
     let (x, y) = (mean(|p| p.0), mean(|p| p.1));

@@ -83,32 +83,24 @@ pub fn over_states<'py, F: FunctionOfStates<I, O>, const I: usize, const O: usiz
     let zeros = |size| vec![Wide::splat(0.0); size];
     let sizes = shapes.each_ref().map(|shape| size_of(shape));
     let scratch = || (function.scratch(model), widths.map(zeros), sizes.map(zeros));
-    states.evaluate(
-        py,
-        shapes,
-        LANES,
-        scratch,
-        |(scratch, inputs, outputs), group, rows| {
-            for lane in 0..LANES {
-                // Unused lanes repeat the last state.
-                let own = states.row((group.start + lane).min(group.end - 1));
-                for (to, from) in inputs.iter_mut().zip(own) {
-                    to.iter_mut().zip(from).for_each(|(to, x)| to.0[lane] = *x);
-                }
+    states.evaluate(py, shapes, LANES, scratch, |(scratch, inputs, outputs), group, rows| {
+        for lane in 0..LANES {
+            // Unused lanes repeat the last state.
+            let own = states.row((group.start + lane).min(group.end - 1));
+            for (to, from) in inputs.iter_mut().zip(own) {
+                to.iter_mut().zip(from).for_each(|(to, x)| to.0[lane] = *x);
             }
-            let arguments = inputs.each_ref().map(Vec::as_slice);
-            let mut results = outputs.each_mut().map(Vec::as_mut_slice);
-            function.evaluate(model, scratch, arguments, &mut results)?;
-            for (rows, from) in rows.into_iter().zip(outputs) {
-                for (lane, row) in rows.chunks_exact_mut(from.len().max(1)).enumerate() {
-                    row.iter_mut()
-                        .zip(&*from)
-                        .for_each(|(to, x)| *to = x.0[lane]);
-                }
+        }
+        let arguments = inputs.each_ref().map(Vec::as_slice);
+        let mut results = outputs.each_mut().map(Vec::as_mut_slice);
+        function.evaluate(model, scratch, arguments, &mut results)?;
+        for (rows, from) in rows.into_iter().zip(outputs) {
+            for (lane, row) in rows.chunks_exact_mut(from.len().max(1)).enumerate() {
+                row.iter_mut().zip(&*from).for_each(|(to, x)| *to = x.0[lane]);
             }
-            Ok(())
-        },
-    )
+        }
+        Ok(())
+    })
 }
 
 /// The arguments of a function at one state or several.
@@ -121,21 +113,13 @@ pub struct States<'a, const I: usize> {
 
 impl<'a, const I: usize> States<'a, I> {
     /// Checks the shapes of arguments with these numbers of entries per state.
-    pub fn read(
-        names: [&str; I],
-        arguments: [&'a Numbers<'_>; I],
-        widths: [usize; I],
-    ) -> PyResult<Self> {
+    pub fn read(names: [&str; I], arguments: [&'a Numbers<'_>; I], widths: [usize; I]) -> PyResult<Self> {
         let batch = batch_of(&names, &arguments, &widths)?;
         let mut read: [&[f64]; I] = [&[]; I];
         for (read, (name, array)) in read.iter_mut().zip(names.iter().zip(arguments)) {
             *read = numbers(name, array)?;
         }
-        Ok(Self {
-            arguments: read,
-            widths,
-            batch,
-        })
+        Ok(Self { arguments: read, widths, batch })
     }
 
     fn count(&self) -> usize {
@@ -161,11 +145,7 @@ impl<'a, const I: usize> States<'a, I> {
         let sizes = shapes.each_ref().map(|shape| size_of(shape));
         let mut filled = sizes.map(|size| vec![0.0; size * states]);
         let computed = py.detach(|| {
-            let groups = groups(
-                &mut filled,
-                sizes.map(|entries| size * entries),
-                states.div_ceil(size),
-            );
+            let groups = groups(&mut filled, sizes.map(|entries| size * entries), states.div_ceil(size));
             let one = |scratch: &mut T, (group, rows): (usize, [&mut [f64]; O])| {
                 let first = group * size;
                 work(scratch, first..states.min(first + size), rows)
@@ -186,9 +166,7 @@ impl<'a, const I: usize> States<'a, I> {
             arrays.push(PyArray1::from_vec(py, values).reshape(shape)?);
         }
         // There is one array per shape.
-        arrays
-            .try_into()
-            .map_err(|_| PyValueError::new_err("results were lost"))
+        arrays.try_into().map_err(|_| PyValueError::new_err("results were lost"))
     }
 }
 
@@ -198,52 +176,33 @@ fn size_of(shape: &[usize]) -> usize {
 }
 
 /// The slices of each array, of these sizes, that belong to each group.
-fn groups<const O: usize>(
-    filled: &mut [Vec<f64>; O],
-    sizes: [usize; O],
-    count: usize,
-) -> Vec<[&mut [f64]; O]> {
+fn groups<const O: usize>(filled: &mut [Vec<f64>; O], sizes: [usize; O], count: usize) -> Vec<[&mut [f64]; O]> {
     let mut i = 0;
     let mut chunks = filled.each_mut().map(|all| {
         i += 1;
         all.chunks_mut(sizes[i - 1].max(1))
     });
-    let next = |_| {
-        chunks
-            .each_mut()
-            .map(|chunks| chunks.next().unwrap_or_default())
-    };
+    let next = |_| chunks.each_mut().map(|chunks| chunks.next().unwrap_or_default());
     (0..count).map(next).collect()
 }
 
 /// The number of states, which all arguments share; `None` for one without a leading dimension.
-fn batch_of(
-    names: &[&str],
-    arguments: &[&Numbers<'_>],
-    widths: &[usize],
-) -> PyResult<Option<usize>> {
+fn batch_of(names: &[&str], arguments: &[&Numbers<'_>], widths: &[usize]) -> PyResult<Option<usize>> {
     let mut common: Option<Option<usize>> = None;
     for ((name, array), width) in names.iter().zip(arguments).zip(widths) {
         let batch = match array.shape() {
             [entries] if entries == width => None,
             [batch, entries] if entries == width => Some(*batch),
             shape => {
-                let message = format!(
-                    "{name}: its shape is {shape:?}, expected [{width}] or [batch, {width}]"
-                );
+                let message = format!("{name}: its shape is {shape:?}, expected [{width}] or [batch, {width}]");
                 return Err(PyValueError::new_err(message));
             }
         };
         match common {
             Some(common) if common != batch => {
-                let words = |batch: Option<usize>| {
-                    batch.map_or("one state".to_owned(), |batch| format!("{batch} states"))
-                };
-                let message = format!(
-                    "{name}: it has {}, the arguments before it {}",
-                    words(batch),
-                    words(common)
-                );
+                let words =
+                    |batch: Option<usize>| batch.map_or("one state".to_owned(), |batch| format!("{batch} states"));
+                let message = format!("{name}: it has {}, the arguments before it {}", words(batch), words(common));
                 return Err(PyValueError::new_err(message));
             }
             _ => common = Some(batch),

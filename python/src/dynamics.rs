@@ -1,8 +1,6 @@
 //! Rigid-body dynamics and their derivatives.
 
-use crate::batch::{
-    Array, FunctionOfStates, Number, Numbers, by_rows, function_of_states, over_states,
-};
+use crate::batch::{Array, FunctionOfStates, Number, Numbers, by_rows, function_of_states, over_states};
 use crate::model::PyModel;
 use aghf::Result;
 use aghf::dynamics as library;
@@ -128,11 +126,7 @@ function_of_states! {
 }
 
 /// Writes each tensor of order `n` into its result, with the last index fastest.
-fn by_planes<S: Scalar, const K: usize>(
-    tensors: [&Tensor3<S>; K],
-    n: usize,
-    results: &mut [&mut [S]; K],
-) {
+fn by_planes<S: Scalar, const K: usize>(tensors: [&Tensor3<S>; K], n: usize, results: &mut [&mut [S]; K]) {
     for (tensor, result) in tensors.into_iter().zip(results) {
         for (at, entry) in result.iter_mut().enumerate() {
             *entry = tensor[(at / (n * n), at / n % n, at % n)];
@@ -269,24 +263,14 @@ impl FunctionOfStates<1, 1> for JacobianOf<'_> {
 
 /// The placement of a frame in the base, homogeneous.
 #[pyfunction]
-fn frame_placements<'py>(
-    py: Python<'py>,
-    model: &PyModel,
-    q: Numbers<'py>,
-    frame: &str,
-) -> PyResult<[Array<'py>; 1]> {
+fn frame_placements<'py>(py: Python<'py>, model: &PyModel, q: Numbers<'py>, frame: &str) -> PyResult<[Array<'py>; 1]> {
     let model = &model.model;
     over_states(py, model, &PlacementOf(frame_of(model, frame)?), [&q])
 }
 
 /// The Jacobian of a frame.
 #[pyfunction]
-fn frame_jacobian<'py>(
-    py: Python<'py>,
-    model: &PyModel,
-    q: Numbers<'py>,
-    frame: &str,
-) -> PyResult<[Array<'py>; 1]> {
+fn frame_jacobian<'py>(py: Python<'py>, model: &PyModel, q: Numbers<'py>, frame: &str) -> PyResult<[Array<'py>; 1]> {
     let model = &model.model;
     over_states(py, model, &JacobianOf(frame_of(model, frame)?), [&q])
 }

@@ -15,18 +15,10 @@ pyo3::create_exception!(
 pub fn raised(error: Error) -> PyErr {
     let message = error.to_string();
     match error {
-        Error::Input {
-            file,
-            element,
-            condition,
-        } => Python::attach(|py| {
+        Error::Input { file, element, condition } => Python::attach(|py| {
             let raised = InputError::new_err(message);
             let value = raised.value(py);
-            let parts = [
-                ("file", file),
-                ("element", element),
-                ("condition", condition),
-            ];
+            let parts = [("file", file), ("element", element), ("condition", condition)];
             for (name, part) in parts {
                 if let Err(error) = value.setattr(name, part) {
                     return error;

@@ -13,11 +13,7 @@ use std::sync::{Mutex, PoisonError};
 /// Compares every analytic derivative with dual numbers at random states; the findings in JSON.
 #[pyfunction]
 fn check(py: Python<'_>, model: &PyModel, samples: usize, seed: u64) -> PyResult<String> {
-    let options = CheckOptions {
-        samples,
-        seed,
-        ..CheckOptions::default()
-    };
+    let options = CheckOptions { samples, seed, ..CheckOptions::default() };
     let findings = py.detach(|| check_all(&model.model, &options));
     in_json(&findings.map_err(raised)?)
 }

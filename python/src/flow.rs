@@ -4,9 +4,7 @@ use crate::batch::{Array, FunctionOfStates, Number, Numbers, States, by_rows, ov
 use crate::error::raised;
 use crate::model::PyModel;
 use aghf::Result;
-use aghf::flow::jacobian::{
-    ControlFormJacobian, JacobianKind, Jacobians, NodeBlocks, NodeJacobian,
-};
+use aghf::flow::jacobian::{ControlFormJacobian, JacobianKind, Jacobians, NodeBlocks, NodeJacobian};
 use aghf::flow::{ControlForm, Node, RightHandSide};
 use aghf::model::Model;
 use pyo3::prelude::*;
@@ -67,10 +65,7 @@ impl FunctionOfStates<3, 3> for InControlForm {
     }
 
     fn scratch<'m, S: Number>(&self, model: &'m Model) -> Self::Scratch<'m, S> {
-        (
-            ControlFormJacobian::new(model),
-            NodeBlocks::new(model.dof()),
-        )
+        (ControlFormJacobian::new(model), NodeBlocks::new(model.dof()))
     }
 
     fn evaluate<S: Number>(
@@ -125,18 +120,12 @@ fn omega_jacobian<'py>(
     let n = model.dof();
     let states = States::read(NAMES, arguments, [2 * n; 3])?;
     let scratch = || (kind.build(model), NodeBlocks::new(n));
-    states.evaluate(
-        py,
-        shapes_of_blocks(n),
-        1,
-        scratch,
-        |(form, blocks), group, mut out| {
-            let (t, [x, xdot, xddot]) = (0.0, states.row(group.start));
-            form.evaluate(Node { t, x, xdot, xddot }, k, blocks)?;
-            by_rows(blocks.all(), &mut out);
-            Ok(())
-        },
-    )
+    states.evaluate(py, shapes_of_blocks(n), 1, scratch, |(form, blocks), group, mut out| {
+        let (t, [x, xdot, xddot]) = (0.0, states.row(group.start));
+        form.evaluate(Node { t, x, xdot, xddot }, k, blocks)?;
+        by_rows(blocks.all(), &mut out);
+        Ok(())
+    })
 }
 
 /// The names of the implementations of the Jacobian.

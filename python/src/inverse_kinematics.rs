@@ -38,10 +38,7 @@ pub fn inverse_kinematics<'py>(
             return Err(Error::input(model.name(), "placement", condition));
         }
         let numbers = [("placement", numbers), ("near", near)];
-        if let Some((what, _)) = numbers
-            .iter()
-            .find(|(_, all)| all.iter().any(|x| !x.is_finite()))
-        {
+        if let Some((what, _)) = numbers.iter().find(|(_, all)| all.iter().any(|x| !x.is_finite())) {
             let condition = format!("an entry of number {} is not finite", group.start);
             return Err(Error::input(model.name(), *what, condition));
         }

@@ -25,10 +25,7 @@ fn _aghf(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<tracker::PyTracker>()?;
     module.add_function(wrap_pyfunction!(model::builtin_robots, module)?)?;
     dynamics::add_to(module)?;
-    module.add_function(wrap_pyfunction!(
-        inverse_kinematics::inverse_kinematics,
-        module
-    )?)?;
+    module.add_function(wrap_pyfunction!(inverse_kinematics::inverse_kinematics, module)?)?;
     module.add_function(wrap_pyfunction!(motion::judge, module)?)?;
     flow::add_to(module)?;
     solve::add_to(module)?;

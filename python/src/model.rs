@@ -15,15 +15,7 @@ use std::sync::Arc;
 
 /// A joint: name, kind, index of the parent or -1, placement in the parent (rotation by rows, then translation), axis,
 /// mass with its centre and the inertia about it by rows, and the limits: lower, upper, velocity, effort.
-type JointParts = (
-    String,
-    String,
-    i64,
-    [f64; 12],
-    [f64; 3],
-    (f64, [f64; 3], [f64; 9]),
-    [f64; 4],
-);
+type JointParts = (String, String, i64, [f64; 12], [f64; 3], (f64, [f64; 3], [f64; 9]), [f64; 4]);
 
 /// The options of reading a URDF: the treatment of mimic joints, the root, the losses in JSON as in a scenario, and the
 /// folders of packages.
@@ -31,8 +23,8 @@ type Options = (String, Option<String>, String, BTreeMap<String, PathBuf>);
 
 /// Reads the options; `file` names the robot in errors.
 fn urdf_options(file: &str, (mimic, root, losses, packages): Options) -> PyResult<UrdfOptions> {
-    let losses: Losses = serde_json::from_str(&losses)
-        .map_err(|error| raised(Error::input(file, "losses", error.to_string())))?;
+    let losses: Losses =
+        serde_json::from_str(&losses).map_err(|error| raised(Error::input(file, "losses", error.to_string())))?;
     Ok(UrdfOptions {
         mimic: mimic.parse().map_err(raised)?,
         root,
@@ -45,10 +37,7 @@ fn urdf_options(file: &str, (mimic, root, losses, packages): Options) -> PyResul
 /// The placement with a rotation by rows and a translation.
 pub fn placement_of(numbers: &[f64]) -> Placement<f64> {
     let (rotation, translation) = numbers.split_at(9);
-    Placement::new(
-        Matrix3::from_row_slice(rotation),
-        Vector3::from_column_slice(translation),
-    )
+    Placement::new(Matrix3::from_row_slice(rotation), Vector3::from_column_slice(translation))
 }
 
 /// A robot. It never changes, so threads share it.
@@ -96,11 +85,7 @@ impl PyModel {
         let body_of = |index: i64| usize::try_from(index).ok();
         let spec = |joint: JointParts| {
             let (name, kind, parent, origin, axis, (mass, com, inertia), limits) = joint;
-            let kinds = [
-                JointKind::Revolute,
-                JointKind::Continuous,
-                JointKind::Prismatic,
-            ];
+            let kinds = [JointKind::Revolute, JointKind::Continuous, JointKind::Prismatic];
             let found = kinds.into_iter().find(|known| known.name() == kind);
             let Some(kind) = found else {
                 let condition = format!("its kind is '{kind}'");
@@ -113,17 +98,8 @@ impl PyModel {
                 parent: body_of(parent),
                 origin: placement_of(&origin),
                 axis: Vector3::from(axis),
-                inertia: Inertia::from_com(
-                    mass,
-                    Vector3::from(com),
-                    Matrix3::from_row_slice(&inertia),
-                ),
-                limits: Limits {
-                    lower,
-                    upper,
-                    velocity,
-                    effort,
-                },
+                inertia: Inertia::from_com(mass, Vector3::from(com), Matrix3::from_row_slice(&inertia)),
+                limits: Limits { lower, upper, velocity, effort },
             })
         };
         let specs: aghf::Result<Vec<_>> = joints.into_iter().map(spec).collect();
@@ -132,8 +108,7 @@ impl PyModel {
             .map_err(raised)?
             .with_gravity(Vector3::from(gravity));
         for (frame, body, placement) in frames {
-            let added =
-                model.add_frame(Frame::new(&frame, body_of(body), placement_of(&placement)));
+            let added = model.add_frame(Frame::new(&frame, body_of(body), placement_of(&placement)));
             added.map_err(raised)?;
         }
         model.check_regular(name).map_err(raised)?;
@@ -162,11 +137,7 @@ impl PyModel {
 
     #[getter]
     fn joint_names(&self) -> Vec<&str> {
-        self.model
-            .joints()
-            .iter()
-            .map(|joint| joint.name())
-            .collect()
+        self.model.joints().iter().map(|joint| joint.name()).collect()
     }
 
     #[getter]
@@ -185,11 +156,7 @@ impl PyModel {
 
     #[getter]
     fn frame_names(&self) -> Vec<&str> {
-        self.model
-            .frames()
-            .iter()
-            .map(|frame| frame.name.as_str())
-            .collect()
+        self.model.frames().iter().map(|frame| frame.name.as_str()).collect()
     }
 
     #[getter]
@@ -223,28 +190,17 @@ impl PyModel {
     }
 
     fn __repr__(&self) -> String {
-        format!(
-            "Model('{}', {} joints)",
-            self.model.name(),
-            self.model.dof()
-        )
+        format!("Model('{}', {} joints)", self.model.name(), self.model.dof())
     }
 }
 
 impl PyModel {
     /// A robot with the notes on loading it.
     pub fn new(model: Model, notes: &LoadReport) -> Self {
-        Self {
-            model: Arc::new(model),
-            notes: notes.iter().map(ToString::to_string).collect(),
-        }
+        Self { model: Arc::new(model), notes: notes.iter().map(ToString::to_string).collect() }
     }
 
-    fn limits<'py>(
-        &self,
-        py: Python<'py>,
-        of: impl Fn(&Limits) -> f64,
-    ) -> Bound<'py, PyArray1<f64>> {
+    fn limits<'py>(&self, py: Python<'py>, of: impl Fn(&Limits) -> f64) -> Bound<'py, PyArray1<f64>> {
         let joints = self.model.joints().iter();
         let limits: Vec<f64> = joints.map(|joint| of(joint.limits())).collect();
         limits.to_pyarray(py)

@@ -12,11 +12,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// Positions, velocities, accelerations and torques of a motion at times, each with the shape `(times, N)`.
-pub fn evaluate<'py>(
-    py: Python<'py>,
-    (model, curve): (&Model, &Curve),
-    t: &Numbers<'py>,
-) -> PyResult<[Array<'py>; 4]> {
+pub fn evaluate<'py>(py: Python<'py>, (model, curve): (&Model, &Curve), t: &Numbers<'py>) -> PyResult<[Array<'py>; 4]> {
     let n = model.dof();
     let times = numbers("t", t)?;
     let horizon = curve.horizon();
@@ -45,9 +41,7 @@ pub fn evaluate<'py>(
     for values in all {
         arrays.push(PyArray1::from_vec(py, values).reshape(shape.clone())?);
     }
-    arrays
-        .try_into()
-        .map_err(|_| PyValueError::new_err("results were lost"))
+    arrays.try_into().map_err(|_| PyValueError::new_err("results were lost"))
 }
 
 /// Judges a motion of a scenario by its samples: the times, and at these the positions and, if they are given, the
@@ -76,14 +70,7 @@ pub fn judge(
     let [tolerance, overlap_m] = tolerances;
     let found = py.detach(|| {
         let trajectory = Trajectory::new(times, rows)?;
-        judged(
-            &scenario,
-            &trajectory,
-            Tolerances {
-                tolerance,
-                overlap_m,
-            },
-        )
+        judged(&scenario, &trajectory, Tolerances { tolerance, overlap_m })
     });
     let text = serde_json::to_string(&found.map_err(raised)?);
     text.map_err(|error| PyValueError::new_err(error.to_string()))

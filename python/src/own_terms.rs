@@ -35,11 +35,7 @@ impl Raised {
 }
 
 /// An array returned by Python, which must have this shape.
-fn array<'py>(
-    of: &Bound<'py, PyAny>,
-    name: &str,
-    shape: &[usize],
-) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
+fn array<'py>(of: &Bound<'py, PyAny>, name: &str, shape: &[usize]) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
     let array: PyReadonlyArrayDyn<'py, f64> = of.extract()?;
     if array.shape() != shape {
         let found = array.shape();
@@ -57,27 +53,16 @@ pub struct PyRunningCost {
 }
 
 impl PyRunningCost {
-    fn call<'py>(
-        &self,
-        py: Python<'py>,
-        method: &str,
-        at: &StageInput<'_, f64>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn call<'py>(&self, py: Python<'py>, method: &str, at: &StageInput<'_, f64>) -> PyResult<Bound<'py, PyAny>> {
         let [q, v, a, u] = [at.q, at.v, at.a, at.u].map(|x| PyArray1::from_slice(py, x));
-        self.object
-            .bind(py)
-            .call_method1(method, (at.t, q, v, a, u))
+        self.object.bind(py).call_method1(method, (at.t, q, v, a, u))
     }
 
     fn value_of(&self, at: &StageInput<'_, f64>) -> PyResult<f64> {
         Python::attach(|py| self.call(py, "value", at)?.extract())
     }
 
-    fn derivatives_of(
-        &self,
-        at: &StageInput<'_, f64>,
-        out: &mut StageDerivatives<f64>,
-    ) -> PyResult<()> {
+    fn derivatives_of(&self, at: &StageInput<'_, f64>, out: &mut StageDerivatives<f64>) -> PyResult<()> {
         Python::attach(|py| {
             let m = 4 * at.q.len();
             let found = self.call(py, "derivatives", at)?;
@@ -101,11 +86,7 @@ impl RunningCost for PyRunningCost {
         self.raised.keep(self.value_of(at), "running_cost.value")
     }
 
-    fn derivatives(
-        &self,
-        at: &StageInput<'_, f64>,
-        out: &mut StageDerivatives<f64>,
-    ) -> Result<f64> {
+    fn derivatives(&self, at: &StageInput<'_, f64>, out: &mut StageDerivatives<f64>) -> Result<f64> {
         let found = self.derivatives_of(at, out);
         self.raised.keep(found, "running_cost.derivatives")?;
         self.value(at)
@@ -142,13 +123,7 @@ impl PyConstraint {
             let message = format!("names: it has {} entries, expected {rows}", names.len());
             return Err(PyValueError::new_err(message));
         }
-        Ok(Self {
-            object: Arc::new(object.clone().unbind()),
-            rows,
-            scales,
-            names,
-            raised,
-        })
+        Ok(Self { object: Arc::new(object.clone().unbind()), rows, scales, names, raised })
     }
 
     fn call<'py>(&self, py: Python<'py>, method: &str, x: &[f64]) -> PyResult<Bound<'py, PyAny>> {
@@ -166,12 +141,7 @@ impl PyConstraint {
 
     /// The gradient with weights `w`, and the Hessian with these weights and the weights `c` of the products of
     /// gradients.
-    fn contraction(
-        &self,
-        x: &[f64],
-        w: &[f64],
-        c: Option<&[f64]>,
-    ) -> PyResult<(DVector<f64>, DMatrix<f64>)> {
+    fn contraction(&self, x: &[f64], w: &[f64], c: Option<&[f64]>) -> PyResult<(DVector<f64>, DMatrix<f64>)> {
         Python::attach(|py| {
             let m = x.len();
             let found = self.call(py, "derivatives", x)?;
@@ -255,11 +225,7 @@ impl Constraint for PyConstraint {
 
     fn label(&self, row: usize, _: &Model) -> RowLabel {
         match self.names.get(row) {
-            Some(name) => RowLabel {
-                name: name.clone(),
-                unit: "",
-                kind: RowKind::Other,
-            },
+            Some(name) => RowLabel { name: name.clone(), unit: "", kind: RowKind::Other },
             None => RowLabel::numbered(row),
         }
     }
@@ -270,10 +236,7 @@ impl Constraint for PyConstraint {
         weights: Weights<'_, S>,
         out: &mut WeightedDerivatives<S>,
     ) -> Result<()> {
-        let Weights {
-            first_order: w,
-            gauss_newton: c,
-        } = weights;
+        let Weights { first_order: w, gauss_newton: c } = weights;
         let none = |weights: &[S]| weights.iter().all(Scalar::vanishes);
         if none(w) && c.is_none_or(none) {
             return Ok(());

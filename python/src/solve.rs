@@ -11,8 +11,7 @@ use aghf_cli::export::{joint_trajectory, save_mcap};
 use aghf_cli::output::{OutputFolder, REPORT_FILES, Sampling, refuse_existing, write_report};
 use aghf_cli::report::{Motion, page, tradeoff_page};
 use aghf_scenario::{
-    DirectOptions, LoadOptions, Record, Scenario, Solve, SolveOptions, SolveReport, Solved, Trace,
-    Tradeoff, Verdict,
+    DirectOptions, LoadOptions, Record, Scenario, Solve, SolveOptions, SolveReport, Solved, Trace, Tradeoff, Verdict,
 };
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
@@ -167,11 +166,7 @@ fn solve_many<'py>(
 ) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let options = match read_options(options)? {
         // The solves share the cores.
-        SolveOptions::Direct(own) => DirectOptions {
-            threads: Some(1),
-            ..own
-        }
-        .into(),
+        SolveOptions::Direct(own) => DirectOptions { threads: Some(1), ..own }.into(),
         flow => flow,
     };
     let threads = threads.unwrap_or(0);
@@ -203,13 +198,7 @@ fn solve_many<'py>(
 
 /// Finds motions from the least duration to the least effort, in this order.
 #[pyfunction]
-fn tradeoff(
-    py: Python<'_>,
-    name: &str,
-    text: Option<&str>,
-    options: &str,
-    points: usize,
-) -> PyResult<Vec<PySolution>> {
+fn tradeoff(py: Python<'_>, name: &str, text: Option<&str>, options: &str, points: usize) -> PyResult<Vec<PySolution>> {
     let (scenario, options) = read(name, text, options)?;
     let SolveOptions::Direct(options) = options else {
         let condition = "method: only 'direct' has a trade-off";
@@ -223,9 +212,7 @@ fn tradeoff(
     };
     let found = until_signalled(py, search, || interrupt.raise())?;
     let found = found.map_err(raised)?.into_iter();
-    Ok(found
-        .map(|(scenario, report)| PySolution { scenario, report })
-        .collect())
+    Ok(found.map(|(scenario, report)| PySolution { scenario, report }).collect())
 }
 
 /// The self-contained HTML page of a trade-off.
@@ -329,10 +316,7 @@ impl PySolution {
         let (folder, page) = (folder.map_err(raised)?, self.report_html()?);
         let files = write_report(&self.scenario, &self.report, Some(&page), &folder, None);
         let files = files.map_err(raised)?;
-        Ok(files
-            .iter()
-            .map(|file| file.display().to_string())
-            .collect())
+        Ok(files.iter().map(|file| file.display().to_string()).collect())
     }
 }
 

@@ -18,26 +18,11 @@ pub struct PyTracker(ScenarioTracker);
 
 /// True at the end; $q, v, a, \tau, u$ and the gain; the violated row with its amount, unit and time; true if the robot
 /// has left its plan; the deviation; iterations; whether the plan is a new one, was cut off, has converged.
-type Found<'py> = (
-    bool,
-    [Array<'py>; 6],
-    Option<(String, f64, &'static str, f64)>,
-    bool,
-    f64,
-    usize,
-    [bool; 3],
-);
+type Found<'py> = (bool, [Array<'py>; 6], Option<(String, f64, &'static str, f64)>, bool, f64, usize, [bool; 3]);
 
 /// The arrays of a command.
 fn arrays<'py>(py: Python<'py>, command: &Command) -> PyResult<[Array<'py>; 6]> {
-    let Command {
-        q,
-        v,
-        a,
-        tau,
-        gain,
-        u,
-    } = command;
+    let Command { q, v, a, tau, gain, u } = command;
     let n = q.len();
     let array = |x: &[f64], shape| PyArray1::from_slice(py, x).reshape(shape);
     // The gain is stored column by column.
@@ -67,13 +52,7 @@ impl PyTracker {
     }
 
     /// Takes a step.
-    fn step<'py>(
-        &mut self,
-        py: Python<'py>,
-        q: Numbers<'py>,
-        v: Numbers<'py>,
-        now: f64,
-    ) -> PyResult<Found<'py>> {
+    fn step<'py>(&mut self, py: Python<'py>, q: Numbers<'py>, v: Numbers<'py>, now: f64) -> PyResult<Found<'py>> {
         let state = [self.numbers("q", &q)?, self.numbers("v", &v)?].concat();
         let step = py.detach(|| self.0.step(&state, now)).map_err(raised)?;
         let command = arrays(py, step.command)?;
@@ -88,9 +67,7 @@ impl PyTracker {
             Safety::Kept | Safety::Left => None,
         };
         let left = safety == Safety::Left;
-        Ok((
-            finished, command, violation, left, deviation, iterations, flags,
-        ))
+        Ok((finished, command, violation, left, deviation, iterations, flags))
     }
 
     /// Changes the goal.
@@ -129,11 +106,7 @@ impl PyTracker {
         let (expected, found) = (self.0.scenario().model.dof(), numbers.len());
         match found == expected {
             true => Ok(numbers),
-            false => Err(raised(Error::Length {
-                what: name,
-                expected,
-                found,
-            })),
+            false => Err(raised(Error::Length { what: name, expected, found })),
         }
     }
 }

@@ -42,16 +42,12 @@ impl Bernstein {
             powers.push((k..n).fold(power.clone(), |b, m| {
                 let share = |i: usize| i as f64 / (m + 1) as f64;
                 let at = |i: usize| b.get(i).copied().unwrap_or(0.0);
-                (0..=m + 1)
-                    .map(|i| share(i) * at(i.wrapping_sub(1)) + share(m + 1 - i) * at(i))
-                    .collect()
+                (0..=m + 1).map(|i| share(i) * at(i.wrapping_sub(1)) + share(m + 1 - i) * at(i)).collect()
             }));
             // Times s = x - (1 - x).
             let share = |i: usize| i as f64 / (k + 1) as f64;
             let at = |i: usize| power.get(i).copied().unwrap_or(0.0);
-            power = (0..=k + 1)
-                .map(|i| share(i) * at(i.wrapping_sub(1)) - share(k + 1 - i) * at(i))
-                .collect();
+            power = (0..=k + 1).map(|i| share(i) * at(i.wrapping_sub(1)) - share(k + 1 - i) * at(i)).collect();
         }
         Self { powers }
     }
@@ -92,19 +88,13 @@ impl Bernstein {
 fn largest(b: &[f64], accuracy: f64) -> (f64, f64, f64) {
     let n = b.len() - 1;
     let end = |b: &[f64], [from, to]: [f64; 2]| {
-        if b[0] >= b[n] {
-            (b[0], from)
-        } else {
-            (b[n], to)
-        }
+        if b[0] >= b[n] { (b[0], from) } else { (b[n], to) }
     };
     let (mut found, mut bound) = (end(b, [-1.0, 1.0]), f64::NEG_INFINITY);
     let mut open = vec![(b.to_vec(), [-1.0, 1.0])];
     let mut parts = 1;
     while let Some((mut right, [from, to])) = open.pop() {
-        let top = right
-            .iter()
-            .fold(f64::NEG_INFINITY, |top, b| if *b <= top { top } else { *b });
+        let top = right.iter().fold(f64::NEG_INFINITY, |top, b| if *b <= top { top } else { *b });
         if parts >= MOST_PARTS || top <= found.0 + accuracy {
             bound = if top <= bound { bound } else { top };
             continue;

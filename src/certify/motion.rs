@@ -58,33 +58,21 @@ impl Part {
     /// A whole segment.
     #[must_use]
     pub fn whole(segment: usize) -> Self {
-        Self {
-            segment,
-            middle: 0.0,
-            half: 1.0,
-        }
+        Self { segment, middle: 0.0, half: 1.0 }
     }
 
     /// A short interval about a place. At both ends of a segment Chebyshev polynomials are exact, so that a [`Piece`]
     /// is as accurate at its middle as the coefficients allow.
     #[must_use]
     pub fn about(segment: usize, x: f64) -> Self {
-        Self {
-            segment,
-            middle: x,
-            half: 1.0 / f64::from(1 << 20),
-        }
+        Self { segment, middle: x, half: 1.0 / f64::from(1 << 20) }
     }
 
     /// The parts before and after a place between its ends, rounded down to a multiple of $2^{-40}$.
     #[must_use]
     pub fn split(self, x: f64) -> [Self; 2] {
         let ([from, to], x) = (self.ends(), (x * STEPS).floor() / STEPS);
-        [[from, x], [x, to]].map(|[from, to]| Self {
-            middle: 0.5 * (from + to),
-            half: 0.5 * (to - from),
-            ..self
-        })
+        [[from, x], [x, to]].map(|[from, to]| Self { middle: 0.5 * (from + to), half: 0.5 * (to - from), ..self })
     }
 
     /// The ends, `x` from -1 to 1.
@@ -97,14 +85,8 @@ impl Part {
 impl Polynomial {
     /// The polynomial with coefficients in these intervals.
     fn of(balls: &[Ball]) -> Self {
-        let radii: Ball = balls
-            .iter()
-            .map(|b| Ball::constant(b.radius()))
-            .fold(Ball::zero(), |sum, r| sum + r);
-        Self {
-            coefficients: balls.iter().map(|b| b.coefficients()[0]).collect(),
-            radius: radii.magnitude(),
-        }
+        let radii: Ball = balls.iter().map(|b| Ball::constant(b.radius())).fold(Ball::zero(), |sum, r| sum + r);
+        Self { coefficients: balls.iter().map(|b| b.coefficients()[0]).collect(), radius: radii.magnitude() }
     }
 
     /// The polynomial cut to `N` coefficients.
@@ -123,10 +105,7 @@ impl Polynomial {
 
 impl<const N: usize> From<TaylorModel<N>> for Polynomial {
     fn from(of: TaylorModel<N>) -> Self {
-        Self {
-            coefficients: of.coefficients().to_vec(),
-            radius: of.radius(),
-        }
+        Self { coefficients: of.coefficients().to_vec(), radius: of.radius() }
     }
 }
 
@@ -142,9 +121,7 @@ impl Motion {
         }
         let segment = |e| {
             let all = curve.coefficients(e);
-            (0..curve.dof())
-                .map(|i| all.row(i).iter().copied().collect())
-                .collect()
+            (0..curve.dof()).map(|i| all.row(i).iter().copied().collect()).collect()
         };
         let coefficients: Vec<_> = (0..curve.segments()).map(segment).collect();
         let (horizon, degree) = (curve.horizon(), curve.degree());
@@ -161,9 +138,7 @@ impl Motion {
             return refuse("there is no segment");
         };
         let length = first.first().map_or(0, Vec::len);
-        let same = |segment: &Vec<Vec<f64>>| {
-            segment.len() == first.len() && segment.iter().all(|c| c.len() == length)
-        };
+        let same = |segment: &Vec<Vec<f64>>| segment.len() == first.len() && segment.iter().all(|c| c.len() == length);
         if length == 0 || !coefficients.iter().all(same) {
             return refuse("each segment and joint needs the same number of coefficients");
         }
@@ -182,14 +157,7 @@ impl Motion {
             }
             all
         };
-        Self {
-            horizon,
-            degree,
-            derivatives: coefficients
-                .iter()
-                .map(|all| all.iter().map(joint).collect())
-                .collect(),
-        }
+        Self { horizon, degree, derivatives: coefficients.iter().map(|all| all.iter().map(joint).collect()).collect() }
     }
 
     /// The Chebyshev coefficients of the derivative of each position in `x` on a segment, `p` each.
@@ -199,9 +167,7 @@ impl Motion {
     #[must_use]
     pub fn rates(&self, segment: usize) -> Vec<&[Ball]> {
         let joints = self.derivatives[segment].iter();
-        joints
-            .map(|derivatives| derivatives[1].as_slice())
-            .collect()
+        joints.map(|derivatives| derivatives[1].as_slice()).collect()
     }
 
     /// The number of segments.
@@ -253,9 +219,7 @@ impl Motion {
         let rate = segments.divided_by(self.horizon).divided_by(part.half);
         let differentiate = |of: &Vec<Ball>| -> Vec<Ball> {
             let terms = of.iter().enumerate().skip(1);
-            terms
-                .map(|(k, c)| *c * Ball::constant(k as f64) * rate)
-                .collect()
+            terms.map(|(k, c)| *c * Ball::constant(k as f64) * rate).collect()
         };
         let mut all: Vec<_> = self.derivatives[part.segment].iter().map(expand).collect();
         let [q, v, a, jerk] = std::array::from_fn(|order| {
@@ -318,11 +282,7 @@ impl Piece {
     ///
     /// # Errors
     /// The model has another number of joints.
-    pub fn torques(
-        &self,
-        model: &Model,
-        data: &mut Data<TaylorModel<ORDER>>,
-    ) -> Result<Vec<TaylorModel<ORDER>>> {
+    pub fn torques(&self, model: &Model, data: &mut Data<TaylorModel<ORDER>>) -> Result<Vec<TaylorModel<ORDER>>> {
         let [q, v, a] = self.models();
         let mut torques = vec![TaylorModel::zero(); model.dof()];
         rnea(model, data, &q, &v, &a, &mut torques)?;

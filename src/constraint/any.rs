@@ -1,9 +1,8 @@
 //! The built-in constraints and a variant for any other.
 
 use super::{
-    Bounds, Constraint, CoverClearance, DynConstraint, FrameRows, Gap, Piece, PlacedState,
-    PointSpeedLimit, RowLabel, RowList, SelfClearance, SolidClearance, SphereClearance,
-    WeightedDerivatives, Weights,
+    Bounds, Constraint, CoverClearance, DynConstraint, FrameRows, Gap, Piece, PlacedState, PointSpeedLimit, RowLabel,
+    RowList, SelfClearance, SolidClearance, SphereClearance, WeightedDerivatives, Weights,
 };
 use crate::error::Result;
 use crate::geometry::{CollisionSphere, Obstacle, Scene, Shape, Sphere};
@@ -64,10 +63,7 @@ impl AnyConstraint {
         }
         let larger = |by: f64| {
             let all = scene.robot().balls.iter();
-            all.map(move |ball| CollisionSphere {
-                radius: ball.radius + by,
-                ..*ball
-            })
+            all.map(move |ball| CollisionSphere { radius: ball.radius + by, ..*ball })
         };
         let mut constraints = Vec::new();
         for margin in distinct(scene.obstacle_margins()) {
@@ -88,20 +84,13 @@ impl AnyConstraint {
                 constraints.push(Self::Spheres(SphereClearance { balls, spheres }));
             }
             if !solids.is_empty() {
-                constraints.push(Self::Solids(SolidClearance {
-                    balls,
-                    solids,
-                    names,
-                }));
+                constraints.push(Self::Solids(SolidClearance { balls, solids, names }));
             }
         }
         for margin in distinct(scene.pair_margins()) {
             let pairs = scene.pairs_with_margin(margin);
             if !pairs.is_empty() {
-                constraints.push(Self::SelfCollision(SelfClearance {
-                    balls: larger(0.5 * margin).collect(),
-                    pairs,
-                }));
+                constraints.push(Self::SelfCollision(SelfClearance { balls: larger(0.5 * margin).collect(), pairs }));
             }
         }
         constraints
@@ -152,12 +141,7 @@ impl<C: Scalar> Constraint<C> for AnyConstraint<C> {
         each!(self, it => it.gap(row))
     }
 
-    fn value_of<S: AlgebraOver<C>>(
-        &self,
-        at: &PlacedState<'_, C, S>,
-        rows: RowList<'_>,
-        g: &mut [S],
-    ) -> Result<()> {
+    fn value_of<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, rows: RowList<'_>, g: &mut [S]) -> Result<()> {
         each!(self, it => it.value_of(at, rows, g))
     }
 

@@ -23,10 +23,7 @@ pub(super) struct Scratch<S: Scalar> {
 
 impl<S: Scalar> Scratch<S> {
     pub(super) fn new() -> Self {
-        Self {
-            first: Moving::new(),
-            second: Moving::new(),
-        }
+        Self { first: Moving::new(), second: Moving::new() }
     }
 }
 
@@ -40,11 +37,7 @@ struct Moving<T: Scalar> {
 
 impl<T: Scalar> Moving<T> {
     fn new() -> Self {
-        Self {
-            x: Vec::new(),
-            placements: Vec::new(),
-            g: Vec::new(),
-        }
+        Self { x: Vec::new(), placements: Vec::new(), g: Vec::new() }
     }
 
     /// Sets the state to the constants `x`, with space for `rows` values.
@@ -65,12 +58,7 @@ impl<T: Scalar> Moving<T> {
         T: AlgebraOver<C>,
     {
         forward_kinematics(at.model, &self.x[..self.x.len() / 2], &mut self.placements)?;
-        let moved = PlacedState {
-            model: at.model,
-            x: &self.x,
-            placements: &self.placements,
-            pieces: at.pieces,
-        };
+        let moved = PlacedState { model: at.model, x: &self.x, placements: &self.placements, pieces: at.pieces };
         constraint.value(&moved, &mut self.g)?;
         Ok(&self.g)
     }
@@ -86,22 +74,10 @@ pub(super) fn add_weighted_derivatives<C: Scalar, S: AlgebraOver<C>, K: Constrai
     if constraint.dim() == 0 {
         return Ok(());
     }
-    let WeightedDerivatives {
-        gradient,
-        hessian,
-        scratch,
-        ..
-    } = out;
-    let Weights {
-        first_order: w,
-        gauss_newton: c,
-    } = weights;
+    let WeightedDerivatives { gradient, hessian, scratch, .. } = out;
+    let Weights { first_order: w, gauss_newton: c } = weights;
     let m = at.x.len();
-    let chunks = |end: usize| {
-        (0..end)
-            .step_by(TANGENTS)
-            .map(move |start| start..(start + TANGENTS).min(end))
-    };
+    let chunks = |end: usize| (0..end).step_by(TANGENTS).map(move |start| start..(start + TANGENTS).min(end));
 
     let moving = &mut scratch.first;
     moving.reset(at.x, Jet::constant, constraint.dim());

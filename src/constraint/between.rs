@@ -1,9 +1,6 @@
 //! Rows that are kept for a part of the time.
 
-use super::{
-    AnyConstraint, Constraint, Constraints, Evaluator, RowLabel, StageConstraint, StageInput,
-    Weights,
-};
+use super::{AnyConstraint, Constraint, Constraints, Evaluator, RowLabel, StageConstraint, StageInput, Weights};
 use crate::error::{Error, Result, plain};
 use crate::model::Model;
 use nalgebra::DMatrix;
@@ -28,26 +25,15 @@ impl Between {
         // NaN is before nothing.
         if from.is_nan() || to.is_nan() || from >= to {
             let [from, to] = times.map(plain);
-            return refuse(
-                "times",
-                format!("they are {from} s and {to} s, the first one is to be before the second"),
-            );
+            return refuse("times", format!("they are {from} s and {to} s, the first one is to be before the second"));
         }
         if let Some(row) = (0..rows.dim()).find(|row| rows.is_equality(*row)) {
             let RowLabel { name, .. } = rows.label(row, &model);
-            return refuse(
-                "equalities",
-                format!("{name} is one, which is kept throughout or not at all"),
-            );
+            return refuse("equalities", format!("{name} is one, which is kept throughout or not at all"));
         }
         let mut scales = vec![1.0; rows.dim()];
         rows.row_scales(&mut scales);
-        Ok(Self {
-            model,
-            rows,
-            times,
-            scales,
-        })
+        Ok(Self { model, rows, times, scales })
     }
 
     /// The rows.
@@ -121,19 +107,11 @@ impl StageConstraint for Between {
         for row in 0..self.dim() {
             let mut first_order = vec![0.0; self.dim()];
             first_order[row] = 1.0;
-            let weights = Weights {
-                first_order: &first_order,
-                gauss_newton: None,
-            };
+            let weights = Weights { first_order: &first_order, gauss_newton: None };
             let found = placed.weighted_derivatives(&self.rows, weights)?;
-            gradients
-                .view_mut((0, row), (n, 1))
-                .copy_from(found.gradient());
+            gradients.view_mut((0, row), (n, 1)).copy_from(found.gradient());
         }
-        let weights = Weights {
-            first_order: multipliers,
-            gauss_newton: Some(&vec![0.0; self.dim()]),
-        };
+        let weights = Weights { first_order: multipliers, gauss_newton: Some(&vec![0.0; self.dim()]) };
         let found = placed.weighted_derivatives(&self.rows, weights)?;
         let mut block = hessian.view_mut((0, 0), (n, n));
         block += found.hessian();

@@ -60,25 +60,14 @@ impl<C: Scalar> Bound<C> {
 pub struct Bounds<C: Scalar = f64>(pub Vec<Bound<C>>);
 
 /// The finite bounds among two for each joint, on the entries from `first` on.
-pub(super) fn of_limits<C: Scalar>(
-    model: &Model<C>,
-    first: usize,
-    pair: fn(&Limits) -> [f64; 2],
-) -> Vec<Bound<C>> {
+pub(super) fn of_limits<C: Scalar>(model: &Model<C>, first: usize, pair: fn(&Limits) -> [f64; 2]) -> Vec<Bound<C>> {
     let both = |(i, limits): (usize, [f64; 2])| {
-        [Side::Lower, Side::Upper]
-            .into_iter()
-            .zip(limits)
-            .map(move |(side, value)| (i, side, value))
+        [Side::Lower, Side::Upper].into_iter().zip(limits).map(move |(side, value)| (i, side, value))
     };
     let limits = model.joints().iter().map(|joint| pair(joint.limits()));
     let all = limits.enumerate().flat_map(both);
     all.filter(|(_, _, value)| value.is_finite())
-        .map(|(i, side, value)| Bound {
-            entry: first + i,
-            side,
-            value: C::from_f64(value),
-        })
+        .map(|(i, side, value)| Bound { entry: first + i, side, value: C::from_f64(value) })
         .collect()
 }
 
@@ -98,11 +87,7 @@ impl<C: Scalar> Bounds<C> {
 
 /// Returns entry `i` of a slice.
 pub(super) fn entry<S: Copy>(x: &[S], i: usize) -> Result<S> {
-    x.get(i).copied().ok_or(Error::Length {
-        what: "bounded numbers",
-        expected: i + 1,
-        found: x.len(),
-    })
+    x.get(i).copied().ok_or(Error::Length { what: "bounded numbers", expected: i + 1, found: x.len() })
 }
 
 impl<C: Scalar> Constraint<C> for Bounds<C> {
@@ -132,18 +117,10 @@ impl<C: Scalar> Constraint<C> for Bounds<C> {
             let unit = unit_of(joint, "rad/s", "m/s");
             ("velocity", unit, RowKind::Velocity(index))
         } else {
-            (
-                "position",
-                unit_of(joint, "rad", "m"),
-                RowKind::Position(index),
-            )
+            ("position", unit_of(joint, "rad", "m"), RowKind::Position(index))
         };
         let (side, joint) = (bound.side.name(), joint.name());
-        RowLabel {
-            name: format!("{side} {what} limit of joint '{joint}'"),
-            unit,
-            kind,
-        }
+        RowLabel { name: format!("{side} {what} limit of joint '{joint}'"), unit, kind }
     }
 
     fn add_weighted_derivatives<S: AlgebraOver<C>>(

@@ -1,10 +1,7 @@
 //! Clearances of balls on the robot from spheres.
 
 use super::label::name_of;
-use super::{
-    CollisionSphere, Constraint, Gap, PlacedState, RowKind, RowLabel, RowList, WeightedDerivatives,
-    Weights,
-};
+use super::{CollisionSphere, Constraint, Gap, PlacedState, RowKind, RowLabel, RowList, WeightedDerivatives, Weights};
 use crate::error::Result;
 use crate::geometry::Sphere;
 use crate::model::Model;
@@ -24,11 +21,7 @@ pub struct SphereClearance<C: Scalar = f64> {
 
 /// The row of a ball with its centre at `p` and a sphere.
 #[inline]
-fn row_of<C: Scalar, S: AlgebraOver<C>>(
-    ball: &CollisionSphere<C>,
-    p: &Vector3<S>,
-    sphere: &Sphere<C>,
-) -> S {
+fn row_of<C: Scalar, S: AlgebraOver<C>>(ball: &CollisionSphere<C>, p: &Vector3<S>, sphere: &Sphere<C>) -> S {
     let d = p - sphere.centre.map(S::lift);
     let reach = sphere.radius + ball.radius;
     S::lift(reach * reach) - d.dot(&d)
@@ -50,12 +43,7 @@ impl<C: Scalar> Constraint<C> for SphereClearance<C> {
         Ok(())
     }
 
-    fn value_of<S: AlgebraOver<C>>(
-        &self,
-        at: &PlacedState<'_, C, S>,
-        rows: RowList<'_>,
-        g: &mut [S],
-    ) -> Result<()> {
+    fn value_of<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, rows: RowList<'_>, g: &mut [S]) -> Result<()> {
         rows.by_ball((&self.balls, self.spheres.len()), at, |row, j, ball, p| {
             g[row] = row_of(ball, p, &self.spheres[j]);
         })
@@ -124,9 +112,5 @@ impl<C: Scalar> Constraint<C> for SphereClearance<C> {
 
 /// The label of a distance.
 pub(super) fn clearance(name: String) -> RowLabel {
-    RowLabel {
-        name,
-        unit: "m",
-        kind: RowKind::Clearance,
-    }
+    RowLabel { name, unit: "m", kind: RowKind::Clearance }
 }

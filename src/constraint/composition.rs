@@ -1,9 +1,6 @@
 //! Tuples and lists of constraints as one constraint.
 
-use super::{
-    AnyConstraint, Constraint, Gap, Piece, PlacedState, RowLabel, RowList, WeightedDerivatives,
-    Weights,
-};
+use super::{AnyConstraint, Constraint, Gap, Piece, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -73,12 +70,7 @@ impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
         }
     }
 
-    fn value_of<S: AlgebraOver<C>>(
-        &self,
-        at: &PlacedState<'_, C, S>,
-        rows: RowList<'_>,
-        g: &mut [S],
-    ) -> Result<()> {
+    fn value_of<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, rows: RowList<'_>, g: &mut [S]) -> Result<()> {
         let (a, b) = g.split_at_mut(self.0.dim());
         let (of_a, of_b) = rows.split_at(a.len());
         let (at_a, at_b) = at.split_at(a.len());
@@ -203,8 +195,7 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
     }
 
     fn parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {
-        self.iter()
-            .fold(true, |all, constraint| constraint.parts(parts) & all)
+        self.iter().fold(true, |all, constraint| constraint.parts(parts) & all)
     }
 
     fn add_weighted_derivatives<S: AlgebraOver<C>>(

@@ -58,9 +58,7 @@ impl CoverClearance {
             let leaves = tree.nodes.iter().filter_map(|node| node.leaf);
             leaves.map(|ball| sets[ball] + 1).max().unwrap_or(1)
         };
-        let moving: Vec<_> = (0..links.len())
-            .filter(|i| links[*i].body.is_some())
-            .collect();
+        let moving: Vec<_> = (0..links.len()).filter(|i| links[*i].body.is_some()).collect();
         let roots = links.iter().filter_map(|tree| tree.nodes.first());
         let radii = roots.map(|root| root.bound.radius);
         let far = FAR * radii.fold(0.0, f64::max);
@@ -73,10 +71,7 @@ impl CoverClearance {
             let pairs = scene.tree_pairs().iter().zip(between);
             let pairs = pairs.filter(|(_, own)| Some(**own) == margins[1]);
             Self {
-                solid_pairs: moving
-                    .iter()
-                    .flat_map(|i| solids.iter().map(move |j| [*i, *j]))
-                    .collect(),
+                solid_pairs: moving.iter().flat_map(|i| solids.iter().map(move |j| [*i, *j])).collect(),
                 solids: scene.obstacles().iter().map(|o| o.solid).collect(),
                 names: scene.obstacles().iter().map(|o| o.name.clone()).collect(),
                 pairs: pairs.map(|(pair, _)| *pair).collect(),
@@ -142,12 +137,7 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
         self.values(at, |_| true, None, g)
     }
 
-    fn value_of<S: AlgebraOver<C>>(
-        &self,
-        at: &PlacedState<'_, C, S>,
-        rows: RowList<'_>,
-        g: &mut [S],
-    ) -> Result<()> {
+    fn value_of<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, rows: RowList<'_>, g: &mut [S]) -> Result<()> {
         self.values(at, |own| rows.has_any(own), None, g)
     }
 
@@ -193,10 +183,7 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
             let r = dot(&root.centre, &root.centre).sqrt() + root.radius;
             tree.body.map(|body| (body, r))
         };
-        Some(Gap {
-            bodies: links.map(|link| link.and_then(body)),
-            squared: None,
-        })
+        Some(Gap { bodies: links.map(|link| link.and_then(body)), squared: None })
     }
 
     /// Those of the nearest balls. As a function of $s = d^2 / 2$ the row of two sets is $r - \sqrt{2 s}$, with
@@ -215,8 +202,7 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
                     continue;
                 }
                 let c = weights.gauss_newton.map_or(S::zero(), |c| c[row]);
-                let [w, c] = [weights.first_order[row], c]
-                    .map(|w| nearest.is_near.if_negative(S::zero(), w));
+                let [w, c] = [weights.first_order[row], c].map(|w| nearest.is_near.if_negative(S::zero(), w));
                 let [p, q] = &nearest.points;
                 if let Some([i, j]) = self.solid_pairs.get(k) {
                     let near = self.solids[*j].distance_derivatives(p);

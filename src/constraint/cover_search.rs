@@ -25,11 +25,7 @@ pub(super) struct Nearest<S: Scalar> {
 
 impl<S: Scalar> Nearest<S> {
     fn none(least: S) -> Self {
-        Self {
-            g: least,
-            points: [Vector3::zeros(); 2],
-            is_near: -S::one(),
-        }
+        Self { g: least, points: [Vector3::zeros(); 2], is_near: -S::one() }
     }
 
     /// Takes a row with a larger value, or one that is not a number, and its points if they are needed.
@@ -67,10 +63,7 @@ pub(super) fn length_and_inverse<S: Scalar>(d: &Vector3<S>) -> [S; 2] {
 
 /// The position of a point of a body with this placement; `None` is the base.
 #[inline(always)]
-pub(crate) fn place<C: Scalar, S: AlgebraOver<C>>(
-    placement: Option<&Placement<S>>,
-    point: &Vector3<C>,
-) -> Vector3<S> {
+pub(crate) fn place<C: Scalar, S: AlgebraOver<C>>(placement: Option<&Placement<S>>, point: &Vector3<C>) -> Vector3<S> {
     match placement {
         None => point.map(S::lift),
         Some(placement) => placement.point(point),
@@ -187,10 +180,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Pair<'_, C, S> {
     /// The centre of the ball of a node of the first or the second link.
     #[inline(always)]
     fn centre(&self, side: usize, node: usize) -> Vector3<S> {
-        place(
-            self.placements[side],
-            &self.links[side].nodes[node].bound.centre,
-        )
+        place(self.placements[side], &self.links[side].nodes[node].bound.centre)
     }
 
     /// The row of the ball of a node beside the solid, and its centre.
@@ -225,8 +215,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Pair<'_, C, S> {
     fn search(&self, rows: &mut Rows<'_, S>) {
         let [tree, other] = self.links;
         if let Some(solid) = self.solid {
-            let is_nearer =
-                |(a, _): &(S, Vector3<S>), (b, _): &(S, Vector3<S>)| is_negative(*b - *a);
+            let is_nearer = |(a, _): &(S, Vector3<S>), (b, _): &(S, Vector3<S>)| is_negative(*b - *a);
             let bound = |node| self.beside(solid, node);
             tree.search(bound, is_nearer, |node, (g, p)| {
                 let is_near = !is_negative(*g - rows.least);
@@ -266,18 +255,10 @@ impl<C: Scalar, S: AlgebraOver<C>> Pair<'_, C, S> {
             let Some(ball) = other.nodes[l].leaf else {
                 continue;
             };
-            let (set, q, radius) = (
-                self.of.sets[ball],
-                self.centre(1, l),
-                other.nodes[l].bound.radius,
-            );
+            let (set, q, radius) = (self.of.sets[ball], self.centre(1, l), other.nodes[l].bound.radius);
             for (k, own, beside, p) in &few[..count] {
                 let sum = own + set;
-                let row = if sum < rows.count {
-                    sum
-                } else {
-                    sum - rows.count
-                };
+                let row = if sum < rows.count { sum } else { sum - rows.count };
                 // Summed as in `between`, so that a piece has the same value to the last digit.
                 let (reach, d) = (S::lift(*beside + radius + self.of.margins[1]), p - q);
                 // Without a root where the distance is larger than the least one so far.
@@ -331,19 +312,13 @@ impl<C: Scalar> CoverClearance<C> {
             pieces,
         };
         let mut first = 0;
-        let searches = at
-            .pieces
-            .is_none_or(|pieces| pieces.searched_from() < f64::INFINITY);
+        let searches = at.pieces.is_none_or(|pieces| pieces.searched_from() < f64::INFINITY);
         let mut known = known.iter().peekable();
         for (k, count) in self.counts().enumerate() {
             let own = first..first + count;
             if is_needed(&own) {
                 if count > SETS {
-                    return Err(Error::Length {
-                        what: "sets of the balls of a link",
-                        expected: SETS,
-                        found: count,
-                    });
+                    return Err(Error::Length { what: "sets of the balls of a link", expected: SETS, found: count });
                 }
                 rows.begin(first, count);
                 let pair = self.pair(at, k);
@@ -365,22 +340,13 @@ impl<C: Scalar> CoverClearance<C> {
     }
 
     /// A pair with the placements of its bodies.
-    fn pair<'a, S: AlgebraOver<C>>(
-        &'a self,
-        at: &PlacedState<'a, C, S>,
-        k: usize,
-    ) -> Pair<'a, C, S> {
+    fn pair<'a, S: AlgebraOver<C>>(&'a self, at: &PlacedState<'a, C, S>, k: usize) -> Pair<'a, C, S> {
         let ([i, j], solid) = match self.solid_pairs.get(k) {
             Some([i, j]) => ([*i, *i], Some(*j)),
             None => (self.pairs[k - self.solid_pairs.len()], None),
         };
         let links = [&self.links[i], &self.links[j]];
         let placement = |link: &BallTree<C>| link.body.map(|body| &at.placements[body]);
-        Pair {
-            of: self,
-            links,
-            placements: [placement(links[0]), placement(links[1])],
-            solid,
-        }
+        Pair { of: self, links, placements: [placement(links[0]), placement(links[1])], solid }
     }
 }

@@ -58,9 +58,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Functions<C, S> {
     fn of<K: Constraint<C> + 'static>() -> Self {
         Self {
             value: |constraint, at, g| known::<K>(constraint)?.value(at, g),
-            add: |constraint, at, weights, out| {
-                known::<K>(constraint)?.add_weighted_derivatives(at, weights, out)
-            },
+            add: |constraint, at, weights, out| known::<K>(constraint)?.add_weighted_derivatives(at, weights, out),
         }
     }
 
@@ -78,8 +76,7 @@ fn known<K: 'static>(constraint: &dyn Any) -> Result<&K> {
 }
 
 fn not_known<T>() -> Error {
-    let condition =
-        "a boxed constraint is evaluated over f64, Lanes<f64, 4>, Dual64 and DualSVec64<8> alone";
+    let condition = "a boxed constraint is evaluated over f64, Lanes<f64, 4>, Dual64 and DualSVec64<8> alone";
     Error::input("constraint", type_name::<T>(), condition)
 }
 

@@ -1,8 +1,6 @@
 //! Evaluation of constraints and their contractions at states.
 
-use super::{
-    Constraint, Piece, Pieces, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights,
-};
+use super::{Constraint, Piece, Pieces, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights};
 use crate::dynamics::forward_kinematics;
 use crate::error::{Result, check_length};
 use crate::model::Model;
@@ -40,12 +38,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> Evaluator<'m, C, S> {
         check_length("x", 2 * self.model.dof(), x.len())?;
         forward_kinematics(self.model, &x[..self.model.dof()], &mut self.placements)?;
         Ok(Placed {
-            state: PlacedState {
-                model: self.model,
-                x,
-                placements: &self.placements,
-                pieces: None,
-            },
+            state: PlacedState { model: self.model, x, placements: &self.placements, pieces: None },
             axes: &mut self.axes,
             contraction: &mut self.contraction,
         })
@@ -106,12 +99,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Placed<'_, C, S> {
     ///
     /// # Errors
     /// Those of [`value`](Self::value).
-    pub fn value_of<K: Constraint<C> + ?Sized>(
-        &self,
-        constraint: &K,
-        rows: RowList<'_>,
-        g: &mut [S],
-    ) -> Result<()> {
+    pub fn value_of<K: Constraint<C> + ?Sized>(&self, constraint: &K, rows: RowList<'_>, g: &mut [S]) -> Result<()> {
         check_length("g", constraint.dim(), g.len())?;
         constraint.value_of(&self.state, rows, g)
     }
@@ -130,9 +118,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Placed<'_, C, S> {
         self.contraction.reset(weights.gauss_newton.is_some());
         constraint.add_weighted_derivatives(&self.state, weights, self.contraction)?;
         let joints = self.state.model.joints();
-        for ((axis, joint), placement) in
-            self.axes.iter_mut().zip(joints).zip(self.state.placements)
-        {
+        for ((axis, joint), placement) in self.axes.iter_mut().zip(joints).zip(self.state.placements) {
             *axis = joint.motion_subspace(placement);
         }
         self.contraction.collect(self.state.model, self.axes);
@@ -146,20 +132,13 @@ impl Placed<'_, f64, f64> {
     ///
     /// # Errors
     /// Those of [`value`](Self::value).
-    pub fn worst_row<K: Constraint + ?Sized>(
-        &self,
-        constraint: &K,
-    ) -> Result<Option<(f64, RowLabel)>> {
+    pub fn worst_row<K: Constraint + ?Sized>(&self, constraint: &K) -> Result<Option<(f64, RowLabel)>> {
         let (mut g, mut scales) = (vec![0.0; constraint.dim()], vec![1.0; constraint.dim()]);
         self.value(constraint, &mut g)?;
         constraint.row_scales(&mut scales);
         let rows = g.iter().zip(&scales).enumerate();
         let all = rows.map(|(row, (g, scale))| {
-            let g = if constraint.is_equality(row) {
-                g.abs()
-            } else {
-                *g
-            };
+            let g = if constraint.is_equality(row) { g.abs() } else { *g };
             let label = constraint.label(row, self.state.model);
             (label.kind.excess(g / scale, *scale), label)
         });

@@ -50,20 +50,12 @@ impl FrameRow {
 
     /// A row on the rotation, in rad.
     fn of_rotation(what: &'static str, rotation: Matrix3<f64>, constant: f64, scale: f64) -> Self {
-        Self {
-            rotation,
-            scale,
-            unit: "rad",
-            ..Self::of_position(what, Vector3::zeros(), constant)
-        }
+        Self { rotation, scale, unit: "rad", ..Self::of_position(what, Vector3::zeros(), constant) }
     }
 
     /// The same as an equality.
     fn equality(self) -> Self {
-        Self {
-            is_equality: true,
-            ..self
-        }
+        Self { is_equality: true, ..self }
     }
 }
 
@@ -123,20 +115,14 @@ impl FrameRows {
     /// No rows on `frame` in `reference`.
     #[must_use]
     pub fn new(frame: &Frame<f64>, reference: Frame<f64>) -> Self {
-        Self {
-            frame: frame.clone(),
-            reference,
-            rows: Vec::new(),
-        }
+        Self { frame: frame.clone(), reference, rows: Vec::new() }
     }
 
     /// Adds $d = 0$, three equalities in m.
     #[must_use]
     pub fn at_origin(mut self) -> Self {
         let axes = AXES[0].into_iter().enumerate();
-        self.rows.extend(
-            axes.map(|(i, what)| FrameRow::of_position(what, Vector3::ith(i, 1.0), 0.0).equality()),
-        );
+        self.rows.extend(axes.map(|(i, what)| FrameRow::of_position(what, Vector3::ith(i, 1.0), 0.0).equality()));
         self
     }
 
@@ -160,8 +146,7 @@ impl FrameRows {
             }
             let sides = [(1, axis, -h), (2, -axis, *l)];
             let sides = sides.into_iter().filter(|(.., c)| c.is_finite());
-            self.rows
-                .extend(sides.map(|(side, axis, c)| FrameRow::of_position(AXES[side][i], axis, c)));
+            self.rows.extend(sides.map(|(side, axis, c)| FrameRow::of_position(AXES[side][i], axis, c)));
         }
         Ok(self)
     }
@@ -234,12 +219,7 @@ impl FrameRows {
     ///
     /// # Errors
     /// A vector is zero or not finite, or the angle, in rad, is not between 0 and $\pi$.
-    pub fn axis_within(
-        mut self,
-        axis: &Vector3<f64>,
-        to: &Vector3<f64>,
-        theta: f64,
-    ) -> Result<Self> {
+    pub fn axis_within(mut self, axis: &Vector3<f64>, to: &Vector3<f64>, theta: f64) -> Result<Self> {
         let (axis, to) = (self.unit("axis", axis)?, self.unit("direction", to)?);
         self.check_angle(theta)?;
         self.rows.push(Self::tilt(&axis, &to, theta));
@@ -265,10 +245,7 @@ impl FrameRows {
     fn unit(&self, what: &str, v: &Vector3<f64>) -> Result<Vector3<f64>> {
         unit_vector(v).ok_or_else(|| {
             let [x, y, z] = [v.x, v.y, v.z];
-            self.refused(
-                what,
-                format!("it is ({x}, {y}, {z}), which has no direction"),
-            )
+            self.refused(what, format!("it is ({x}, {y}, {z}), which has no direction"))
         })
     }
 
@@ -319,11 +296,7 @@ impl<C: Scalar> Constraint<C> for FrameRows<C> {
             None => String::new(),
             Some(_) => format!(" in frame '{}'", reference.name),
         };
-        RowLabel {
-            name: format!("{} of frame '{frame}'{relative}", row.what),
-            unit: row.unit,
-            kind: row.kind,
-        }
+        RowLabel { name: format!("{} of frame '{frame}'{relative}", row.what), unit: row.unit, kind: row.kind }
     }
 
     fn is_equality(&self, row: usize) -> bool {

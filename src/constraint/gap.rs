@@ -23,10 +23,7 @@ impl<C: Scalar> Gap<C> {
             let r = dot(&ball.centre, &ball.centre).sqrt();
             ball.body.map(|body| (body, r))
         };
-        Self {
-            bodies: balls.map(|ball| ball.and_then(body)),
-            squared,
-        }
+        Self { bodies: balls.map(|ball| ball.and_then(body)), squared }
     }
 }
 
@@ -69,13 +66,8 @@ impl<'a> RowList<'a> {
     #[must_use]
     pub fn split_at(self, count: usize) -> (Self, Self) {
         let end = self.first + count;
-        let (own, rest) = self
-            .rows
-            .split_at(self.rows.partition_point(|row| *row < end));
-        let rest = Self {
-            rows: rest,
-            first: end,
-        };
+        let (own, rest) = self.rows.split_at(self.rows.partition_point(|row| *row < end));
+        let rest = Self { rows: rest, first: end };
         (Self { rows: own, ..self }, rest)
     }
 

@@ -18,11 +18,7 @@ impl RowLabel {
     /// The default label, which is the number of the row.
     #[must_use]
     pub fn numbered(row: usize) -> Self {
-        Self {
-            name: format!("row {row} of the constraint"),
-            unit: "",
-            kind: RowKind::Other,
-        }
+        Self { name: format!("row {row} of the constraint"), unit: "", kind: RowKind::Other }
     }
 }
 
@@ -86,11 +82,7 @@ impl RowKind {
 }
 
 /// The unit of the joint: the first for a revolute joint, the second for a prismatic one.
-pub(super) fn unit_of<C: Scalar>(
-    joint: &Joint<C>,
-    turning: &'static str,
-    sliding: &'static str,
-) -> &'static str {
+pub(super) fn unit_of<C: Scalar>(joint: &Joint<C>, turning: &'static str, sliding: &'static str) -> &'static str {
     match joint.kind() {
         JointKind::Revolute | JointKind::Continuous => turning,
         JointKind::Prismatic => sliding,

@@ -129,12 +129,7 @@ pub trait Constraint<C: Scalar = f64> {
     ///
     /// # Errors
     /// Those of [`value`](Self::value).
-    fn value_of<S: AlgebraOver<C>>(
-        &self,
-        at: &PlacedState<'_, C, S>,
-        rows: RowList<'_>,
-        g: &mut [S],
-    ) -> Result<()> {
+    fn value_of<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, rows: RowList<'_>, g: &mut [S]) -> Result<()> {
         let _ = rows;
         self.value(at, g)
     }
@@ -234,10 +229,7 @@ impl<'a, C: Scalar, S: AlgebraOver<C>> PlacedState<'a, C, S> {
         let within = &frame.placement;
         let Some(body) = frame.body else {
             let (rotation, translation) = (within.rotation, within.translation);
-            return Ok(Placement::new(
-                rotation.map(S::lift),
-                translation.map(S::lift),
-            ));
+            return Ok(Placement::new(rotation.map(S::lift), translation.map(S::lift)));
         };
         Ok(self.body(body)?.compose_constant(within))
     }
@@ -268,14 +260,8 @@ impl<'a, S> Weights<'a, S> {
     pub fn split_at(self, rows: usize) -> (Self, Self) {
         let (w, w_rest) = self.first_order.split_at(rows);
         let (c, c_rest) = self.gauss_newton.map(|c| c.split_at(rows)).unzip();
-        let rest = Self {
-            first_order: w_rest,
-            gauss_newton: c_rest,
-        };
-        let first = Self {
-            first_order: w,
-            gauss_newton: c,
-        };
+        let rest = Self { first_order: w_rest, gauss_newton: c_rest };
+        let first = Self { first_order: w, gauss_newton: c };
         (first, rest)
     }
 
@@ -291,7 +277,6 @@ impl<'a, S> Weights<'a, S> {
     /// Checks that the number of weights is the number of rows.
     fn check(&self, rows: usize) -> Result<()> {
         check_length("weights w", rows, self.first_order.len())?;
-        self.gauss_newton
-            .map_or(Ok(()), |c| check_length("weights c", rows, c.len()))
+        self.gauss_newton.map_or(Ok(()), |c| check_length("weights c", rows, c.len()))
     }
 }

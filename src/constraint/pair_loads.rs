@@ -45,10 +45,7 @@ struct PairLoad<S: Scalar> {
 
 impl<S: Scalar> PairLoad<S> {
     fn zero() -> Self {
-        Self {
-            force: Force::zero(),
-            coupling: [[Matrix3::zeros(); 2]; 2],
-        }
+        Self { force: Force::zero(), coupling: [[Matrix3::zeros(); 2]; 2] }
     }
 
     /// $K S$.
@@ -73,11 +70,7 @@ impl<S: Scalar> PairLoad<S> {
 impl<S: Scalar> PairLoads<S> {
     /// Zero sums.
     pub(super) fn new() -> Self {
-        Self {
-            loads: Vec::new(),
-            sides: [Vec::new(), Vec::new()],
-            felt: Vec::new(),
-        }
+        Self { loads: Vec::new(), sides: [Vec::new(), Vec::new()], felt: Vec::new() }
     }
 
     /// Removes all pairs and keeps the memory.
@@ -214,11 +207,7 @@ fn alone<C: Scalar>(model: &Model<C>, bodies: [Option<usize>; 2], sides: &mut [V
     let [mut a, mut b] = bodies;
     while a != b {
         // No body comes before all bodies.
-        let (later, side) = if a > b {
-            (&mut a, &mut *first)
-        } else {
-            (&mut b, &mut *second)
-        };
+        let (later, side) = if a > b { (&mut a, &mut *first) } else { (&mut b, &mut *second) };
         side.extend(*later);
         *later = later.and_then(|body| model.joints()[body].parent());
     }

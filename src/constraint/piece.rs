@@ -30,11 +30,7 @@ impl<'a> Pieces<'a> {
     /// The pieces of a constraint, in ascending order of the rows.
     #[must_use]
     pub fn new(all: &'a [Piece]) -> Self {
-        Self {
-            all,
-            first: 0,
-            from: f64::INFINITY,
-        }
+        Self { all, first: 0, from: f64::INFINITY }
     }
 
     /// These pieces, and a search for others where they raise a row to `from` or above.
@@ -53,23 +49,14 @@ impl<'a> Pieces<'a> {
     #[must_use]
     pub fn split_at(self, count: usize) -> (Self, Self) {
         let end = self.first + count;
-        let (own, rest) = self
-            .all
-            .split_at(self.all.partition_point(|piece| piece.row < end));
-        let rest = Self {
-            all: rest,
-            first: end,
-            ..self
-        };
+        let (own, rest) = self.all.split_at(self.all.partition_point(|piece| piece.row < end));
+        let rest = Self { all: rest, first: end, ..self };
         (Self { all: own, ..self }, rest)
     }
 
     /// The pieces in ascending order of the rows.
     pub fn iter(self) -> impl Iterator<Item = Piece> + use<'a> {
-        self.all.iter().map(move |piece| Piece {
-            row: piece.row - self.first,
-            ..*piece
-        })
+        self.all.iter().map(move |piece| Piece { row: piece.row - self.first, ..*piece })
     }
 }
 

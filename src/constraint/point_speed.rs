@@ -45,10 +45,6 @@ impl<C: Scalar> Constraint<C> for PointSpeedLimit<C> {
     }
 
     fn label(&self, _: usize, _: &Model<C>) -> RowLabel {
-        RowLabel {
-            name: format!("speed of frame '{}'", self.name),
-            unit: "m/s",
-            kind: RowKind::Square,
-        }
+        RowLabel { name: format!("speed of frame '{}'", self.name), unit: "m/s", kind: RowKind::Square }
     }
 }

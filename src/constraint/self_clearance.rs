@@ -2,9 +2,7 @@
 
 use super::clearance::clearance;
 use super::label::name_of;
-use super::{
-    CollisionSphere, Constraint, Gap, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights,
-};
+use super::{CollisionSphere, Constraint, Gap, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -40,10 +38,7 @@ impl<C: Scalar> SelfClearance<C> {
 
 /// The row of two balls with their centres at these points.
 #[inline]
-fn row_of<C: Scalar, S: AlgebraOver<C>>(
-    [first, second]: [&CollisionSphere<C>; 2],
-    [p, q]: [&Vector3<S>; 2],
-) -> S {
+fn row_of<C: Scalar, S: AlgebraOver<C>>([first, second]: [&CollisionSphere<C>; 2], [p, q]: [&Vector3<S>; 2]) -> S {
     let (reach, d) = (first.radius + second.radius, p - q);
     S::lift(reach * reach) - dot(&d, &d)
 }
@@ -71,12 +66,7 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         Ok(())
     }
 
-    fn value_of<S: AlgebraOver<C>>(
-        &self,
-        at: &PlacedState<'_, C, S>,
-        rows: RowList<'_>,
-        g: &mut [S],
-    ) -> Result<()> {
+    fn value_of<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, rows: RowList<'_>, g: &mut [S]) -> Result<()> {
         for row in rows.iter() {
             let [first, second] = self.pair(self.pairs[row])?;
             let p = at.point(first.body, &first.centre)?;
@@ -130,12 +120,7 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
             let q = at.point(second.body, &second.centre)?;
             let c = weights.gauss_newton.map_or(S::zero(), |c| c[row]);
             let bodies = [first.body, second.body];
-            out.add_pair(
-                bodies,
-                [&p, &q],
-                weights.first_order[row] * slope,
-                c * square,
-            )?;
+            out.add_pair(bodies, [&p, &q], weights.first_order[row] * slope, c * square)?;
         }
         Ok(())
     }

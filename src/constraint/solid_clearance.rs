@@ -2,9 +2,7 @@
 
 use super::clearance::clearance;
 use super::label::name_of;
-use super::{
-    CollisionSphere, Constraint, Gap, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights,
-};
+use super::{CollisionSphere, Constraint, Gap, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights};
 use crate::error::Result;
 use crate::geometry::Solid;
 use crate::model::Model;
@@ -28,11 +26,7 @@ pub struct SolidClearance<C: Scalar = f64> {
 }
 
 /// The name of a solid with this index.
-pub(super) fn name_of_solid<C: Scalar>(
-    names: &[String],
-    solids: &[Solid<C>],
-    solid: usize,
-) -> String {
+pub(super) fn name_of_solid<C: Scalar>(names: &[String], solids: &[Solid<C>], solid: usize) -> String {
     match names.get(solid) {
         Some(name) => format!("'{name}'"),
         None => format!("{} {solid}", solids[solid].shape.name()),
@@ -56,12 +50,7 @@ impl<C: Scalar> Constraint<C> for SolidClearance<C> {
         Ok(())
     }
 
-    fn value_of<S: AlgebraOver<C>>(
-        &self,
-        at: &PlacedState<'_, C, S>,
-        rows: RowList<'_>,
-        g: &mut [S],
-    ) -> Result<()> {
+    fn value_of<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, rows: RowList<'_>, g: &mut [S]) -> Result<()> {
         rows.by_ball((&self.balls, self.solids.len()), at, |row, j, ball, p| {
             g[row] = S::lift(ball.radius) - self.solids[j].distance(p);
         })

@@ -48,10 +48,7 @@ impl<S: Scalar> StageDerivatives<S> {
     /// Zeros for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
-        Self {
-            gradient: DVector::zeros(4 * n),
-            hessian: DMatrix::zeros(4 * n, 4 * n),
-        }
+        Self { gradient: DVector::zeros(4 * n), hessian: DMatrix::zeros(4 * n, 4 * n) }
     }
 }
 
@@ -127,11 +124,7 @@ impl<F: Fn(&StageInput<'_, HyperDual64>, &mut [HyperDual64])> StageRows<F> {
     #[must_use]
     pub fn new(name: &str, scales: Vec<f64>, value: F) -> Self {
         let name = name.to_owned();
-        Self {
-            name,
-            scales,
-            value,
-        }
+        Self { name, scales, value }
     }
 
     /// Evaluates the closure at time and $y$.
@@ -223,10 +216,7 @@ where
             1 => self.name.clone(),
             _ => format!("row {row} of {}", self.name),
         };
-        RowLabel {
-            name,
-            ..RowLabel::numbered(row)
-        }
+        RowLabel { name, ..RowLabel::numbered(row) }
     }
 }
 
@@ -248,8 +238,7 @@ pub struct StageConstraints {
 /// Other rows are equal if they are the same object.
 impl PartialEq for StageConstraints {
     fn eq(&self, other: &Self) -> bool {
-        let same =
-            |(a, b): (&Arc<dyn StageConstraint>, &Arc<dyn StageConstraint>)| Arc::ptr_eq(a, b);
+        let same = |(a, b): (&Arc<dyn StageConstraint>, &Arc<dyn StageConstraint>)| Arc::ptr_eq(a, b);
         self.acceleration == other.acceleration
             && self.jerk == other.jerk
             && self.foot == other.foot
@@ -261,13 +250,8 @@ impl PartialEq for StageConstraints {
 
 impl StageConstraints {
     /// None.
-    pub const NONE: Self = Self {
-        acceleration: Vec::new(),
-        jerk: Vec::new(),
-        foot: None,
-        phases: Vec::new(),
-        others: Vec::new(),
-    };
+    pub const NONE: Self =
+        Self { acceleration: Vec::new(), jerk: Vec::new(), foot: None, phases: Vec::new(), others: Vec::new() };
 
     /// The limits of acceleration, then those of jerk, two rows each.
     pub(crate) fn rates(&self) -> impl Iterator<Item = RateLimit> {
@@ -277,12 +261,7 @@ impl StageConstraints {
             joints.filter_map(move |(joint, limit)| limit.map(|limit| (order, joint, limit)))
         });
         limits.flat_map(|(order, joint, limit)| {
-            [Side::Upper, Side::Lower].map(|side| RateLimit {
-                order,
-                joint,
-                side,
-                limit,
-            })
+            [Side::Upper, Side::Lower].map(|side| RateLimit { order, joint, side, limit })
         })
     }
 
@@ -309,13 +288,11 @@ impl StageConstraints {
 
     /// The other constraints, each with its first row.
     pub(crate) fn others(&self) -> impl Iterator<Item = (usize, &dyn StageConstraint)> {
-        self.others
-            .iter()
-            .scan(self.first_of_others(), |next, other| {
-                let first = *next;
-                *next += other.dim();
-                Some((first, &**other))
-            })
+        self.others.iter().scan(self.first_of_others(), |next, other| {
+            let first = *next;
+            *next += other.dim();
+            Some((first, &**other))
+        })
     }
 
     /// The scale of each row: limits of acceleration and jerk themselves.
@@ -352,11 +329,7 @@ impl StageConstraints {
             }
         };
         let (side, joint) = (rate.side.name(), joint.name());
-        RowLabel {
-            name: format!("{side} {what} limit of joint '{joint}'"),
-            unit,
-            kind,
-        }
+        RowLabel { name: format!("{side} {what} limit of joint '{joint}'"), unit, kind }
     }
 
     /// Refuses any row but those of a foot where it may stand: a flow keeps rows of the state and the torque alone, the

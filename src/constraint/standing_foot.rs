@@ -1,9 +1,7 @@
 //! A foot that stands: bounds of the force of the ground on it.
 
 use super::{RowKind, RowLabel};
-use crate::dynamics::{
-    Data, RneaWeightedHessian, RootWrenchDerivatives, root_wrench, root_wrench_second_order,
-};
+use crate::dynamics::{Data, RneaWeightedHessian, RootWrenchDerivatives, root_wrench, root_wrench_second_order};
 use crate::error::{Error, Result, check_length};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -120,16 +118,10 @@ impl<C: Scalar> StandingFoot<C> {
         let [turn, slide] = self.axes();
         let share = C::one() / self.weight;
         let up = slide[2];
-        let ratios = [
-            (turn[1], Some(self.half_length)),
-            (-turn[0], Some(self.half_width)),
-            (turn[2], self.torsion),
-        ];
+        let ratios = [(turn[1], Some(self.half_length)), (-turn[0], Some(self.half_width)), (turn[2], self.torsion)];
         let ratios = ratios.into_iter().filter_map(|(m, most)| Some((m, most?)));
         let sides = ratios.flat_map(move |(m, most)| [-m - up * most, m - up * most]);
-        std::iter::once(-up)
-            .chain(sides)
-            .map(move |row| row * share)
+        std::iter::once(-up).chain(sides).map(move |row| row * share)
     }
 
     /// The axes of the force and the coefficients of the squares of its components in the row of the friction.
@@ -137,11 +129,7 @@ impl<C: Scalar> StandingFoot<C> {
         let [_, [x, y, z]] = self.axes();
         let twice = self.friction + self.friction;
         let share = C::one() / (twice * self.weight * self.weight);
-        [
-            (x, share),
-            (y, share),
-            (z, -self.friction * self.friction * share),
-        ]
+        [(x, share), (y, share), (z, -self.friction * self.friction * share)]
     }
 
     /// Computes the rows for a wrench of the root into `g`, [`dim`](Self::dim) entries.
@@ -227,11 +215,7 @@ impl<C: Scalar> StandingFoot<C> {
         }
         let of_friction = weights.multipliers[self.dim() - 1];
         for (axis, c) in self.friction() {
-            add_square(
-                &entries(&axis).map(S::lift),
-                of_friction.scale(c + c),
-                &mut inner,
-            );
+            add_square(&entries(&axis).map(S::lift), of_friction.scale(c + c), &mut inner);
         }
         out.multiply(&sum(&slopes, weights.slopes), &inner);
         Ok(())
@@ -240,21 +224,15 @@ impl<C: Scalar> StandingFoot<C> {
     /// The name of a row and its unit.
     #[must_use]
     pub fn label(&self, row: usize) -> RowLabel {
-        let edge = (
-            ["front edge", "rear edge", "left edge", "right edge"].get(row.wrapping_sub(1)),
-            row + 1 == self.dim(),
-        );
+        let edge =
+            (["front edge", "rear edge", "left edge", "right edge"].get(row.wrapping_sub(1)), row + 1 == self.dim());
         let (what, unit) = match (row, edge) {
             (0, _) => ("normal force", "of the weight"),
             (_, (Some(edge), _)) => (*edge, "m"),
             (_, (_, true)) => ("friction", ""),
             _ => ("torsion", "m"),
         };
-        RowLabel {
-            name: format!("{what} of foot '{}'", self.name),
-            unit,
-            kind: RowKind::Other,
-        }
+        RowLabel { name: format!("{what} of foot '{}'", self.name), unit, kind: RowKind::Other }
     }
 }
 
@@ -264,9 +242,7 @@ impl StandingFoot {
     pub fn contact(&self, wrench: &Force<f64>) -> FootContact {
         let [moment, force] = self.axes().map(|axes| axes.map(|axis| axis.dot(wrench)));
         let normal = force[2];
-        let squares = self
-            .friction()
-            .map(|(axis, c)| c * axis.dot(wrench).powi(2));
+        let squares = self.friction().map(|(axis, c)| c * axis.dot(wrench).powi(2));
         let linear = self.linear().map(|row| row.dot(wrench));
         FootContact {
             force,
@@ -300,11 +276,7 @@ impl StandingFoot {
         for (what, size) in sizes {
             if let Some(size) = size.filter(|size| !(size.is_finite() && *size > 0.0)) {
                 let condition = format!("it is {size}, a positive number is needed");
-                return Err(Error::input(
-                    format!("foot '{}'", self.name),
-                    what,
-                    condition,
-                ));
+                return Err(Error::input(format!("foot '{}'", self.name), what, condition));
             }
         }
         Ok(())
@@ -352,16 +324,11 @@ fn component<C: Scalar, S: AlgebraOver<C>>(motion: &Motion<C>, wrench: &Force<S>
 }
 
 fn entries<S: Scalar>(Motion { angular, linear }: &Motion<S>) -> [S; 6] {
-    [
-        angular.x, angular.y, angular.z, linear.x, linear.y, linear.z,
-    ]
+    [angular.x, angular.y, angular.z, linear.x, linear.y, linear.z]
 }
 
 fn motion<S: Scalar>(x: &[S; 6]) -> Motion<S> {
-    Motion::new(
-        Vector3::new(x[0], x[1], x[2]),
-        Vector3::new(x[3], x[4], x[5]),
-    )
+    Motion::new(Vector3::new(x[0], x[1], x[2]), Vector3::new(x[3], x[4], x[5]))
 }
 
 /// The weighted sum of the gradients of the rows.

@@ -20,11 +20,7 @@ impl<C: Scalar> TorqueLimits<C> {
     #[must_use]
     pub fn of(model: &Model<C>) -> Self {
         let efforts = model.joints().iter().map(|joint| joint.limits().effort);
-        Self(
-            efforts
-                .map(|effort| effort.is_finite().then(|| C::from_f64(effort)))
-                .collect(),
-        )
+        Self(efforts.map(|effort| effort.is_finite().then(|| C::from_f64(effort))).collect())
     }
 
     /// The joint, the limit and the bounded side of each row; `None` for the equality of a passive joint.
@@ -32,11 +28,8 @@ impl<C: Scalar> TorqueLimits<C> {
         let limited = self.0.iter().enumerate();
         let limited = limited.filter_map(|(i, limit)| limit.map(|limit| (i, limit)));
         limited.flat_map(|(i, limit)| {
-            let sides: &[Option<Side>] = if limit.is_zero() {
-                &[None]
-            } else {
-                &[Some(Side::Upper), Some(Side::Lower)]
-            };
+            let sides: &[Option<Side>] =
+                if limit.is_zero() { &[None] } else { &[Some(Side::Upper), Some(Side::Lower)] };
             sides.iter().map(move |side| (i, limit, *side))
         })
     }
@@ -81,9 +74,7 @@ impl<C: Scalar> TorqueLimits<C> {
     /// Returns true if a row is the equality $u_i = 0$ of a passive joint.
     #[must_use]
     pub fn is_equality(&self, row: usize) -> bool {
-        self.rows()
-            .nth(row)
-            .is_some_and(|(.., side)| side.is_none())
+        self.rows().nth(row).is_some_and(|(.., side)| side.is_none())
     }
 
     /// The name of a row and its unit, N m or N.
@@ -120,11 +111,8 @@ pub struct Constraints<K, C: Scalar = f64> {
 }
 
 /// No constraints.
-pub(crate) static NONE: Constraints<()> = Constraints {
-    state: (),
-    torque: TorqueLimits(Vec::new()),
-    stage: StageConstraints::NONE,
-};
+pub(crate) static NONE: Constraints<()> =
+    Constraints { state: (), torque: TorqueLimits(Vec::new()), stage: StageConstraints::NONE };
 
 impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
     /// The number of rows at each time: those of the state, then those of the control, then those of the stage.
@@ -199,11 +187,7 @@ impl<K: Constraint> Constraints<K> {
             if !(scale > 0.0 && scale.is_finite()) {
                 let RowLabel { name, .. } = self.stage.label(row, model);
                 let condition = format!("it is {scale}, a positive number is needed");
-                return Err(Error::input(
-                    "constraints",
-                    format!("scale of {name}"),
-                    condition,
-                ));
+                return Err(Error::input("constraints", format!("scale of {name}"), condition));
             }
         }
         Ok(())

@@ -49,11 +49,7 @@ struct Load<S: Scalar> {
 
 impl<S: Scalar> Load<S> {
     fn zero() -> Self {
-        Self {
-            force: Force::zero(),
-            virial: Matrix3::zero(),
-            stiffness: [Matrix3::zero(); 3],
-        }
+        Self { force: Force::zero(), virial: Matrix3::zero(), stiffness: [Matrix3::zero(); 3] }
     }
 }
 
@@ -143,13 +139,7 @@ impl<S: Scalar> WeightedDerivatives<S> {
     /// # Errors
     /// The robot has no such body.
     #[inline]
-    pub fn add_pair(
-        &mut self,
-        bodies: [Option<usize>; 2],
-        p: [&Vector3<S>; 2],
-        slope: S,
-        curvature: S,
-    ) -> Result<()> {
+    pub fn add_pair(&mut self, bodies: [Option<usize>; 2], p: [&Vector3<S>; 2], slope: S, curvature: S) -> Result<()> {
         for body in bodies.into_iter().flatten() {
             self.check_body(body)?;
         }
@@ -185,11 +175,7 @@ impl<S: Scalar> WeightedDerivatives<S> {
         if body < self.loads.len() {
             return Ok(());
         }
-        Err(Error::Length {
-            what: "bodies of the robot of a constraint",
-            expected: body + 1,
-            found: self.loads.len(),
-        })
+        Err(Error::Length { what: "bodies of the robot of a constraint", expected: body + 1, found: self.loads.len() })
     }
 
     /// Sets all sums to zero, for gradients alone or with Hessians.

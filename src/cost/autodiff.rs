@@ -27,11 +27,7 @@ impl<F: Fn(&StageInput<'_, HyperDual64>) -> HyperDual64> RunningCost for Autodif
         Ok(self.at(t, &y).re)
     }
 
-    fn derivatives(
-        &self,
-        at: &StageInput<'_, f64>,
-        out: &mut StageDerivatives<f64>,
-    ) -> Result<f64> {
+    fn derivatives(&self, at: &StageInput<'_, f64>, out: &mut StageDerivatives<f64>) -> Result<f64> {
         let (t, mut y) = still(at);
         let mut value = f64::NAN;
         for i in 0..y.len() {

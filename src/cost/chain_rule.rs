@@ -2,8 +2,7 @@
 
 use crate::cost::Point;
 use crate::dynamics::{
-    Data, InverseDynamicsDerivatives, RneaWeightedHessian, rnea, rnea_derivatives,
-    rnea_weighted_hessian,
+    Data, InverseDynamicsDerivatives, RneaWeightedHessian, rnea, rnea_derivatives, rnea_weighted_hessian,
 };
 use crate::error::Result;
 use crate::model::Model;
@@ -53,14 +52,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ChainRule<'m, C, S> {
     /// A slice of `point` does not have `N` entries.
     pub fn control(&mut self, point: Point<'_, S>) -> Result<&[S]> {
         let Point { q, v, a, .. } = point;
-        rnea(
-            self.model,
-            &mut self.data,
-            q,
-            v,
-            a,
-            self.id.tau.as_mut_slice(),
-        )?;
+        rnea(self.model, &mut self.data, q, v, a, self.id.tau.as_mut_slice())?;
         Ok(self.id.tau.as_slice())
     }
 
@@ -103,12 +95,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ChainRule<'m, C, S> {
     ///
     /// # Errors
     /// A slice of `point` does not have `N` entries.
-    pub fn add_curvature(
-        &mut self,
-        point: Point<'_, S>,
-        by_u: &[S],
-        out: &mut DMatrix<S>,
-    ) -> Result<()> {
+    pub fn add_curvature(&mut self, point: Point<'_, S>, by_u: &[S], out: &mut DMatrix<S>) -> Result<()> {
         let (n, Point { q, v, a, .. }) = (self.model.dof(), point);
         let second = &mut self.second;
         rnea_weighted_hessian(self.model, &mut self.data, q, v, a, by_u, second)?;

@@ -26,11 +26,7 @@ impl<R: RunningCost> RunningCost for Weighted<R> {
         Ok(self.weight * self.cost.value(at)?)
     }
 
-    fn derivatives(
-        &self,
-        at: &StageInput<'_, f64>,
-        out: &mut StageDerivatives<f64>,
-    ) -> Result<f64> {
+    fn derivatives(&self, at: &StageInput<'_, f64>, out: &mut StageDerivatives<f64>) -> Result<f64> {
         let value = self.cost.derivatives(at, out)?;
         out.gradient *= self.weight;
         out.hessian *= self.weight;
@@ -48,11 +44,7 @@ impl<R: RunningCost> RunningCost for [R] {
         self.iter().map(|term| term.value(at)).sum()
     }
 
-    fn derivatives(
-        &self,
-        at: &StageInput<'_, f64>,
-        out: &mut StageDerivatives<f64>,
-    ) -> Result<f64> {
+    fn derivatives(&self, at: &StageInput<'_, f64>, out: &mut StageDerivatives<f64>) -> Result<f64> {
         let Some((first, others)) = self.split_first() else {
             return Ok(0.0);
         };

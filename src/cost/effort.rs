@@ -1,12 +1,10 @@
 //! The control effort as a running cost.
 
 use super::{
-    ControlDerivatives, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives, Points,
-    PointsDerivatives, WeightedSquares,
+    ControlDerivatives, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives, Points, PointsDerivatives,
+    WeightedSquares,
 };
-use crate::dynamics::{
-    Data, InverseDynamicsDerivatives, RneaWeightedHessian, rnea, rnea_second_order,
-};
+use crate::dynamics::{Data, InverseDynamicsDerivatives, RneaWeightedHessian, rnea, rnea_second_order};
 use crate::error::{Result, check_length};
 use crate::linalg::{ROWS, weighted_gram};
 use crate::model::Model;
@@ -176,8 +174,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
             let count = points.gather(start, &mut self.state);
             self.stiffness.fill(Wide::splat(S::zero()));
             let (u, by_term) = (&mut self.u, &mut self.by_term);
-            let (slopes, weights, stiffness) =
-                (&mut self.slopes, &mut self.weights, &mut self.stiffness);
+            let (slopes, weights, stiffness) = (&mut self.slopes, &mut self.weights, &mut self.stiffness);
             let torque = &self.squares_of[0];
             let mut stiff = false;
             let weigh = |tau: &DVector<Wide<S>>, w: &mut [Wide<S>]| {
@@ -226,8 +223,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
             }
         }
         let column = |c: usize| &jacobian[c / n].as_slice()[c % n * n..(c % n + 1) * n];
-        self.doubled
-            .zip_apply(&self.squares_of[0], |to, w| *to = w * two);
+        self.doubled.zip_apply(&self.squares_of[0], |to, w| *to = w * two);
         weighted_gram(column, &self.doubled, &mut self.scaled, &mut self.squares);
         if self.with_motion {
             for x in 1..3 {
@@ -239,14 +235,9 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
         if stiff {
             weighted_gram(column, &self.stiffness, &mut self.scaled, &mut self.stiff);
         }
-        for (x, y, phi) in [
-            (0, 0, Some(qq)),
-            (0, 1, Some(qv)),
-            (0, 2, Some(qa)),
-            (1, 1, Some(vv)),
-            (1, 2, None),
-            (2, 2, None),
-        ] {
+        for (x, y, phi) in
+            [(0, 0, Some(qq)), (0, 1, Some(qv)), (0, 2, Some(qa)), (1, 1, Some(vv)), (1, 2, None), (2, 2, None)]
+        {
             let squares = |i: usize, j: usize| {
                 let (row, column) = (x * n + i, y * n + j);
                 (row.max(column), row.min(column))
@@ -328,20 +319,14 @@ impl<C: Scalar, S: AlgebraOver<C>> PointCost<S> for ControlEffort<'_, C, S> {
         self.values_and_controls(points, costs, None)
     }
 
-    fn all_derivatives(
-        &mut self,
-        points: Points<'_, S>,
-        out: &mut PointsDerivatives<S>,
-    ) -> Result<()> {
+    fn all_derivatives(&mut self, points: Points<'_, S>, out: &mut PointsDerivatives<S>) -> Result<()> {
         self.with_term(points, out, &mut |_, _, _| false)
     }
 }
 
 impl CostWithControl for ControlEffort<'_, f64, f64> {
     fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
-        control_alone(point, u, |points, costs, controls| {
-            self.values_with_control(points, costs, controls)
-        })
+        control_alone(point, u, |points, costs, controls| self.values_with_control(points, costs, controls))
     }
 
     fn derivatives_with(

@@ -1,8 +1,8 @@
 //! A running cost along a motion in phases.
 
 use super::{
-    ControlDerivatives, ControlTerm, CostWithControl, PackedHessian, Point, PointCost,
-    PointDerivatives, Points, PointsDerivatives, alone, control_alone,
+    ControlDerivatives, ControlTerm, CostWithControl, PackedHessian, Point, PointCost, PointDerivatives, Points,
+    PointsDerivatives, alone, control_alone,
 };
 use crate::constraint::is_permutation;
 use crate::error::{Error, Result, check_length};
@@ -50,9 +50,7 @@ impl<P> InPhases<P> {
             controls: DMatrix::zeros(n, 0),
             out: PointsDerivatives::new(n, 0),
         };
-        Ok(Self {
-            phases: phases.into_iter().map(new).collect(),
-        })
+        Ok(Self { phases: phases.into_iter().map(new).collect() })
     }
 
     fn of(&mut self, phase: usize) -> Result<&mut OfPhase<P>> {
@@ -92,23 +90,14 @@ impl<P> OfPhase<P> {
     fn with<T>(
         &mut self,
         points: Points<'_, f64>,
-        of: impl FnOnce(
-            &mut P,
-            Points<'_, f64>,
-            &mut DMatrix<f64>,
-            &mut PointsDerivatives<f64>,
-        ) -> Result<T>,
+        of: impl FnOnce(&mut P, Points<'_, f64>, &mut DMatrix<f64>, &mut PointsDerivatives<f64>) -> Result<T>,
     ) -> Result<T> {
         check_length("q", self.order.len(), points.states.nrows())?;
         permuted(points.states, &self.order, &mut self.states);
         if let Some(jerks) = points.jerks {
             permuted(jerks, &self.order, &mut self.jerks);
         }
-        let here = Points {
-            states: &self.states,
-            jerks: points.jerks.map(|_| &self.jerks),
-            ..points
-        };
+        let here = Points { states: &self.states, jerks: points.jerks.map(|_| &self.jerks), ..points };
         of(&mut self.cost, here, &mut self.controls, &mut self.out)
     }
 
@@ -143,20 +132,14 @@ impl<P: PointCost<f64>> PointCost<f64> for InPhases<P> {
         Ok(cost[0])
     }
 
-    fn derivatives(
-        &mut self,
-        point: Point<'_, f64>,
-        out: &mut PointDerivatives<f64>,
-    ) -> Result<f64> {
+    fn derivatives(&mut self, point: Point<'_, f64>, out: &mut PointDerivatives<f64>) -> Result<f64> {
         alone(point, out, |points, all| self.all_derivatives(points, all))
     }
 
     fn time_rate(&mut self, point: Point<'_, f64>) -> Result<f64> {
         let states = point.states();
         let of = self.of(point.phase)?;
-        of.with(point.points(&states), |cost, points, _, _| {
-            cost.time_rate(points.point(0))
-        })
+        of.with(point.points(&states), |cost, points, _, _| cost.time_rate(points.point(0)))
     }
 
     fn needs_jerk(&self) -> bool {
@@ -172,11 +155,7 @@ impl<P: PointCost<f64>> PointCost<f64> for InPhases<P> {
         of.with(points, |cost, points, _, _| cost.values(points, costs))
     }
 
-    fn all_derivatives(
-        &mut self,
-        points: Points<'_, f64>,
-        out: &mut PointsDerivatives<f64>,
-    ) -> Result<()> {
+    fn all_derivatives(&mut self, points: Points<'_, f64>, out: &mut PointsDerivatives<f64>) -> Result<()> {
         let of = self.of(points.phase)?;
         of.with(points, |cost, points, _, own| {
             fit(own, out);
@@ -189,9 +168,7 @@ impl<P: PointCost<f64>> PointCost<f64> for InPhases<P> {
 
 impl<P: CostWithControl> CostWithControl for InPhases<P> {
     fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
-        control_alone(point, u, |points, costs, controls| {
-            self.values_with_control(points, costs, controls)
-        })
+        control_alone(point, u, |points, costs, controls| self.values_with_control(points, costs, controls))
     }
 
     fn derivatives_with(
@@ -200,9 +177,7 @@ impl<P: CostWithControl> CostWithControl for InPhases<P> {
         out: &mut PointDerivatives<f64>,
         term: &mut impl ControlTerm<f64>,
     ) -> Result<f64> {
-        alone(point, out, |points, all| {
-            self.all_derivatives_with(points, all, term)
-        })
+        alone(point, out, |points, all| self.all_derivatives_with(points, all, term))
     }
 
     fn values_with_control(

@@ -23,8 +23,7 @@ pub use num_dual::HyperDual64;
 pub use packed_hessian::PackedHessian;
 pub(crate) use packed_hessian::products;
 pub use point_cost::{
-    ControlDerivatives, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives, Points,
-    PointsDerivatives,
+    ControlDerivatives, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives, Points, PointsDerivatives,
 };
 pub use weighted_squares::WeightedSquares;
 
@@ -55,8 +54,7 @@ pub trait RunningCost {
     ///
     /// # Errors
     /// A slice of the input does not have `N` entries.
-    fn derivatives(&self, at: &StageInput<'_, f64>, out: &mut StageDerivatives<f64>)
-    -> Result<f64>;
+    fn derivatives(&self, at: &StageInput<'_, f64>, out: &mut StageDerivatives<f64>) -> Result<f64>;
 
     /// Computes the partial derivative $\partial l / \partial t$, which a free horizon needs for a cost that depends
     /// explicitly on time. Zero by default.
@@ -88,9 +86,7 @@ pub struct CostThroughDynamics<'m, R> {
     positive: DMatrix<f64>,
 }
 
-impl<'m, F: Fn(&StageInput<'_, HyperDual64>) -> HyperDual64>
-    CostThroughDynamics<'m, AutodiffCost<F>>
-{
+impl<'m, F: Fn(&StageInput<'_, HyperDual64>) -> HyperDual64> CostThroughDynamics<'m, AutodiffCost<F>> {
     /// A cost given as a closure, with derivatives by dual numbers: about $8 N^2$ calls of the closure per point.
     #[must_use]
     pub fn new(model: &'m Model, value: F) -> Self {
@@ -119,11 +115,7 @@ impl<R: RunningCost> PointCost<f64> for CostThroughDynamics<'_, R> {
         self.running.value(&point.with_control(u))
     }
 
-    fn derivatives(
-        &mut self,
-        point: Point<'_, f64>,
-        out: &mut PointDerivatives<f64>,
-    ) -> Result<f64> {
+    fn derivatives(&mut self, point: Point<'_, f64>, out: &mut PointDerivatives<f64>) -> Result<f64> {
         self.with_term(point, out, &mut |_, _, _| false)
     }
 
@@ -177,10 +169,7 @@ impl<R: RunningCost> CostThroughDynamics<'_, R> {
         }
         let by_u = &mut by_y.gradient.as_mut_slice()[3 * n..];
         let term = &mut self.by_term;
-        for (own, (weight, slope)) in by_u
-            .iter_mut()
-            .zip(term.curvature_weights.iter_mut().zip(&term.gradient))
-        {
+        for (own, (weight, slope)) in by_u.iter_mut().zip(term.curvature_weights.iter_mut().zip(&term.gradient)) {
             *weight += *own;
             *own += slope;
         }
@@ -194,9 +183,8 @@ impl<R: RunningCost> CostThroughDynamics<'_, R> {
 /// Refuses a negative integral: gradients are measured relative to it.
 pub(super) fn check_integral(cost: f64) -> Result<()> {
     if cost < -SMALLEST_COST {
-        let condition = format!(
-            "it is {cost:.3e} on a curve that was tried, and must not be negative: add a constant to the cost"
-        );
+        let condition =
+            format!("it is {cost:.3e} on a curve that was tried, and must not be negative: add a constant to the cost");
         return Err(Error::input("running cost", "integral", condition));
     }
     Ok(())

@@ -178,11 +178,7 @@ impl<S: Scalar> PackedHessian<S> {
     pub fn get(&self, g: usize) -> DMatrix<S> {
         let n = self.dof;
         DMatrix::from_fn(3 * n, 3 * n, |row, column| {
-            let (row, column) = if row / n <= column / n {
-                (row, column)
-            } else {
-                (column, row)
-            };
+            let (row, column) = if row / n <= column / n { (row, column) } else { (column, row) };
             let (block, i, j) = (index(row / n, column / n), row % n, column % n);
             let (at, below) = self.columns(i.max(j), i.min(j));
             let symmetric = self.symmetric[(block * self.capacity + g, at)];
@@ -194,11 +190,7 @@ impl<S: Scalar> PackedHessian<S> {
                 return symmetric * half;
             }
             let antisymmetric = self.antisymmetric[((block - 3) * self.capacity + g, below)];
-            if i > j {
-                (symmetric + antisymmetric) * half
-            } else {
-                (symmetric - antisymmetric) * half
-            }
+            if i > j { (symmetric + antisymmetric) * half } else { (symmetric - antisymmetric) * half }
         })
     }
 
@@ -287,10 +279,7 @@ impl<S: Scalar> PackedHessian<S> {
     fn scale(&mut self, horizon: S) {
         let rate = S::one() / horizon;
         let factors = BLOCKS.map(|(x, y)| (0..x + y).fold(horizon, |product, _| product * rate));
-        for (matrix, factors) in [
-            (&mut self.symmetric, &factors[..]),
-            (&mut self.antisymmetric, &factors[3..]),
-        ] {
+        for (matrix, factors) in [(&mut self.symmetric, &factors[..]), (&mut self.antisymmetric, &factors[3..])] {
             for mut column in matrix.column_iter_mut() {
                 for (block, factor) in factors.iter().enumerate() {
                     let mut own = column.rows_mut(block * self.capacity, self.capacity);
@@ -307,9 +296,7 @@ impl<S: Scalar> PackedHessian<S> {
         }
         let (at, below) = self.columns(i.max(j), i.min(j));
         let of = |matrix: &DMatrix<S>, block: usize, column: usize| {
-            Lanes(std::array::from_fn(|lane| {
-                matrix[(block * self.capacity + start + lane, column)]
-            }))
+            Lanes(std::array::from_fn(|lane| matrix[(block * self.capacity + start + lane, column)]))
         };
         let sum = of(&self.symmetric, index(x, y), at);
         if x == y {
@@ -332,11 +319,7 @@ impl<S: Scalar> PackedHessian<S> {
             // Rows and columns are those of q, then those of v.
             out.put([0, 0], start, |i, j| {
                 let entry = own([i / n, j / n], i, j);
-                if i == j && i >= n {
-                    entry + stiff
-                } else {
-                    entry
-                }
+                if i == j && i >= n { entry + stiff } else { entry }
             });
             out.put([1, 1], start, |i, j| match (i < n, j < n) {
                 (false, false) => own([2, 2], i, j),
@@ -363,11 +346,7 @@ impl<S: Scalar> PackedHessian<S> {
 
 /// The weighted products of functions that belong to the stored parts: of the functions at the points of a segment,
 /// `table`, one row for each of `pairs`.
-pub(crate) fn products<S: Scalar>(
-    table: &DMatrix<S>,
-    weights: &[S],
-    pairs: &[(usize, usize)],
-) -> [DMatrix<S>; 2] {
+pub(crate) fn products<S: Scalar>(table: &DMatrix<S>, weights: &[S], pairs: &[(usize, usize)]) -> [DMatrix<S>; 2] {
     let (capacity, half) = (capacity(weights.len()), S::from_f64(0.5));
     let mut products = [6, 3].map(|blocks| DMatrix::zeros(pairs.len(), blocks * capacity));
     for (pair, &(a, b)) in pairs.iter().enumerate() {

@@ -27,13 +27,7 @@ impl<'a, S: Scalar> Point<'a, S> {
     /// This point with its control.
     pub(crate) fn with_control(self, u: &'a [S]) -> StageInput<'a, S> {
         let Self { time, q, v, a, .. } = self;
-        StageInput {
-            t: time,
-            q,
-            v,
-            a,
-            u,
-        }
+        StageInput { t: time, q, v, a, u }
     }
 
     /// $[q, v, a]$, `N` by 3.
@@ -43,13 +37,7 @@ impl<'a, S: Scalar> Point<'a, S> {
 
     /// This point as a batch of one. `states` is [`Self::states`].
     pub(crate) fn points<'b>(&'b self, states: &'b DMatrix<S>) -> Points<'b, S> {
-        Points {
-            first: self.index,
-            phase: self.phase,
-            times: std::slice::from_ref(&self.time),
-            states,
-            jerks: None,
-        }
+        Points { first: self.index, phase: self.phase, times: std::slice::from_ref(&self.time), states, jerks: None }
     }
 }
 
@@ -232,11 +220,7 @@ pub trait PointCost<S: Scalar> {
     ///
     /// # Errors
     /// Those of [`derivatives`](Self::derivatives).
-    fn all_derivatives(
-        &mut self,
-        points: Points<'_, S>,
-        out: &mut PointsDerivatives<S>,
-    ) -> Result<()> {
+    fn all_derivatives(&mut self, points: Points<'_, S>, out: &mut PointsDerivatives<S>) -> Result<()> {
         let mut single = PointDerivatives::new(points.states.nrows());
         for g in 0..points.count() {
             let cost = self.derivatives(points.point(g), &mut single)?;
@@ -271,11 +255,7 @@ impl<S: Scalar, P: PointCost<S>> PointCost<S> for &mut P {
         (**self).values(points, costs)
     }
 
-    fn all_derivatives(
-        &mut self,
-        points: Points<'_, S>,
-        out: &mut PointsDerivatives<S>,
-    ) -> Result<()> {
+    fn all_derivatives(&mut self, points: Points<'_, S>, out: &mut PointsDerivatives<S>) -> Result<()> {
         (**self).all_derivatives(points, out)
     }
 }
@@ -354,20 +334,12 @@ impl<S: Scalar> ControlDerivatives<S> {
     #[must_use]
     pub fn new(n: usize) -> Self {
         let zeros = vec![S::zero(); n];
-        Self {
-            gradient: zeros.clone(),
-            curvature_weights: zeros.clone(),
-            hessian: zeros,
-        }
+        Self { gradient: zeros.clone(), curvature_weights: zeros.clone(), hessian: zeros }
     }
 
     /// Sets all entries to zero.
     pub fn clear(&mut self) {
-        for part in [
-            &mut self.gradient,
-            &mut self.curvature_weights,
-            &mut self.hessian,
-        ] {
+        for part in [&mut self.gradient, &mut self.curvature_weights, &mut self.hessian] {
             part.fill(S::zero());
         }
     }

@@ -17,18 +17,9 @@ impl WeightedSquares {
     ///
     /// # Errors
     /// A slice has another length than the others, or a weight is negative or not finite.
-    pub fn new(
-        dof: usize,
-        torque: Vec<f64>,
-        velocity: Vec<f64>,
-        acceleration: Vec<f64>,
-    ) -> Result<Self> {
+    pub fn new(dof: usize, torque: Vec<f64>, velocity: Vec<f64>, acceleration: Vec<f64>) -> Result<Self> {
         let refuse = |what: &str, condition: String| Err(Error::input("weights", what, condition));
-        let all = [
-            ("torque", &torque),
-            ("velocity", &velocity),
-            ("acceleration", &acceleration),
-        ];
+        let all = [("torque", &torque), ("velocity", &velocity), ("acceleration", &acceleration)];
         for (what, weights) in all {
             if weights.len() != dof {
                 let found = weights.len();
@@ -36,17 +27,10 @@ impl WeightedSquares {
                 return refuse(what, joints);
             }
             if let Some(w) = weights.iter().find(|w| !(w.is_finite() && **w >= 0.0)) {
-                return refuse(
-                    what,
-                    format!("it is {}, a weight is not negative", plain(*w)),
-                );
+                return refuse(what, format!("it is {}, a weight is not negative", plain(*w)));
             }
         }
-        Ok(Self {
-            torque,
-            velocity,
-            acceleration,
-        })
+        Ok(Self { torque, velocity, acceleration })
     }
 }
 
@@ -54,11 +38,7 @@ impl WeightedSquares {
     /// The control effort $|u|^2$ of a robot with `dof` joints, as a term of a sum.
     #[must_use]
     pub fn effort(dof: usize) -> Self {
-        Self {
-            torque: vec![1.0; dof],
-            velocity: vec![0.0; dof],
-            acceleration: vec![0.0; dof],
-        }
+        Self { torque: vec![1.0; dof], velocity: vec![0.0; dof], acceleration: vec![0.0; dof] }
     }
 
     /// The torque weights $w^u$, `N` entries.
@@ -94,11 +74,7 @@ impl RunningCost for WeightedSquares {
         Ok(self.terms(at).map(|(w, x)| w * x * x).sum())
     }
 
-    fn derivatives(
-        &self,
-        at: &StageInput<'_, f64>,
-        out: &mut StageDerivatives<f64>,
-    ) -> Result<f64> {
+    fn derivatives(&self, at: &StageInput<'_, f64>, out: &mut StageDerivatives<f64>) -> Result<f64> {
         let n = at.q.len();
         for (i, (w, x)) in self.terms(at).enumerate() {
             out.gradient[n + i] = 2.0 * w * x;

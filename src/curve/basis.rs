@@ -127,11 +127,7 @@ impl Basis {
     /// may jump.
     #[must_use]
     pub fn new(segments: usize, degree: usize, continuity: Continuity) -> Self {
-        Self {
-            segments,
-            degree,
-            continuity,
-        }
+        Self { segments, degree, continuity }
     }
 
     /// The number of segments.
@@ -172,9 +168,7 @@ impl Basis {
     pub(crate) fn fixed_slopes(&self) -> impl Iterator<Item = (usize, usize)> + use<'_> {
         let ends = self.continuity;
         let free = [ends.free_start, ends.free_final_velocity];
-        let fixed = [0, 1]
-            .into_iter()
-            .filter(move |end| !free[*end] && !ends.corners);
+        let fixed = [0, 1].into_iter().filter(move |end| !free[*end] && !ends.corners);
         fixed.map(|end| (self.slope(end * self.segments), end))
     }
 
@@ -220,12 +214,7 @@ impl Basis {
     /// Computes the functions of one segment at `s` in `[-1, 1]`.
     pub(crate) fn functions_in(&self, s: f64, functions: &mut Functions) {
         let (half, k) = (self.half(), self.continuity.order());
-        let Functions {
-            p,
-            slopes,
-            table,
-            transposed,
-        } = functions;
+        let Functions { p, slopes, table, transposed } = functions;
         p.resize(self.degree + 1, 0.0);
         legendre(s, p);
         slopes.clear();

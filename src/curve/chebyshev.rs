@@ -27,9 +27,7 @@ impl Chebyshev {
             return Ok(());
         }
         let largest = Self::LARGEST_DEGREE;
-        Err(format!(
-            "it is {p}, at least 2 and at most {largest} is needed"
-        ))
+        Err(format!("it is {p}, at least 2 and at most {largest} is needed"))
     }
 
     /// Computes the nodes of degree `p` on `[0, horizon]`, in s, and their matrices. Cost O(p^2).
@@ -49,9 +47,7 @@ impl Chebyshev {
         Ok(Self {
             horizon,
             // 1 - cos is 2 sin^2 of the half angle, which loses no digits near the start.
-            times: (0..=p)
-                .map(|i| horizon * (PI * i as f64 / (2 * p) as f64).sin().powi(2))
-                .collect(),
+            times: (0..=p).map(|i| horizon * (PI * i as f64 / (2 * p) as f64).sin().powi(2)).collect(),
             d: d * scale,
             d2: d2 * scale.powi(2),
             weights: clenshaw_curtis(p) / scale,
@@ -114,9 +110,8 @@ impl Chebyshev {
     #[must_use]
     pub fn values(&self, coefficients: &DMatrix<f64>) -> DMatrix<f64> {
         let p = self.degree();
-        let polynomials = DMatrix::from_fn(p + 1, p + 1, |k, i| {
-            alternating(k) * (PI * ((i * k) % (2 * p)) as f64 / p as f64).cos()
-        });
+        let polynomials =
+            DMatrix::from_fn(p + 1, p + 1, |k, i| alternating(k) * (PI * ((i * k) % (2 * p)) as f64 / p as f64).cos());
         coefficients * polynomials
     }
 
@@ -155,11 +150,7 @@ fn difference(p: usize, i: usize, j: usize) -> f64 {
 fn differentiation(p: usize) -> DMatrix<f64> {
     let end = |i| if i == 0 || i == p { 2.0 } else { 1.0 };
     let mut d = DMatrix::from_fn(p + 1, p + 1, |i, j| {
-        if i == j {
-            0.0
-        } else {
-            end(i) / end(j) * alternating(i + j) / difference(p, i, j)
-        }
+        if i == j { 0.0 } else { end(i) / end(j) * alternating(i + j) / difference(p, i, j) }
     });
     fill_diagonal_by_negative_sum(&mut d);
     d
@@ -168,11 +159,7 @@ fn differentiation(p: usize) -> DMatrix<f64> {
 /// `D^2` on `[-1, 1]` from `D`, without the loss of accuracy of a matrix product (Welfert, 1997).
 fn second_differentiation(p: usize, d: &DMatrix<f64>) -> DMatrix<f64> {
     let mut d2 = DMatrix::from_fn(p + 1, p + 1, |i, j| {
-        if i == j {
-            0.0
-        } else {
-            2.0 * d[(i, j)] * (d[(i, i)] - 1.0 / difference(p, i, j))
-        }
+        if i == j { 0.0 } else { 2.0 * d[(i, j)] * (d[(i, i)] - 1.0 / difference(p, i, j)) }
     });
     fill_diagonal_by_negative_sum(&mut d2);
     d2

@@ -67,14 +67,7 @@ impl Basis {
             memory.product = DVector::zeros(dof);
             (memory.nodes, memory.weights) = gauss_legendre(self.degree + 1);
         }
-        let Fit {
-            functions,
-            bubbles,
-            local,
-            product,
-            nodes,
-            weights,
-        } = memory;
+        let Fit { functions, bubbles, local, product, nodes, weights } = memory;
         coefficients.fill(0.0);
         bubbles.fill(0.0);
         for e in 0..=self.segments {

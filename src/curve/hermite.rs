@@ -12,18 +12,8 @@ pub(crate) fn hermite(k: usize, index: usize, s: f64) -> (usize, [f64; 4]) {
     let end = if index < k { 1.0 } else { -1.0 };
     let values = match (k, derivative) {
         (1, _) => [0.5 - 0.5 * end * s, -0.5 * end, 0.0, 0.0],
-        (2, 1) => quarter([
-            end - s - end * s2 + s3,
-            -1.0 - end * 2.0 * s + 3.0 * s2,
-            -end * 2.0 + 6.0 * s,
-            6.0,
-        ]),
-        (2, _) => quarter([
-            2.0 - end * 3.0 * s + end * s3,
-            -end * 3.0 + end * 3.0 * s2,
-            end * 6.0 * s,
-            end * 6.0,
-        ]),
+        (2, 1) => quarter([end - s - end * s2 + s3, -1.0 - end * 2.0 * s + 3.0 * s2, -end * 2.0 + 6.0 * s, 6.0]),
+        (2, _) => quarter([2.0 - end * 3.0 * s + end * s3, -end * 3.0 + end * 3.0 * s2, end * 6.0 * s, end * 6.0]),
         (_, 2) => sixteenth([
             1.0 - end * s - 2.0 * s2 + end * 2.0 * s3 + s4 - end * s5,
             -end - 4.0 * s + end * 6.0 * s2 + 4.0 * s3 - end * 5.0 * s4,

@@ -55,9 +55,7 @@ impl Curve {
     /// # Errors
     /// The parts do not share the segments, or as [`piecewise`](Self::piecewise).
     pub fn in_parts(lengths: &[f64], segments: usize, x: DMatrix<f64>) -> Result<Self> {
-        let (count, refuse) = (lengths.len(), |condition| {
-            Error::input("curve", "parts", condition)
-        });
+        let (count, refuse) = (lengths.len(), |condition| Error::input("curve", "parts", condition));
         if count == 0 || segments == 0 || !segments.is_multiple_of(count) {
             return Err(refuse(format!("there are {count} for {segments} segments")));
         }
@@ -96,16 +94,10 @@ impl Curve {
             let d = chebyshev.d().transpose();
             for segment in part * of_part..(part + 1) * of_part {
                 let own = x.columns(segment * nodes, nodes);
-                xdot.columns_mut(segment * nodes, nodes)
-                    .copy_from(&(own * &d));
+                xdot.columns_mut(segment * nodes, nodes).copy_from(&(own * &d));
             }
         }
-        Ok(Self {
-            parts,
-            breakpoints,
-            x,
-            xdot,
-        })
+        Ok(Self { parts, breakpoints, x, xdot })
     }
 
     /// The number of joints `N`.
@@ -193,8 +185,7 @@ impl Curve {
     /// `segment` is out of range.
     #[must_use]
     pub fn coefficients(&self, segment: usize) -> DMatrix<f64> {
-        self.chebyshev(segment)
-            .coefficients(&self.segment(segment).into_owned())
+        self.chebyshev(segment).coefficients(&self.segment(segment).into_owned())
     }
 
     /// The states at the nodes of one segment, `2 N` by `p + 1`.

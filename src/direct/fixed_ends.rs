@@ -7,11 +7,7 @@ use crate::motion::Problem;
 
 /// Refuses a given start or end that violates a row of the state by more than the search accepts: no motion between
 /// them keeps it.
-pub(super) fn check_ends<K: Constraint>(
-    problem: &Problem<'_>,
-    settings: &DirectSettings,
-    state: &K,
-) -> Result<()> {
+pub(super) fn check_ends<K: Constraint>(problem: &Problem<'_>, settings: &DirectSettings, state: &K) -> Result<()> {
     if settings.period.is_some() {
         return Ok(());
     }
@@ -24,8 +20,7 @@ pub(super) fn check_ends<K: Constraint>(
             && by > DirectSettings::FEASIBLE
         {
             let space = if unit.is_empty() { "" } else { " " };
-            let condition =
-                format!("it violates {name} by {by:.3e}{space}{unit}, so that no motion keeps it");
+            let condition = format!("it violates {name} by {by:.3e}{space}{unit}, so that no motion keeps it");
             return Err(Error::input("problem", element, condition));
         }
     }

@@ -58,9 +58,7 @@ impl GoalSet {
                 return refuse(format!("a number of end {i} is not finite"));
             }
             if *alternative >= self.alternatives.len() {
-                return refuse(format!(
-                    "end {i} is of alternative {alternative}, which is missing"
-                ));
+                return refuse(format!("end {i} is of alternative {alternative}, which is missing"));
             }
         }
         Ok(())

@@ -56,9 +56,7 @@ pub(crate) use minimise::working_set::{WorkingSet, equalities};
 use minimise::{Candidate, Context, minimise};
 pub(crate) use minimise::{Integrand, Stage};
 pub(crate) use settings::Level;
-use strategy::{
-    MultistartOutcome, Planned, minimise_to_the_end, multistart, nearest_times, refine,
-};
+use strategy::{MultistartOutcome, Planned, minimise_to_the_end, multistart, nearest_times, refine};
 
 /// A problem with a running cost, constraints and settings, to be solved.
 ///
@@ -109,17 +107,8 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
 
     /// Replaces the constraints.
     #[must_use]
-    pub fn constraints<L: Constraint + Send + Sync>(
-        self,
-        constraints: &'a Constraints<L>,
-    ) -> Direct<'a, L, P> {
-        Direct {
-            problem: self.problem,
-            constraints,
-            cost: self.cost,
-            settings: self.settings,
-            observe: self.observe,
-        }
+    pub fn constraints<L: Constraint + Send + Sync>(self, constraints: &'a Constraints<L>) -> Direct<'a, L, P> {
+        Direct { problem: self.problem, constraints, cost: self.cost, settings: self.settings, observe: self.observe }
     }
 
     /// Replaces the settings.
@@ -131,10 +120,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
     /// Sets a function that is called after each iteration.
     #[must_use]
     pub fn observe(self, observe: impl FnMut(&Iteration) + 'a) -> Self {
-        Self {
-            observe: Box::new(observe),
-            ..self
-        }
+        Self { observe: Box::new(observe), ..self }
     }
 
     /// Refuses phases that differ from those of the cost, or that do not consist of whole segments.
@@ -143,15 +129,11 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
         let stage = &self.constraints.stage;
         if !stage.phases.is_empty() && stage.phases.len() != phases {
             let given = stage.phases.len();
-            return refuse(
-                "phases",
-                format!("there are {given}, the cost has {phases}"),
-            );
+            return refuse("phases", format!("there are {given}, the cost has {phases}"));
         }
         let segments = self.settings.segments;
         if !segments.is_multiple_of(phases) {
-            let condition =
-                format!("it is {segments}, a multiple of the {phases} phases is needed");
+            let condition = format!("it is {segments}, a multiple of the {phases} phases is needed");
             return refuse("segments", condition);
         }
         if phases > 1 && self.settings.continuous_acceleration {
@@ -201,10 +183,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
             (None, Some(longest)) => problem.with_horizon(planned.first_horizon(longest)?)?,
             (None, None) => problem.clone(),
         };
-        let context = Context {
-            problem: &from,
-            ..given
-        };
+        let context = Context { problem: &from, ..given };
         let mut iterations = Vec::new();
         let observe = &mut self.observe;
         let mut log = |iteration: Iteration| {
@@ -226,12 +205,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
             minimise(context, higher, settings.highest(), &mut log)
         })?;
         outcome.best = best;
-        Ok(DirectSolution {
-            stopped: watch.stopped(),
-            adapted,
-            iterations,
-            ..DirectSolution::of(&from, outcome)?
-        })
+        Ok(DirectSolution { stopped: watch.stopped(), adapted, iterations, ..DirectSolution::of(&from, outcome)? })
     }
 
     /// Refuses multipliers of another number of rows.
@@ -253,9 +227,7 @@ fn from_curve<K: Constraint, P: CostWithControl>(
     curve: &Curve,
     log: &mut dyn FnMut(Iteration),
 ) -> Result<MultistartOutcome> {
-    let Context {
-        problem, settings, ..
-    } = context;
+    let Context { problem, settings, .. } = context;
     let start = Candidate::of_curve(curve, problem, settings);
     let start = Candidate {
         times: nearest_times(&start.path, problem, &settings.waypoints),
@@ -276,11 +248,7 @@ fn from_curve<K: Constraint, P: CostWithControl>(
 }
 
 /// The problem with the horizon of an initial curve, if the horizon is free, and with its end, if the goal is a set.
-fn problem_of_start<'a>(
-    problem: &Problem<'a>,
-    start: &Curve,
-    settings: &DirectSettings,
-) -> Result<Problem<'a>> {
+fn problem_of_start<'a>(problem: &Problem<'a>, start: &Curve, settings: &DirectSettings) -> Result<Problem<'a>> {
     let mut own = problem.clone();
     if let Some(free) = &settings.free_horizon {
         own = own.with_horizon(start.horizon().clamp(free.shortest, free.longest))?;

@@ -193,10 +193,7 @@ impl SearchOptions {
             ("hopeless", self.hopeless[0]),
             ("hopeless", self.hopeless[1]),
             ("lower_tolerance", self.lower_tolerance),
-            (
-                "lower_quadrature_tolerance",
-                self.lower_quadrature_tolerance,
-            ),
+            ("lower_quadrature_tolerance", self.lower_quadrature_tolerance),
             ("lower_last_barrier", self.lower_last_barrier),
             ("lower_feasible", self.lower_feasible),
             ("planned_penalty", self.planned_penalty),
@@ -223,30 +220,19 @@ impl SearchOptions {
     fn check_counts(&self, continuity: Continuity) -> Result<()> {
         let most = Self::MOST_POINTS;
         let degrees = continuity.smallest_degree()..=DirectSettings::LARGEST_DEGREE;
-        let (iterations, starts) = (
-            1..=DirectSettings::MOST_ITERATIONS,
-            1..=DirectSettings::LARGEST_STARTS,
-        );
+        let (iterations, starts) = (1..=DirectSettings::MOST_ITERATIONS, 1..=DirectSettings::LARGEST_STARTS);
         for (what, count, allowed) in [
             ("most_points", self.most_points, 1..=most),
             ("scan", self.scan, 1..=most),
             ("last_scan", self.last_scan, 1..=1_000_000),
             ("largest_passive_size", self.largest_passive_size, 1..=4096),
             ("batch", self.batch, starts.clone()),
-            (
-                "lower_iterations",
-                self.lower_iterations,
-                iterations.clone(),
-            ),
+            ("lower_iterations", self.lower_iterations, iterations.clone()),
             ("segment_iterations", self.segment_iterations, iterations),
             ("more_starts", self.more_starts, starts.clone()),
             ("most_starts", self.most_starts, starts.clone()),
             ("kept_ends", self.kept_ends, starts),
-            (
-                "planned_segments",
-                self.planned_segments,
-                1..=DirectSettings::LARGEST_SIZE,
-            ),
+            ("planned_segments", self.planned_segments, 1..=DirectSettings::LARGEST_SIZE),
             ("planned_degree", self.planned_degree, degrees),
             ("margin_checks", self.margin_checks, 1..=1_000_000_000),
         ] {

@@ -27,8 +27,7 @@ pub(super) fn check(settings: &DirectSettings) -> Result<()> {
             }
         }
         if shortest > longest {
-            let condition =
-                format!("the shortest length {shortest} is above the longest one {longest}");
+            let condition = format!("the shortest length {shortest} is above the longest one {longest}");
             return refuse(&element, &condition);
         }
     }
@@ -43,14 +42,8 @@ pub(super) fn check(settings: &DirectSettings) -> Result<()> {
 
 /// The horizons of parts within their bounds, as near as they may be to given ones, with slopes in the time of a
 /// reference.
-pub(super) fn horizons(
-    parts: &[[f64; 2]],
-    given: impl Fn(usize) -> f64,
-    reference: f64,
-) -> Horizons<f64> {
+pub(super) fn horizons(parts: &[[f64; 2]], given: impl Fn(usize) -> f64, reference: f64) -> Horizons<f64> {
     let count = parts.len() as f64;
-    let within = |(part, [shortest, longest]): (usize, &[f64; 2])| {
-        given(part).clamp(count * shortest, count * longest)
-    };
+    let within = |(part, [shortest, longest]): (usize, &[f64; 2])| given(part).clamp(count * shortest, count * longest);
     Horizons::of_parts(parts.iter().enumerate().map(within).collect(), reference)
 }

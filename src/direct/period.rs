@@ -39,9 +39,7 @@ impl Period {
             return refuse("a sign is neither 1 nor -1");
         }
         if settings.goal.is_some() || settings.free_final_velocity {
-            return refuse(
-                "the end follows from the start, so it has no goal and no free velocity",
-            );
+            return refuse("the end follows from the start, so it has no goal and no free velocity");
         }
         if settings.continuous_acceleration {
             return refuse("accelerations jump where a periodic motion begins anew");

@@ -145,13 +145,7 @@ impl DirectSettings {
     /// accuracy.
     #[must_use]
     pub fn constrained() -> Self {
-        Self {
-            tolerance: 1e-6,
-            starts: 1,
-            start_amplitude: 1.0,
-            lowest_degree: 9,
-            ..Self::default()
-        }
+        Self { tolerance: 1e-6, starts: 1, start_amplitude: 1.0, lowest_degree: 9, ..Self::default() }
     }
 
     /// The last stage, at the degree and the segments of the settings.
@@ -172,21 +166,14 @@ impl DirectSettings {
     /// a joint almost no freedom. There is at least one polynomial per phase, or per part with a length of its own.
     pub(crate) fn levels(&self, continuity: Continuity, passive: bool, parts: usize) -> Vec<Level> {
         let lower = self.search.lower();
-        let fewer_segments = Stage {
-            iterations: self.search.segment_iterations,
-            ..lower
-        };
+        let fewer_segments = Stage { iterations: self.search.segment_iterations, ..lower };
         let new = |segments, p| Basis::new(segments, p, continuity);
         let mut levels: Vec<_> = Basis::degrees_below(self.degree, self.lowest_degree)
-            .map(|p| Level {
-                basis: new(parts, p),
-                stage: lower,
-            })
+            .map(|p| Level { basis: new(parts, p), stage: lower })
             .collect();
-        levels.extend(Basis::fewer_segments(self.segments).map(|n| Level {
-            basis: new(n, self.degree),
-            stage: fewer_segments,
-        }));
+        levels.extend(
+            Basis::fewer_segments(self.segments).map(|n| Level { basis: new(n, self.degree), stage: fewer_segments }),
+        );
         levels.retain(|level| level.basis.segments().is_multiple_of(parts));
         // A low degree on one segment is already the first level.
         levels.dedup_by(|b, a| a.basis == b.basis);
@@ -197,10 +184,7 @@ impl DirectSettings {
         levels.retain(|level| level.basis.free().len() > conditions);
         let last = new(self.segments, self.degree);
         levels.retain(|level| level.basis != last);
-        levels.push(Level {
-            basis: last,
-            stage: self.highest(),
-        });
+        levels.push(Level { basis: last, stage: self.highest() });
         levels
     }
 

@@ -30,13 +30,7 @@ impl Waypoint {
     /// A configuration at an unknown time, rad or m, `N` entries.
     #[must_use]
     pub fn new(q: Vec<f64>) -> Self {
-        Self {
-            guesses: vec![q],
-            constraints: Vec::new(),
-            stop: false,
-            lands: false,
-            share: None,
-        }
+        Self { guesses: vec![q], constraints: Vec::new(), stop: false, lands: false, share: None }
     }
 
     /// The first guess of a start.
@@ -58,13 +52,7 @@ pub(super) fn conditions(waypoints: &[Waypoint]) -> usize {
 pub(super) fn check(settings: &DirectSettings, problem: &Problem<'_>) -> Result<()> {
     let mut before = 0.0;
     for (i, waypoint) in settings.waypoints.iter().enumerate() {
-        let refuse = |condition: String| {
-            Err(Error::input(
-                "settings",
-                format!("waypoints[{i}]"),
-                condition,
-            ))
-        };
+        let refuse = |condition: String| Err(Error::input("settings", format!("waypoints[{i}]"), condition));
         match (waypoint.guesses.len(), waypoint.constraints.is_empty()) {
             (0, _) => return refuse("it has no configuration".to_owned()),
             (2.., true) => {
@@ -84,9 +72,7 @@ pub(super) fn check(settings: &DirectSettings, problem: &Problem<'_>) -> Result<
         let is_end = share == 1.0 && settings.period.is_some();
         if !(share > before && (share < 1.0 || is_end)) {
             let range = format!("more than {before} and less than 1");
-            return refuse(format!(
-                "it has the share {share} of the horizon, {range} is needed"
-            ));
+            return refuse(format!("it has the share {share} of the horizon, {range} is needed"));
         }
         before = share;
     }

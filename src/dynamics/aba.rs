@@ -38,13 +38,8 @@ pub fn aba<C: Scalar, S: AlgebraOver<C>>(
 impl<S: Scalar> Data<S> {
     /// Accelerations `a` of the joints under the forces `tau`, and those of the bodies, after
     /// [`add_velocities`](Self::add_velocities). Leaves $U_i$ in `articulated_axes` and $D_i$ in `scalar_scratch`.
-    pub(super) fn accelerate<C: Scalar>(
-        &mut self,
-        model: &Model<C>,
-        v: &[S],
-        tau: &[S],
-        a: &mut [S],
-    ) where
+    pub(super) fn accelerate<C: Scalar>(&mut self, model: &Model<C>, v: &[S], tau: &[S], a: &mut [S])
+    where
         S: AlgebraOver<C>,
     {
         for i in 0..model.dof() {

@@ -60,11 +60,7 @@ pub fn aba_derivatives<C: Scalar, S: AlgebraOver<C>>(
     out: &mut ForwardDynamicsDerivatives<S>,
 ) -> Result<()> {
     let n = model.dof();
-    for (what, matrix) in [
-        ("dq", &out.dq),
-        ("dv", &out.dv),
-        ("h_inverse", &out.h_inverse),
-    ] {
+    for (what, matrix) in [("dq", &out.dq), ("dv", &out.dv), ("h_inverse", &out.h_inverse)] {
         check_square(what, n, matrix)?;
     }
     model.check("tau", tau.len())?;

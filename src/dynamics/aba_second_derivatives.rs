@@ -20,11 +20,7 @@ impl<S: Scalar> ForwardDynamicsSecondDerivatives<S> {
     /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
-        Self {
-            dqdq: Tensor3::new(n),
-            dvdv: Tensor3::new(n),
-            dqdv: Tensor3::new(n),
-        }
+        Self { dqdq: Tensor3::new(n), dvdv: Tensor3::new(n), dqdv: Tensor3::new(n) }
     }
 }
 

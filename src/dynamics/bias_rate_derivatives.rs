@@ -18,10 +18,7 @@ impl<S: Scalar> BiasRateDerivatives<S> {
     /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
-        Self {
-            dq: DMatrix::zeros(n, n),
-            dv: DMatrix::zeros(n, n),
-        }
+        Self { dq: DMatrix::zeros(n, n), dv: DMatrix::zeros(n, n) }
     }
 }
 

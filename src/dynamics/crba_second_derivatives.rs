@@ -26,12 +26,7 @@ impl<S: Scalar> MassMatrixDerivatives<S> {
     /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
-        Self {
-            h: DMatrix::zeros(n, n),
-            hdot: DMatrix::zeros(n, n),
-            dq: Tensor3::new(n),
-            dqdq: Tensor4::new(n),
-        }
+        Self { h: DMatrix::zeros(n, n), hdot: DMatrix::zeros(n, n), dq: Tensor3::new(n), dqdq: Tensor4::new(n) }
     }
 }
 
@@ -76,10 +71,7 @@ pub fn crba_second_derivatives<C: Scalar, S: AlgebraOver<C>>(
     out.dqdq.fill(S::zero());
     for (last, joint) in model.joints().iter().enumerate().rev() {
         let composite = data.inertias[last];
-        let products = Products {
-            axes: &data.axes,
-            inertia: &composite,
-        };
+        let products = Products { axes: &data.axes, inertia: &composite };
         // All sets of joints on one path whose last joint is `last`: either `i`, or the last joint of the derivatives.
         for j in path_to_base(model, last) {
             products.entry(last, j, out);
@@ -103,9 +95,7 @@ pub fn crba_second_derivatives<C: Scalar, S: AlgebraOver<C>>(
         }
     }
     add_armature(model, &mut out.h);
-    out.hdot = out
-        .dq
-        .times_third(&DVectorView::from_slice(v, n).into_owned());
+    out.hdot = out.dq.times_third(&DVectorView::from_slice(v, n).into_owned());
     Ok(())
 }
 
@@ -146,11 +136,7 @@ impl<S: Scalar> Products<'_, S> {
 
     /// $D_k S_i$.
     fn seen(&self, i: usize, k: usize) -> Motion<S> {
-        if i < k {
-            self.axes[i].cross(&self.axes[k])
-        } else {
-            Motion::zero()
-        }
+        if i < k { self.axes[i].cross(&self.axes[k]) } else { Motion::zero() }
     }
 
     /// $D_l D_k S_i$ for $k \le l$.

@@ -22,11 +22,8 @@ pub fn kinetic_energy<C: Scalar, S: AlgebraOver<C>>(
 ) -> Result<S> {
     data.place(model, q)?;
     data.add_velocities(model, v)?;
-    let bodies = (data.inertias.iter().zip(&data.velocities))
-        .fold(S::zero(), |sum, (i, v)| sum + v.dot(&i.apply(v)));
-    let twice = (model.drives().iter().zip(v)).fold(bodies, |sum, (drive, v)| {
-        sum + (*v * *v).scale(drive.armature)
-    });
+    let bodies = (data.inertias.iter().zip(&data.velocities)).fold(S::zero(), |sum, (i, v)| sum + v.dot(&i.apply(v)));
+    let twice = (model.drives().iter().zip(v)).fold(bodies, |sum, (drive, v)| sum + (*v * *v).scale(drive.armature));
     Ok(twice * S::from_f64(0.5))
 }
 
@@ -40,11 +37,7 @@ pub fn kinetic_energy<C: Scalar, S: AlgebraOver<C>>(
 ///
 /// # Cost
 /// O(N).
-pub fn potential_energy<C: Scalar, S: AlgebraOver<C>>(
-    model: &Model<C>,
-    data: &mut Data<S>,
-    q: &[S],
-) -> Result<S> {
+pub fn potential_energy<C: Scalar, S: AlgebraOver<C>>(model: &Model<C>, data: &mut Data<S>, q: &[S]) -> Result<S> {
     data.check(model)?;
     forward_kinematics(model, q, &mut data.placements)?;
     let mut energy = S::zero();

@@ -42,9 +42,7 @@ pub fn frame_jacobian<C: Scalar, S: AlgebraOver<C>>(
     for j in frame.body.into_iter().flat_map(|i| path_to_base(model, i)) {
         let axis = model.joints()[j].motion_subspace(&data.placements[j]);
         let linear = axis.linear + axis.angular.cross(&origin);
-        jacobian
-            .fixed_view_mut::<3, 1>(0, j)
-            .copy_from(&axis.angular);
+        jacobian.fixed_view_mut::<3, 1>(0, j).copy_from(&axis.angular);
         jacobian.fixed_view_mut::<3, 1>(3, j).copy_from(&linear);
     }
     Ok(())

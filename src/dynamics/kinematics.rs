@@ -92,12 +92,7 @@ impl<S: Scalar> Data<S> {
 
     /// Accelerations of the bodies, the base accelerating against gravity, after
     /// [`add_velocities`](Self::add_velocities).
-    pub(super) fn add_accelerations<C: Scalar>(
-        &mut self,
-        model: &Model<C>,
-        v: &[S],
-        a: &[S],
-    ) -> Result<()>
+    pub(super) fn add_accelerations<C: Scalar>(&mut self, model: &Model<C>, v: &[S], a: &[S]) -> Result<()>
     where
         S: AlgebraOver<C>,
     {
@@ -113,8 +108,5 @@ impl<S: Scalar> Data<S> {
 
 /// The acceleration of the base that is equivalent to gravity: $-a_g$.
 pub(super) fn base_acceleration<C: Scalar, S: AlgebraOver<C>>(model: &Model<C>) -> Motion<S> {
-    Motion {
-        linear: model.gravity().map(|g| -S::lift(g)),
-        ..Motion::zero()
-    }
+    Motion { linear: model.gravity().map(|g| -S::lift(g)), ..Motion::zero() }
 }

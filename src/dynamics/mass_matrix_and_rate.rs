@@ -44,9 +44,8 @@ pub fn mass_matrix_and_rate<C: Scalar, S: AlgebraOver<C>>(
         let (axis, rate) = (data.axes[i], data.axis_rates[i]);
         let (inertia, coriolis) = (data.inertias[i], data.coriolis[i]);
         let momentum = inertia.apply(&axis);
-        let momentum_rate = inertia.apply(&rate)
-            + coriolis.apply(&axis)
-            + Force::couple(coriolis.apply_transpose(&axis));
+        let momentum_rate =
+            inertia.apply(&rate) + coriolis.apply(&axis) + Force::couple(coriolis.apply_transpose(&axis));
         for j in path_to_base(model, i) {
             h[(i, j)] = data.axes[j].dot(&momentum);
             h[(j, i)] = h[(i, j)];

@@ -21,11 +21,7 @@ use crate::scalar::Scalar;
 ///
 /// # Source
 /// Line 6 of Algorithm B2.
-pub fn mass_matrix_rate_derivatives<S: Scalar>(
-    d2h: &Tensor4<S>,
-    qdot: &[S],
-    out: &mut Tensor3<S>,
-) -> Result<()> {
+pub fn mass_matrix_rate_derivatives<S: Scalar>(d2h: &Tensor4<S>, qdot: &[S], out: &mut Tensor3<S>) -> Result<()> {
     d2h.check("d2h", qdot.len())?;
     out.check("out", qdot.len())?;
     d2h.times_fourth(qdot, out);

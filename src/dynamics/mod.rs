@@ -46,9 +46,7 @@ pub use mass_matrix_rate_derivatives::mass_matrix_rate_derivatives;
 pub use rnea::{bias, rnea};
 pub use rnea_derivatives::{InverseDynamicsDerivatives, rnea_derivatives};
 pub use rnea_second_derivatives::{InverseDynamicsSecondDerivatives, rnea_second_derivatives};
-pub use rnea_weighted::{
-    RneaVjp, RneaWeightedHessian, rnea_second_order, rnea_vjp, rnea_weighted_hessian,
-};
+pub use rnea_weighted::{RneaVjp, RneaWeightedHessian, rnea_second_order, rnea_vjp, rnea_weighted_hessian};
 pub use root_wrench::{RootWrenchDerivatives, root_wrench, root_wrench_second_order};
 
 use crate::error::{Result, check_length};

@@ -34,8 +34,7 @@ pub fn rnea<C: Scalar, S: AlgebraOver<C>>(
     data.add_accelerations(model, v, a)?;
     for i in 0..model.dof() {
         let (inertia, velocity) = (&data.inertias[i], &data.velocities[i]);
-        data.forces[i] =
-            inertia.apply(&data.accelerations[i]) + velocity.cross_force(&inertia.apply(velocity));
+        data.forces[i] = inertia.apply(&data.accelerations[i]) + velocity.cross_force(&inertia.apply(velocity));
     }
     for (i, joint) in model.joints().iter().enumerate().rev() {
         tau[i] = data.axes[i].dot(&data.forces[i]);
@@ -49,12 +48,7 @@ pub fn rnea<C: Scalar, S: AlgebraOver<C>>(
 }
 
 /// Adds the forces for the drives of the joints to `tau`.
-pub(super) fn add_drives<C: Scalar, S: AlgebraOver<C>>(
-    model: &Model<C>,
-    v: &[S],
-    a: &[S],
-    tau: &mut [S],
-) {
+pub(super) fn add_drives<C: Scalar, S: AlgebraOver<C>>(model: &Model<C>, v: &[S], a: &[S], tau: &mut [S]) {
     for (i, drive) in model.drives().iter().enumerate() {
         let [losses, ..] = drive.losses(v[i]);
         tau[i] += losses + a[i].scale(drive.armature);

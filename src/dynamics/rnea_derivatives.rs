@@ -29,22 +29,13 @@ impl<S: Scalar> InverseDynamicsDerivatives<S> {
     /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
-        Self {
-            tau: DVector::zeros(n),
-            dq: DMatrix::zeros(n, n),
-            dv: DMatrix::zeros(n, n),
-            h: DMatrix::zeros(n, n),
-        }
+        Self { tau: DVector::zeros(n), dq: DMatrix::zeros(n, n), dv: DMatrix::zeros(n, n), h: DMatrix::zeros(n, n) }
     }
 
     /// Sets the matrices to zero, after a check of their sizes.
     pub(super) fn clear<C: Scalar>(&mut self, model: &Model<C>) -> Result<()> {
         model.check("tau", self.tau.len())?;
-        for (what, matrix) in [
-            ("dq", &mut self.dq),
-            ("dv", &mut self.dv),
-            ("h", &mut self.h),
-        ] {
+        for (what, matrix) in [("dq", &mut self.dq), ("dv", &mut self.dv), ("h", &mut self.h)] {
             clear_square(what, model.dof(), matrix)?;
         }
         Ok(())
@@ -128,13 +119,7 @@ impl<S: Scalar> Data<S> {
     /// The terms of the derivatives of inverse dynamics: the axes $S$ and their rates, the inertias, Coriolis matrices
     /// and forces of the bodies, and in `psi_ddot`
     /// $\ddot\Psi_i = a_{\lambda(i)} \times S_i + v_{\lambda(i)} \times \dot \Psi_i$ for each joint.
-    pub(super) fn prepare_derivatives<C: Scalar>(
-        &mut self,
-        model: &Model<C>,
-        q: &[S],
-        v: &[S],
-        a: &[S],
-    ) -> Result<()>
+    pub(super) fn prepare_derivatives<C: Scalar>(&mut self, model: &Model<C>, q: &[S], v: &[S], a: &[S]) -> Result<()>
     where
         S: AlgebraOver<C>,
     {
@@ -169,11 +154,7 @@ impl<S: Scalar> Data<S> {
 
     /// Inverse dynamics and its derivatives, after [`prepare_derivatives`](Self::prepare_derivatives), into matrices
     /// that are zero; without the drives.
-    pub(super) fn fill_derivatives<C: Scalar>(
-        &mut self,
-        model: &Model<C>,
-        out: &mut InverseDynamicsDerivatives<S>,
-    ) {
+    pub(super) fn fill_derivatives<C: Scalar>(&mut self, model: &Model<C>, out: &mut InverseDynamicsDerivatives<S>) {
         self.sum_forces(model);
         self.read_torques(&mut out.tau);
         for (i, joint) in model.joints().iter().enumerate().rev() {

@@ -127,12 +127,9 @@ pub fn rnea_second_derivatives<C: Scalar, S: AlgebraOver<C>>(
 ) -> Result<()> {
     let tree = model.joints().iter().map(Joint::parent);
     let same_tree = out.tree.iter().copied().eq(tree.clone());
-    for (what, tensor) in [
-        ("dqdq", &mut out.dqdq),
-        ("dvdv", &mut out.dvdv),
-        ("dqdv", &mut out.dqdv),
-        ("dadq", &mut out.dadq),
-    ] {
+    for (what, tensor) in
+        [("dqdq", &mut out.dqdq), ("dvdv", &mut out.dvdv), ("dqdv", &mut out.dqdv), ("dadq", &mut out.dadq)]
+    {
         tensor.check(what, model.dof())?;
         if !same_tree {
             tensor.fill(S::zero());
@@ -247,8 +244,7 @@ impl<S: Scalar> Last<S> {
             out.dadq[(k, i, j)] = by_qa;
         }
         if j < k {
-            let couple =
-                cross(&axis.angular, &self.couple) - self.b_by_v.apply_transpose(rate) * two;
+            let couple = cross(&axis.angular, &self.couple) - self.b_by_v.apply_transpose(rate) * two;
             for i in path_to_base(model, j) {
                 let (axis_i, rate_i) = (&data.axes[i], &data.axis_rates[i]);
                 let by_qq = dot(&rate_i.angular, &couple) + data.psi_ddot[i].dot(&qa);

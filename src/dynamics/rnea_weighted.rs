@@ -52,11 +52,7 @@ impl<S: Scalar> RneaVjp<S> {
     /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
-        Self {
-            q: DVector::zeros(n),
-            v: DVector::zeros(n),
-            a: DVector::zeros(n),
-        }
+        Self { q: DVector::zeros(n), v: DVector::zeros(n), a: DVector::zeros(n) }
     }
 }
 
@@ -78,22 +74,12 @@ impl<S: Scalar> RneaWeightedHessian<S> {
     #[must_use]
     pub fn new(n: usize) -> Self {
         let zeros = || DMatrix::zeros(n, n);
-        Self {
-            qq: zeros(),
-            qv: zeros(),
-            vv: zeros(),
-            qa: zeros(),
-        }
+        Self { qq: zeros(), qv: zeros(), vv: zeros(), qa: zeros() }
     }
 
     /// Sets the blocks to zero, after a check of their sizes.
     pub(super) fn clear<C: Scalar>(&mut self, model: &Model<C>) -> Result<()> {
-        let blocks = [
-            ("qq", &mut self.qq),
-            ("qv", &mut self.qv),
-            ("vv", &mut self.vv),
-            ("qa", &mut self.qa),
-        ];
+        let blocks = [("qq", &mut self.qq), ("qv", &mut self.qv), ("vv", &mut self.vv), ("qa", &mut self.qa)];
         for (what, matrix) in blocks {
             clear_square(what, model.dof(), matrix)?;
         }
@@ -140,14 +126,8 @@ pub fn rnea_vjp<C: Scalar, S: AlgebraOver<C>>(
     let two = S::from_f64(2.0);
     for (i, joint) in model.joints().iter().enumerate().rev() {
         let (axis, rate, psi_ddot) = (data.axes[i], data.axis_rates[i], data.psi_ddot[i]);
-        let (force, momentum, p) = (
-            data.forces[i],
-            data.virtual_momenta[i],
-            data.virtual_couples[i],
-        );
-        out.q[i] = dot(&rate.angular, &p)
-            + psi_ddot.dot(&momentum)
-            + data.virtual_axis_rates[i].dot(&force);
+        let (force, momentum, p) = (data.forces[i], data.virtual_momenta[i], data.virtual_couples[i]);
+        out.q[i] = dot(&rate.angular, &p) + psi_ddot.dot(&momentum) + data.virtual_axis_rates[i].dot(&force);
         out.v[i] = dot(&axis.angular, &p) + rate.dot(&momentum) * two;
         out.a[i] = axis.dot(&momentum);
         if let Some(parent) = joint.parent() {
@@ -234,12 +214,7 @@ pub fn rnea_second_order<C: Scalar, S: AlgebraOver<C>>(
 impl<S: Scalar> Data<S> {
     /// Computes the virtual quantities of the bodies for a contraction with the weights `w` of the joints and the
     /// virtual velocity of the base, after [`prepare_derivatives`](Self::prepare_derivatives).
-    pub(super) fn contract<C: Scalar>(
-        &mut self,
-        model: &Model<C>,
-        w: &[S],
-        base: Motion<S>,
-    ) -> Result<()> {
+    pub(super) fn contract<C: Scalar>(&mut self, model: &Model<C>, w: &[S], base: Motion<S>) -> Result<()> {
         self.add_virtual_velocities(model, w, base)?;
         let two = S::from_f64(2.0);
         for i in 0..model.dof() {
@@ -266,27 +241,17 @@ impl<S: Scalar> Data<S> {
             // The derivatives of the force F on the subtree of k in the coordinates of joint k.
             let f = self.push(k);
             visit(k, &f, self);
-            let (axis, rate, gained) = (
-                &self.axes[k],
-                &self.axis_rates[k],
-                &self.virtual_axis_rates[k],
-            );
-            let (inertia, b, d) = (
-                &self.inertias[k],
-                &self.coriolis[k],
-                &self.virtual_coriolis[k],
-            );
+            let (axis, rate, gained) = (&self.axes[k], &self.axis_rates[k], &self.virtual_axis_rates[k]);
+            let (inertia, b, d) = (&self.inertias[k], &self.coriolis[k], &self.virtual_coriolis[k]);
             let (momentum, p) = (&self.virtual_momenta[k], &self.virtual_couples[k]);
             let l_by_q = axis.cross_force(momentum) + inertia.apply(gained);
-            let p_by_q = cross(&axis.angular, p)
-                + (b.apply_transpose(gained) - d.apply_transpose(rate)) * two;
+            let p_by_q = cross(&axis.angular, p) + (b.apply_transpose(gained) - d.apply_transpose(rate)) * two;
             let p_by_v = -d.apply_transpose(axis) * two;
 
             for j in path_to_base(model, k) {
                 let (axis_j, rate_j) = (&self.axes[j], &self.axis_rates[j]);
                 let (psi_ddot_j, gained_j) = (&self.psi_ddot[j], &self.virtual_axis_rates[j]);
-                out.qq[(j, k)] =
-                    dot(&rate_j.angular, &p_by_q) + psi_ddot_j.dot(&l_by_q) + gained_j.dot(&f.by_q);
+                out.qq[(j, k)] = dot(&rate_j.angular, &p_by_q) + psi_ddot_j.dot(&l_by_q) + gained_j.dot(&f.by_q);
                 out.qq[(k, j)] = out.qq[(j, k)];
                 out.vv[(j, k)] = dot(&axis_j.angular, &p_by_v);
                 out.vv[(k, j)] = out.vv[(j, k)];

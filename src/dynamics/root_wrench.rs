@@ -21,10 +21,7 @@ impl<S: Scalar> RootWrenchDerivatives<S> {
     /// Allocates the results for a model with `n` joints.
     #[must_use]
     pub fn new(n: usize) -> Self {
-        Self {
-            wrench: Force::zero(),
-            jacobian: DMatrix::zeros(6, 3 * n),
-        }
+        Self { wrench: Force::zero(), jacobian: DMatrix::zeros(6, 3 * n) }
     }
 }
 
@@ -57,8 +54,7 @@ pub fn root_wrench<C: Scalar, S: AlgebraOver<C>>(
     let mut wrench = weight_of_base(model);
     for i in 0..model.dof() {
         let (inertia, velocity) = (&data.inertias[i], &data.velocities[i]);
-        wrench +=
-            inertia.apply(&data.accelerations[i]) + velocity.cross_force(&inertia.apply(velocity));
+        wrench += inertia.apply(&data.accelerations[i]) + velocity.cross_force(&inertia.apply(velocity));
     }
     Ok(wrench)
 }
@@ -107,10 +103,7 @@ pub fn root_wrench_second_order<C: Scalar, S: AlgebraOver<C>>(
     data.sweep(model, second, |k, load, _| {
         for (x, force) in [&load.by_q, &load.by_v, &load.by_a].into_iter().enumerate() {
             let mut column = jacobian.column_mut(x * n + k);
-            for (to, from) in column
-                .iter_mut()
-                .zip(force.angular.iter().chain(&force.linear))
-            {
+            for (to, from) in column.iter_mut().zip(force.angular.iter().chain(&force.linear)) {
                 *to = *from;
             }
         }

@@ -28,25 +28,14 @@ pub struct EffortSummary {
 /// # Errors
 /// The curve has another number of joints than `model`.
 pub fn effort_of(model: &Model, curve: &Curve, k: f64) -> Result<EffortSummary> {
-    let mut effort = EffortSummary {
-        control_effort: 0.0,
-        action: 0.0,
-        action_at_nodes: 0.0,
-        dynamics_defect: 0.0,
-    };
+    let mut effort = EffortSummary { control_effort: 0.0, action: 0.0, action_at_nodes: 0.0, dynamics_defect: 0.0 };
     for segment in 0..curve.segments() {
         add_segment(model, curve, k, segment, &mut effort)?;
     }
     Ok(effort)
 }
 
-fn add_segment(
-    model: &Model,
-    curve: &Curve,
-    k: f64,
-    segment: usize,
-    effort: &mut EffortSummary,
-) -> Result<()> {
+fn add_segment(model: &Model, curve: &Curve, k: f64, segment: usize, effort: &mut EffortSummary) -> Result<()> {
     let action = |s: &Sample| lagrangian_of_control(&s.qdot, &s.v, &s.u, k);
     let (chebyshev, begin) = (curve.chebyshev(segment), curve.breakpoints()[segment]);
     let nodes = chebyshev.times().iter().map(|t| (segment, begin + t));

@@ -31,11 +31,7 @@ impl<C: Scalar> ActuationWeights<C> {
             None => Ok(Self(Some(weights))),
             Some(joint) => {
                 let condition = "it is zero, the metric would be singular";
-                Err(Error::input(
-                    "weights",
-                    format!("weight of joint {joint}"),
-                    condition,
-                ))
+                Err(Error::input("weights", format!("weight of joint {joint}"), condition))
             }
         }
     }
@@ -48,9 +44,7 @@ impl<C: Scalar> ActuationWeights<C> {
 
     /// The weight of a joint.
     pub(crate) fn of(&self, joint: usize) -> C {
-        self.0
-            .as_ref()
-            .map_or_else(C::one, |weights| weights[joint])
+        self.0.as_ref().map_or_else(C::one, |weights| weights[joint])
     }
 
     /// Replaces `x`, whose columns have `N` entries each, by $W x$.

@@ -89,12 +89,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Collocation<C, S> {
     ///
     /// # Errors
     /// The length of `out` is not [`unknowns`](Self::unknowns), or `rhs` has another number of joints.
-    pub fn rates(
-        &self,
-        rhs: &mut (impl RightHandSide<C, S> + ?Sized),
-        k: C,
-        out: &mut [S],
-    ) -> Result<()> {
+    pub fn rates(&self, rhs: &mut (impl RightHandSide<C, S> + ?Sized), k: C, out: &mut [S]) -> Result<()> {
         check_length("rates", self.unknowns(), out.len())?;
         for (i, omega) in self.interior().zip(out.chunks_exact_mut(self.xi.nrows())) {
             rhs.omega(self.node(i), k, omega)?;
@@ -104,15 +99,10 @@ impl<C: Scalar, S: AlgebraOver<C>> Collocation<C, S> {
 }
 
 /// Multiplies `xi` by the transpose of a differentiation matrix.
-fn differentiate<C: Scalar, S: AlgebraOver<C>>(
-    xi: &DMatrix<S>,
-    d: &DMatrix<C>,
-    out: &mut DMatrix<S>,
-) {
+fn differentiate<C: Scalar, S: AlgebraOver<C>>(xi: &DMatrix<S>, d: &DMatrix<C>, out: &mut DMatrix<S>) {
     for i in 0..d.nrows() {
         for row in 0..xi.nrows() {
-            out[(row, i)] =
-                (0..d.ncols()).fold(S::zero(), |sum, j| sum + xi[(row, j)].scale(d[(i, j)]));
+            out[(row, i)] = (0..d.ncols()).fold(S::zero(), |sum, j| sum + xi[(row, j)].scale(d[(i, j)]));
         }
     }
 }

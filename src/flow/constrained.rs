@@ -3,8 +3,7 @@
 use super::jacobian::{ControlFormJacobian, NodeBlocks, NodeJacobian};
 use super::raise::Raise;
 use super::{
-    ActuationWeights, ControlCost, ControlForm, ControlLagrangian, Node, Penalty, RightHandSide,
-    TorquePenalty,
+    ActuationWeights, ControlCost, ControlForm, ControlLagrangian, Node, Penalty, RightHandSide, TorquePenalty,
 };
 use crate::constraint::{Constraint, Constraints, Evaluator, Weights};
 use crate::error::{Error, Result};
@@ -31,8 +30,7 @@ pub struct Penalised<K, C: Scalar = f64> {
 }
 
 /// The flow (A4) of the control form.
-pub type Constrained<'a, C, S, K> =
-    Sum<ControlForm<'a, C, S, TorquePenalty<C>>, StatePenalty<'a, C, S, K>, S>;
+pub type Constrained<'a, C, S, K> = Sum<ControlForm<'a, C, S, TorquePenalty<C>>, StatePenalty<'a, C, S, K>, S>;
 
 /// The flow (A4) of a [`ControlLagrangian`] with the cost `L`.
 pub type GeneralConstrained<'a, C, S, L, K> =
@@ -48,10 +46,7 @@ where
         &'a self,
         model: &'a Model<C>,
     ) -> Constrained<'a, C, S, &'a K> {
-        Sum::new(
-            ControlForm::with_cost(model, self.torque_penalty()),
-            self.state_penalty(model),
-        )
+        Sum::new(ControlForm::with_cost(model, self.torque_penalty()), self.state_penalty(model))
     }
 
     /// The right-hand side of the flow of `lagrangian` for `model` with the constraints as penalties, in the metric of
@@ -102,19 +97,13 @@ where
     /// The limits on the control as a cost of the control.
     #[must_use]
     pub fn torque_penalty(&self) -> TorquePenalty<C> {
-        TorquePenalty {
-            limits: self.constraints.torque.clone(),
-            penalty: self.weights.torque,
-        }
+        TorquePenalty { limits: self.constraints.torque.clone(), penalty: self.weights.torque }
     }
 
     /// The terms of the constraints on the state in the flow for `model` and in its Jacobian; they can be added to any
     /// form of the flow.
     #[must_use]
-    pub fn state_penalty<'a, S: AlgebraOver<C> + Tanh>(
-        &'a self,
-        model: &'a Model<C>,
-    ) -> StatePenalty<'a, C, S, &'a K> {
+    pub fn state_penalty<'a, S: AlgebraOver<C> + Tanh>(&'a self, model: &'a Model<C>) -> StatePenalty<'a, C, S, &'a K> {
         StatePenalty::new(model, &self.constraints.state, self.weights.state)
     }
 
@@ -180,9 +169,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> StatePenalty<'m,
     }
 }
 
-impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> RightHandSide<C, S>
-    for StatePenalty<'_, C, S, K>
-{
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> RightHandSide<C, S> for StatePenalty<'_, C, S, K> {
     fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {
         let n = self.model.dof();
         node.check(n, omega.len())?;
@@ -191,21 +178,14 @@ impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> RightHandSide<C, S>
         for (g, slope) in self.g.iter().zip(&mut self.slopes) {
             *slope = -self.penalty.derivatives(*g)[1];
         }
-        let weights = Weights {
-            first_order: &self.slopes,
-            gauss_newton: None,
-        };
-        let by_x = here
-            .weighted_derivatives(&self.constraints, weights)?
-            .gradient();
+        let weights = Weights { first_order: &self.slopes, gauss_newton: None };
+        let by_x = here.weighted_derivatives(&self.constraints, weights)?.gradient();
         omega.copy_from_slice(by_x.as_slice());
         self.raise.apply(node.x_p1(), k, omega)
     }
 }
 
-impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> NodeJacobian<C, S>
-    for StatePenalty<'_, C, S, K>
-{
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> NodeJacobian<C, S> for StatePenalty<'_, C, S, K> {
     fn evaluate(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
         let n = self.model.dof();
         out.check(n)?;
@@ -217,16 +197,12 @@ impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: Constraint<C>> NodeJacobian<C, S>
             let [_, first, second, _] = self.penalty.derivatives(*g);
             (*slope, *curvature) = (-first, -second);
         }
-        let weights = Weights {
-            first_order: &self.slopes,
-            gauss_newton: Some(&self.curvatures),
-        };
+        let weights = Weights { first_order: &self.slopes, gauss_newton: Some(&self.curvatures) };
         let sums = here.weighted_derivatives(&self.constraints, weights)?;
         out.dx.copy_from(sums.hessian());
         out.dxdot.fill(S::zero());
         out.dxddot.fill(S::zero());
-        self.raise
-            .differentiate(node.x_p1(), k, sums.gradient(), &mut out.dx)
+        self.raise.differentiate(node.x_p1(), k, sums.gradient(), &mut out.dx)
     }
 }
 
@@ -245,22 +221,13 @@ impl<A, B, S: Scalar> Sum<A, B, S> {
     /// `first + second`.
     #[must_use]
     pub fn new(first: A, second: B) -> Self {
-        Self {
-            first,
-            second,
-            sign: S::one(),
-            omega: Vec::new(),
-            blocks: NodeBlocks::new(0),
-        }
+        Self { first, second, sign: S::one(), omega: Vec::new(), blocks: NodeBlocks::new(0) }
     }
 
     /// `first - second`.
     #[must_use]
     pub fn difference(first: A, second: B) -> Self {
-        Self {
-            sign: -S::one(),
-            ..Self::new(first, second)
-        }
+        Self { sign: -S::one(), ..Self::new(first, second) }
     }
 }
 
@@ -274,10 +241,7 @@ where
         self.first.omega(node, k, omega)?;
         self.omega.resize(omega.len(), S::zero());
         self.second.omega(node, k, &mut self.omega)?;
-        omega
-            .iter_mut()
-            .zip(&self.omega)
-            .for_each(|(a, b)| *a += self.sign * *b);
+        omega.iter_mut().zip(&self.omega).for_each(|(a, b)| *a += self.sign * *b);
         Ok(())
     }
 }

@@ -61,10 +61,7 @@ impl<C: Scalar, A: ControlCost<C>, B: ControlCost<C>> ControlCost<C> for (A, B) 
     }
 
     fn derivatives<S: AlgebraOver<C> + Tanh>(&self, t: S, joint: usize, u: S) -> [S; 3] {
-        let (a, b) = (
-            self.0.derivatives(t, joint, u),
-            self.1.derivatives(t, joint, u),
-        );
+        let (a, b) = (self.0.derivatives(t, joint, u), self.1.derivatives(t, joint, u));
         std::array::from_fn(|i| a[i] + b[i])
     }
 
@@ -134,12 +131,7 @@ impl<C: Scalar> TorquePenalty<C> {
         let limit = S::lift(limit);
         let above = self.penalty.derivatives(u - limit);
         let below = self.penalty.derivatives(-u - limit);
-        [
-            above[0] + below[0],
-            above[1] - below[1],
-            above[2] + below[2],
-            above[3] - below[3],
-        ]
+        [above[0] + below[0], above[1] - below[1], above[2] + below[2], above[3] - below[3]]
     }
 }
 

@@ -24,18 +24,12 @@ impl<C: Scalar> DualTrajectory<C> {
     pub fn new(horizon: C, coefficients: DMatrix<C>) -> Result<Self> {
         let refused = |what, condition| Err(Error::input("dual trajectory", what, condition));
         if coefficients.ncols() == 0 {
-            return refused(
-                "coefficients",
-                "there are none, at least one column is needed",
-            );
+            return refused("coefficients", "there are none, at least one column is needed");
         }
         if horizon.is_zero() {
             return refused("horizon", "it is zero, a positive time is needed");
         }
-        Ok(Self {
-            horizon,
-            coefficients,
-        })
+        Ok(Self { horizon, coefficients })
     }
 
     /// The number of components.

@@ -57,31 +57,22 @@ impl<C: Scalar, S: AlgebraOver<C> + Tanh> RightHandSide<C, S> for FootPenalty<'_
         let n = self.model.dof();
         node.check(n, omega.len())?;
         let z = [node.x_p1(), node.x_p2(), node.xdot_p2()];
-        self.foot
-            .value(self.model, &mut self.data, z, &mut self.g)?;
+        self.foot.value(self.model, &mut self.data, z, &mut self.g)?;
         let weights = self.slopes.iter_mut().zip(&mut self.curvatures);
         for (g, (slope, curvature)) in self.g.iter().zip(weights) {
             let [_, first, second, _] = self.penalty.derivatives(*g);
             (*slope, *curvature) = (first, second);
         }
-        let weights = FootWeights {
-            slopes: &self.slopes,
-            multipliers: &self.slopes,
-            curvatures: &self.curvatures,
-        };
+        let weights = FootWeights { slopes: &self.slopes, multipliers: &self.slopes, curvatures: &self.curvatures };
         let (data, by_z) = (&mut self.data, &mut self.derivatives);
-        self.foot
-            .weighted_derivatives(self.model, data, z, weights, by_z)?;
+        self.foot.weighted_derivatives(self.model, data, z, weights, by_z)?;
         let rates = [node.xdot_p1(), node.xdot_p2(), node.xddot_p2()];
         for (i, omega) in omega.iter_mut().enumerate() {
             *omega = -by_z.gradient[i];
             if i >= n {
                 let row = by_z.hessian.row(n + i);
                 let rates = rates.iter().copied().flatten();
-                *omega += row
-                    .iter()
-                    .zip(rates)
-                    .fold(S::zero(), |sum, (l, rate)| sum + *l * *rate);
+                *omega += row.iter().zip(rates).fold(S::zero(), |sum, (l, rate)| sum + *l * *rate);
             }
         }
         self.raise.apply(node.x_p1(), k, omega)

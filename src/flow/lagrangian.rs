@@ -16,25 +16,11 @@ pub trait Lagrangian<C: Scalar = f64> {
     ///
     /// # Errors
     /// `x` or `xdot` does not have `2 N` entries.
-    fn value<S: AlgebraOver<C> + Tanh>(
-        &self,
-        model: &Model<C>,
-        t: S,
-        x: &[S],
-        xdot: &[S],
-        k: C,
-    ) -> Result<S>;
+    fn value<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, t: S, x: &[S], xdot: &[S], k: C) -> Result<S>;
 }
 
 impl<C: Scalar, L: Lagrangian<C>> Lagrangian<C> for &L {
-    fn value<S: AlgebraOver<C> + Tanh>(
-        &self,
-        model: &Model<C>,
-        t: S,
-        x: &[S],
-        xdot: &[S],
-        k: C,
-    ) -> Result<S> {
+    fn value<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, t: S, x: &[S], xdot: &[S], k: C) -> Result<S> {
         (**self).value(model, t, x, xdot, k)
     }
 }
@@ -44,14 +30,7 @@ impl<C: Scalar, L: Lagrangian<C>> Lagrangian<C> for &L {
 pub struct AghfLagrangian;
 
 impl<C: Scalar> Lagrangian<C> for AghfLagrangian {
-    fn value<S: AlgebraOver<C> + Tanh>(
-        &self,
-        model: &Model<C>,
-        _: S,
-        x: &[S],
-        xdot: &[S],
-        k: C,
-    ) -> Result<S> {
+    fn value<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, _: S, x: &[S], xdot: &[S], k: C) -> Result<S> {
         let u = control(model, x, xdot)?;
         lagrangian_of_control(split(xdot).0, split(x).1, &u, k)
     }
@@ -92,52 +71,31 @@ impl<C: Scalar, L> ControlLagrangian<C, L> {
     /// The paper's Lagrangian plus `cost`.
     #[must_use]
     pub fn with_cost(cost: L) -> Self {
-        Self {
-            weights: ActuationWeights::ones(),
-            slip_dual: None,
-            cost,
-        }
+        Self { weights: ActuationWeights::ones(), slip_dual: None, cost }
     }
 
     /// This Lagrangian plus another cost.
     #[must_use]
     pub fn and_cost<K>(self, cost: K) -> ControlLagrangian<C, (L, K)> {
-        ControlLagrangian {
-            weights: self.weights,
-            slip_dual: self.slip_dual,
-            cost: (self.cost, cost),
-        }
+        ControlLagrangian { weights: self.weights, slip_dual: self.slip_dual, cost: (self.cost, cost) }
     }
 
     /// The metric of the flow, $\mathrm{blockdiag}(k I, H W H)$.
     #[must_use]
     pub fn metric(&self) -> ActuationMetric<C> {
-        ActuationMetric {
-            weights: self.weights.clone(),
-        }
+        ActuationMetric { weights: self.weights.clone() }
     }
 
     /// Checks that all parts have `n` joints.
     pub(super) fn check(&self, n: usize) -> Result<()> {
         self.weights.check(n)?;
         let components = self.slip_dual.as_ref().map(DualTrajectory::components);
-        check_length(
-            "components of the dual of the slip",
-            n,
-            components.unwrap_or(n),
-        )
+        check_length("components of the dual of the slip", n, components.unwrap_or(n))
     }
 }
 
 impl<C: Scalar, L: ControlCost<C>> Lagrangian<C> for ControlLagrangian<C, L> {
-    fn value<S: AlgebraOver<C> + Tanh>(
-        &self,
-        model: &Model<C>,
-        t: S,
-        x: &[S],
-        xdot: &[S],
-        k: C,
-    ) -> Result<S> {
+    fn value<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, t: S, x: &[S], xdot: &[S], k: C) -> Result<S> {
         self.check(model.dof())?;
         let (u, v, qdot) = (control(model, x, xdot)?, split(x).1, split(xdot).0);
         check_length("xdot", x.len(), xdot.len())?;
@@ -196,12 +154,7 @@ pub fn lagrangian<C: Scalar, S: AlgebraOver<C>>(
 ///
 /// # Errors
 /// `xdot_p1` or `x_p2` does not have the length of `u`.
-pub fn lagrangian_of_control<C: Scalar, S: AlgebraOver<C>>(
-    xdot_p1: &[S],
-    x_p2: &[S],
-    u: &[S],
-    k: C,
-) -> Result<S> {
+pub fn lagrangian_of_control<C: Scalar, S: AlgebraOver<C>>(xdot_p1: &[S], x_p2: &[S], u: &[S], k: C) -> Result<S> {
     check_length("xdot_p1", u.len(), xdot_p1.len())?;
     check_length("x_p2", u.len(), x_p2.len())?;
     let square = |sum, x| sum + x * x;

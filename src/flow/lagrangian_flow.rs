@@ -34,29 +34,16 @@ impl<'m, C: Scalar, L: Lagrangian<C>, M: Metric<C>> LagrangianFlow<'m, L, C, M> 
     /// The flow of `lagrangian` for `model` in `metric`.
     #[must_use]
     pub fn in_metric(model: &'m Model<C>, lagrangian: L, metric: M) -> Self {
-        Self {
-            model,
-            lagrangian,
-            metric,
-        }
+        Self { model, lagrangian, metric }
     }
 
     /// Evaluates `L` with a rate along time and the curve in the inner tangent and along one coordinate of `[x; xdot]`
     /// in the outer one.
-    fn along<S: AlgebraOver<C> + Tanh>(
-        &self,
-        node: Node<'_, S>,
-        coordinate: usize,
-        k: C,
-    ) -> Result<Jet<Jet<S, 1>, 1>> {
+    fn along<S: AlgebraOver<C> + Tanh>(&self, node: Node<'_, S>, coordinate: usize, k: C) -> Result<Jet<Jet<S, 1>, 1>> {
         let m = node.x.len();
         let moving = |x: &[S], rate: &[S], first: usize| -> Vec<Jet<Jet<S, 1>, 1>> {
             let jet = |(i, (x, rate)): (usize, (&S, &S))| {
-                let along = if first + i == coordinate {
-                    S::one()
-                } else {
-                    S::zero()
-                };
+                let along = if first + i == coordinate { S::one() } else { S::zero() };
                 Jet::new(Jet::new(*x, [*rate]), [Jet::constant(along)])
             };
             x.iter().zip(rate).enumerate().map(jet).collect()

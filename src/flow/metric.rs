@@ -15,26 +15,13 @@ pub trait Metric<C: Scalar = f64> {
     ///
     /// # Errors
     /// `x` does not have `2 N` entries, or the metric has another number of joints.
-    fn matrix<S: AlgebraOver<C> + Tanh>(
-        &self,
-        model: &Model<C>,
-        t: S,
-        x: &[S],
-        k: C,
-    ) -> Result<DMatrix<S>>;
+    fn matrix<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, t: S, x: &[S], k: C) -> Result<DMatrix<S>>;
 
     /// Replaces `force`, `2 N` entries, by $G^{-1} f$; by default with a factorisation of [`matrix`](Self::matrix).
     ///
     /// # Errors
     /// Those of [`matrix`](Self::matrix), or `force` does not have `2 N` entries.
-    fn raise<S: AlgebraOver<C> + Tanh>(
-        &self,
-        model: &Model<C>,
-        t: S,
-        x: &[S],
-        k: C,
-        force: &mut [S],
-    ) -> Result<()> {
+    fn raise<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, t: S, x: &[S], k: C, force: &mut [S]) -> Result<()> {
         let g = self.matrix(model, t, x, k)?;
         check_length("force", g.nrows(), force.len())?;
         let mut ldlt = Ldlt::new(g.nrows());
@@ -45,24 +32,11 @@ pub trait Metric<C: Scalar = f64> {
 }
 
 impl<C: Scalar, M: Metric<C>> Metric<C> for &M {
-    fn matrix<S: AlgebraOver<C> + Tanh>(
-        &self,
-        model: &Model<C>,
-        t: S,
-        x: &[S],
-        k: C,
-    ) -> Result<DMatrix<S>> {
+    fn matrix<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, t: S, x: &[S], k: C) -> Result<DMatrix<S>> {
         (**self).matrix(model, t, x, k)
     }
 
-    fn raise<S: AlgebraOver<C> + Tanh>(
-        &self,
-        model: &Model<C>,
-        t: S,
-        x: &[S],
-        k: C,
-        force: &mut [S],
-    ) -> Result<()> {
+    fn raise<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, t: S, x: &[S], k: C, force: &mut [S]) -> Result<()> {
         (**self).raise(model, t, x, k, force)
     }
 }
@@ -94,13 +68,7 @@ impl<C: Scalar> ActuationMetric<C> {
 }
 
 impl<C: Scalar> Metric<C> for ActuationMetric<C> {
-    fn matrix<S: AlgebraOver<C> + Tanh>(
-        &self,
-        model: &Model<C>,
-        _: S,
-        x: &[S],
-        k: C,
-    ) -> Result<DMatrix<S>> {
+    fn matrix<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, _: S, x: &[S], k: C) -> Result<DMatrix<S>> {
         let (n, h) = (model.dof(), self.mass_matrix(model, x)?);
         let mut weighted = h.clone();
         self.weights.multiply(weighted.as_mut_slice());
@@ -112,14 +80,7 @@ impl<C: Scalar> Metric<C> for ActuationMetric<C> {
     }
 
     /// Uses two solves with `H` instead of one with `H W H`, whose condition number is the square.
-    fn raise<S: AlgebraOver<C> + Tanh>(
-        &self,
-        model: &Model<C>,
-        _: S,
-        x: &[S],
-        k: C,
-        force: &mut [S],
-    ) -> Result<()> {
+    fn raise<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, _: S, x: &[S], k: C, force: &mut [S]) -> Result<()> {
         let (n, h) = (model.dof(), self.mass_matrix(model, x)?);
         check_length("force", 2 * n, force.len())?;
         let mut ldlt = Ldlt::new(n);
@@ -140,8 +101,7 @@ pub trait Drift<C: Scalar = f64> {
     ///
     /// # Errors
     /// `x` does not have `2 N` entries, or the drift has another number of joints.
-    fn rate<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, t: S, x: &[S])
-    -> Result<DVector<S>>;
+    fn rate<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, t: S, x: &[S]) -> Result<DVector<S>>;
 }
 
 /// The paper's drift (5), the dynamics without control, $F_d = [x_{P2}; FD_0]$.
@@ -149,26 +109,14 @@ pub trait Drift<C: Scalar = f64> {
 pub struct FreeDynamics;
 
 impl<C: Scalar> Drift<C> for FreeDynamics {
-    fn rate<S: AlgebraOver<C> + Tanh>(
-        &self,
-        model: &Model<C>,
-        _: S,
-        x: &[S],
-    ) -> Result<DVector<S>> {
+    fn rate<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, _: S, x: &[S]) -> Result<DVector<S>> {
         let n = model.dof();
         check_length("x", 2 * n, x.len())?;
         let (q, v) = split(x);
         let mut rate = DVector::zeros(2 * n);
         let (upper, lower) = rate.as_mut_slice().split_at_mut(n);
         upper.copy_from_slice(v);
-        aba(
-            model,
-            &mut Data::new(model),
-            q,
-            v,
-            &vec![S::zero(); n],
-            lower,
-        )?;
+        aba(model, &mut Data::new(model), q, v, &vec![S::zero(); n], lower)?;
         Ok(rate)
     }
 }
@@ -184,14 +132,7 @@ pub struct AffineLagrangian<D, M> {
 }
 
 impl<C: Scalar, D: Drift<C>, M: Metric<C>> Lagrangian<C> for AffineLagrangian<D, M> {
-    fn value<S: AlgebraOver<C> + Tanh>(
-        &self,
-        model: &Model<C>,
-        t: S,
-        x: &[S],
-        xdot: &[S],
-        k: C,
-    ) -> Result<S> {
+    fn value<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, t: S, x: &[S], xdot: &[S], k: C) -> Result<S> {
         check_length("xdot", 2 * model.dof(), xdot.len())?;
         let drift = self.drift.rate(model, t, x)?;
         check_length("drift", xdot.len(), drift.len())?;

@@ -28,22 +28,17 @@ pub mod weak;
 pub use action::{EffortSummary, effort_of};
 pub use actuation::ActuationWeights;
 pub use collocation::{Collocation, assemble_jacobian};
-pub use constrained::{
-    Constrained, GeneralConstrained, Penalised, PenaltyWeights, StatePenalty, Sum,
-};
+pub use constrained::{Constrained, GeneralConstrained, Penalised, PenaltyWeights, StatePenalty, Sum};
 pub use control_penalty::{ControlCost, ControlDual, TorquePenalty};
 pub use dual_trajectory::DualTrajectory;
 pub use foot_penalty::FootPenalty;
-pub use lagrangian::{
-    AghfLagrangian, ControlLagrangian, Lagrangian, lagrangian, lagrangian_of_control,
-};
+pub use lagrangian::{AghfLagrangian, ControlLagrangian, Lagrangian, lagrangian, lagrangian_of_control};
 pub use lagrangian_flow::LagrangianFlow;
 pub use metric::{ActuationMetric, AffineLagrangian, Drift, FreeDynamics, Metric};
 pub use node::Node;
 pub use omega::{AlgorithmB1, ControlForm, TheoremB3};
 pub use penalty::{
-    Penalty, activation, activation_slope, constrained_lagrangian, penalty, penalty_curvature,
-    penalty_slope,
+    Penalty, activation, activation_slope, constrained_lagrangian, penalty, penalty_curvature, penalty_slope,
 };
 pub use run::{Flow, FlowRecord, FlowSolution, output_count};
 pub use settings::FlowSettings;

@@ -74,6 +74,5 @@ pub fn constrained_lagrangian<C: Scalar, S: AlgebraOver<C> + Tanh>(
     k_cons: C,
     c_cons: C,
 ) -> S {
-    g.into_iter()
-        .fold(lagrangian, |sum, g| sum + penalty(g, k_cons, c_cons))
+    g.into_iter().fold(lagrangian, |sum, g| sum + penalty(g, k_cons, c_cons))
 }

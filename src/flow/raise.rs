@@ -68,13 +68,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> Raise<'m, C, S> {
     }
 
     /// Replaces $\partial \gamma / \partial x$, `2 N` by `2 N`, by $\partial (G^{-1} \gamma) / \partial x$ at `q`.
-    pub(super) fn differentiate(
-        &mut self,
-        q: &[S],
-        k: C,
-        gamma: &DVector<S>,
-        dx: &mut DMatrix<S>,
-    ) -> Result<()> {
+    pub(super) fn differentiate(&mut self, q: &[S], k: C, gamma: &DVector<S>, dx: &mut DMatrix<S>) -> Result<()> {
         let n = self.model.dof();
         self.weights.check(n)?;
         crba(self.model, &mut self.data, q, &mut self.h)?;

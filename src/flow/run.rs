@@ -2,8 +2,8 @@
 
 use super::jacobian::{ForwardDual, NodeBlocks, NodeJacobian};
 use super::{
-    Collocation, ControlForm, FlowSettings, FootPenalty, Lagrangian, LagrangianFlow, Metric,
-    Penalised, RightHandSide, Sum, assemble_jacobian, lagrangian_of_control,
+    Collocation, ControlForm, FlowSettings, FootPenalty, Lagrangian, LagrangianFlow, Metric, Penalised, RightHandSide,
+    Sum, assemble_jacobian, lagrangian_of_control,
 };
 use crate::constraint::Constraint;
 use crate::curve::{Chebyshev, Curve};
@@ -77,10 +77,7 @@ impl<'a> Flow<'a> {
         let model = problem.model();
         Self {
             problem,
-            form: Ok(Form {
-                rhs: Box::new(ControlForm::new(model)),
-                jacobian: settings.jacobian.build(model),
-            }),
+            form: Ok(Form { rhs: Box::new(ControlForm::new(model)), jacobian: settings.jacobian.build(model) }),
             integrator: settings.integrator.build(),
             settings,
             observe: Box::new(|_| {}),
@@ -122,11 +119,7 @@ impl<'a> Flow<'a> {
 
     /// Replaces right-hand side and Jacobian by any others.
     #[must_use]
-    pub fn right_hand_side(
-        self,
-        rhs: impl RightHandSide + 'a,
-        jacobian: impl NodeJacobian + 'a,
-    ) -> Self {
+    pub fn right_hand_side(self, rhs: impl RightHandSide + 'a, jacobian: impl NodeJacobian + 'a) -> Self {
         let (rhs, jacobian) = (Box::new(rhs), Box::new(jacobian));
         let form = Ok(Form { rhs, jacobian });
         Self { form, ..self }
@@ -179,13 +172,7 @@ impl<'a> Flow<'a> {
             stopped: None,
             error: None,
         };
-        let mut recorder = Recorder {
-            problem,
-            k: settings.k,
-            chebyshev,
-            collocation,
-            history: Vec::new(),
-        };
+        let mut recorder = Recorder { problem, k: settings.k, chebyshev, collocation, history: Vec::new() };
         (self.observe)(&recorder.record(0.0, &unknowns)?);
         let mut error = None;
         let outcome = self.integrator.integrate(
@@ -193,10 +180,7 @@ impl<'a> Flow<'a> {
             0.0,
             &unknowns,
             &outputs(settings.s_max),
-            Tolerance {
-                relative: settings.tolerance,
-                absolute: settings.tolerance,
-            },
+            Tolerance { relative: settings.tolerance, absolute: settings.tolerance },
             &mut |s, y| match recorder.record(s, y) {
                 Ok(record) => (self.observe)(&record),
                 Err(e) => error = Some(e),
@@ -267,15 +251,8 @@ impl Ode for CollocatedFlow<'_> {
     }
 
     fn rhs(&mut self, _s: f64, y: &[f64], dy: &mut [f64]) {
-        let Self {
-            form,
-            collocation,
-            k,
-            ..
-        } = self;
-        let rates = collocation
-            .set(y)
-            .and_then(|()| collocation.rates(&mut *form.rhs, *k, dy));
+        let Self { form, collocation, k, .. } = self;
+        let rates = collocation.set(y).and_then(|()| collocation.rates(&mut *form.rhs, *k, dy));
         if let Err(error) = rates {
             dy.fill(f64::NAN);
             self.error = Some(error);
@@ -283,16 +260,9 @@ impl Ode for CollocatedFlow<'_> {
     }
 
     fn jacobian(&mut self, _s: f64, y: &[f64], jac: &mut DMatrix<f64>) {
-        let Self {
-            form,
-            collocation,
-            blocks,
-            k,
-            ..
-        } = self;
-        let assembled = collocation
-            .set(y)
-            .and_then(|()| assemble_jacobian(collocation, &mut *form.jacobian, *k, blocks, jac));
+        let Self { form, collocation, blocks, k, .. } = self;
+        let assembled =
+            collocation.set(y).and_then(|()| assemble_jacobian(collocation, &mut *form.jacobian, *k, blocks, jac));
         if let Err(error) = assembled {
             jac.fill(f64::NAN);
             self.error = Some(error);
@@ -322,14 +292,7 @@ impl Recorder<'_, '_> {
         let mut action_at_nodes = 0.0;
         for (i, weight) in self.chebyshev.weights().iter().enumerate() {
             let node = self.collocation.node(i);
-            rnea(
-                model,
-                &mut data,
-                node.x_p1(),
-                node.x_p2(),
-                node.xdot_p2(),
-                &mut u,
-            )?;
+            rnea(model, &mut data, node.x_p1(), node.x_p2(), node.xdot_p2(), &mut u)?;
             let lagrangian = lagrangian_of_control(node.xdot_p1(), node.x_p2(), &u, self.k)?;
             action_at_nodes += weight * lagrangian;
         }

@@ -58,20 +58,13 @@ impl FlowSettings {
     /// # Errors
     /// A number is out of range, or the Jacobian of a robot with `dof` joints does not fit into memory.
     pub fn check(&self, dof: usize) -> Result<()> {
-        Chebyshev::check_degree(self.degree)
-            .map_err(|condition| Error::input("settings", "degree", condition))?;
+        Chebyshev::check_degree(self.degree).map_err(|condition| Error::input("settings", "degree", condition))?;
         let (p, unknowns) = (self.degree, dof * 2 * self.degree.saturating_sub(1));
         if unknowns > MOST_UNKNOWNS {
-            let condition = format!(
-                "it is {p}, with {dof} joints {unknowns} unknowns; at most {MOST_UNKNOWNS}"
-            );
+            let condition = format!("it is {p}, with {dof} joints {unknowns} unknowns; at most {MOST_UNKNOWNS}");
             return Err(Error::input("settings", "degree", condition));
         }
-        for (what, value) in [
-            ("k", self.k),
-            ("s_max", self.s_max),
-            ("tolerance", self.tolerance),
-        ] {
+        for (what, value) in [("k", self.k), ("s_max", self.s_max), ("tolerance", self.tolerance)] {
             check_positive("settings", what, value)?;
         }
         Ok(())

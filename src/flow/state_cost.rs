@@ -33,14 +33,7 @@ pub struct WithStateCost<L, K> {
 }
 
 impl<C: Scalar, L: Lagrangian<C>, K: StateCost<C>> Lagrangian<C> for WithStateCost<L, K> {
-    fn value<S: AlgebraOver<C> + Tanh>(
-        &self,
-        model: &Model<C>,
-        t: S,
-        x: &[S],
-        xdot: &[S],
-        k: C,
-    ) -> Result<S> {
+    fn value<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, t: S, x: &[S], xdot: &[S], k: C) -> Result<S> {
         Ok(self.lagrangian.value(model, t, x, xdot, k)? + self.cost.value(model, t, x)?)
     }
 }
@@ -61,23 +54,14 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, K: StateCost<C>> StateCostTerm<'m,
     /// The term for `model` in the metric with these weights.
     #[must_use]
     pub fn new(model: &'m Model<C>, weights: ActuationWeights<C>, cost: K) -> Self {
-        Self {
-            model,
-            cost,
-            raise: Raise::new(model, weights),
-            force: DVector::zeros(2 * model.dof()),
-        }
+        Self { model, cost, raise: Raise::new(model, weights), force: DVector::zeros(2 * model.dof()) }
     }
 
     /// Computes $-\partial \psi / \partial x$.
     fn push(&mut self, node: Node<'_, S>) -> Result<()> {
         for i in 0..node.x.len() {
-            let moved: Vec<_> = (node.x.iter().enumerate())
-                .map(|(j, x)| Jet::new(*x, [unit(i == j)]))
-                .collect();
-            let psi = self
-                .cost
-                .value(self.model, Jet::<S, 1>::constant(node.t), &moved)?;
+            let moved: Vec<_> = (node.x.iter().enumerate()).map(|(j, x)| Jet::new(*x, [unit(i == j)])).collect();
+            let psi = self.cost.value(self.model, Jet::<S, 1>::constant(node.t), &moved)?;
             self.force[i] = -psi.eps[0];
         }
         Ok(())
@@ -102,9 +86,7 @@ fn unit<S: Scalar>(one: bool) -> S {
     if one { S::one() } else { S::zero() }
 }
 
-impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: StateCost<C>> RightHandSide<C, S>
-    for StateCostTerm<'_, C, S, K>
-{
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: StateCost<C>> RightHandSide<C, S> for StateCostTerm<'_, C, S, K> {
     fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {
         node.check(self.model.dof(), omega.len())?;
         self.push(node)?;
@@ -113,9 +95,7 @@ impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: StateCost<C>> RightHandSide<C, S>
     }
 }
 
-impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: StateCost<C>> NodeJacobian<C, S>
-    for StateCostTerm<'_, C, S, K>
-{
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: StateCost<C>> NodeJacobian<C, S> for StateCostTerm<'_, C, S, K> {
     fn evaluate(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
         out.check(self.model.dof())?;
         node.check(self.model.dof(), out.dx.nrows())?;
@@ -128,7 +108,6 @@ impl<C: Scalar, S: AlgebraOver<C> + Tanh, K: StateCost<C>> NodeJacobian<C, S>
         }
         out.dxdot.fill(S::zero());
         out.dxddot.fill(S::zero());
-        self.raise
-            .differentiate(node.x_p1(), k, &self.force, &mut out.dx)
+        self.raise.differentiate(node.x_p1(), k, &self.force, &mut out.dx)
     }
 }

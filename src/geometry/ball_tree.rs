@@ -31,10 +31,8 @@ impl BallTree {
     /// Sorts the balls with the indices `own`, which are on one body, into a tree. Cost O(n log^2 n).
     #[must_use]
     pub fn new(balls: &[CollisionSphere], mut own: Vec<usize>) -> Self {
-        let mut tree = Self {
-            body: own.first().and_then(|i| balls[*i].body),
-            nodes: Vec::with_capacity(2 * own.len()),
-        };
+        let mut tree =
+            Self { body: own.first().and_then(|i| balls[*i].body), nodes: Vec::with_capacity(2 * own.len()) };
         tree.add(balls, &mut own);
         tree
     }
@@ -43,42 +41,22 @@ impl BallTree {
         if own.is_empty() {
             return;
         }
-        let ends = |side: f64| {
-            own.iter()
-                .map(move |i| balls[*i].centre.add_scalar(side * balls[*i].radius))
-        };
+        let ends = |side: f64| own.iter().map(move |i| balls[*i].centre.add_scalar(side * balls[*i].radius));
         let none = Vector3::repeat(f64::INFINITY);
         let lower = ends(-1.0).fold(none, |m, p| m.inf(&p));
         let upper = ends(1.0).fold(-none, |m, p| m.sup(&p));
         let centre = (lower + upper) * 0.5;
-        let reaches = own
-            .iter()
-            .map(|i| (balls[*i].centre - centre).norm() + balls[*i].radius);
-        let bound = Sphere {
-            centre,
-            radius: reaches.fold(0.0, f64::max),
-        };
+        let reaches = own.iter().map(|i| (balls[*i].centre - centre).norm() + balls[*i].radius);
+        let bound = Sphere { centre, radius: reaches.fold(0.0, f64::max) };
         let at = self.nodes.len();
         if let [i] = own {
             let CollisionSphere { centre, radius, .. } = balls[*i];
-            self.nodes.push(BallNode {
-                bound: Sphere { centre, radius },
-                next: at + 1,
-                leaf: Some(*i),
-            });
+            self.nodes.push(BallNode { bound: Sphere { centre, radius }, next: at + 1, leaf: Some(*i) });
             return;
         }
-        self.nodes.push(BallNode {
-            bound,
-            next: at,
-            leaf: None,
-        });
+        self.nodes.push(BallNode { bound, next: at, leaf: None });
         let axis = (upper - lower).imax();
-        own.sort_by(|a, b| {
-            balls[*a].centre[axis]
-                .total_cmp(&balls[*b].centre[axis])
-                .then(a.cmp(b))
-        });
+        own.sort_by(|a, b| balls[*a].centre[axis].total_cmp(&balls[*b].centre[axis]).then(a.cmp(b)));
         let (first, second) = own.split_at_mut(own.len() / 2);
         self.add(balls, first);
         self.add(balls, second);
@@ -158,12 +136,7 @@ impl<C: Scalar> BallTree<C> {
     ) {
         if !self.nodes.is_empty() && !other.nodes.is_empty() {
             let below = |pair| self.below_pair(other, pair);
-            descend(
-                [0, 0],
-                bound([0, 0]),
-                &(below, bound, is_nearer),
-                &mut visit,
-            );
+            descend([0, 0], bound([0, 0]), &(below, bound, is_nearer), &mut visit);
         }
     }
 }
@@ -172,11 +145,7 @@ impl<C: Scalar> BallTree<C> {
 fn descend<N: Copy, B>(
     node: N,
     own: B,
-    of: &(
-        impl Fn(N) -> Option<[N; 2]>,
-        impl Fn(N) -> B,
-        impl Fn(&B, &B) -> bool,
-    ),
+    of: &(impl Fn(N) -> Option<[N; 2]>, impl Fn(N) -> B, impl Fn(&B, &B) -> bool),
     visit: &mut impl FnMut(N, &B) -> bool,
 ) {
     if !visit(node, &own) {

@@ -56,13 +56,8 @@ impl Cells {
             return refused("excess", condition);
         }
         let counts = counts.map(|x| x as usize).into();
-        let mut cells = Self {
-            lower,
-            width,
-            counts,
-            kinds: vec![Kind::Within; counts.iter().product()],
-            patches: BTreeMap::new(),
-        };
+        let mut cells =
+            Self { lower, width, counts, kinds: vec![Kind::Within; counts.iter().product()], patches: BTreeMap::new() };
         for (i, triangle) in triangles.iter().enumerate() {
             cells.divide(triangle.to_vec(), 0, [0; 3], i);
         }
@@ -74,13 +69,7 @@ impl Cells {
     }
 
     /// Cuts a polygon at the planes between the cells, one axis after the other, and adds the pieces to their cells.
-    fn divide(
-        &mut self,
-        mut polygon: Vec<Vector3<f64>>,
-        axis: usize,
-        mut cell: [usize; 3],
-        i: usize,
-    ) {
+    fn divide(&mut self, mut polygon: Vec<Vector3<f64>>, axis: usize, mut cell: [usize; 3], i: usize) {
         if axis == 3 {
             let patch = self.patches.entry(self.index(cell)).or_default();
             patch.corners.extend(polygon);
@@ -91,10 +80,8 @@ impl Cells {
         }
         let place = |p: &Vector3<f64>| (p[axis] - self.lower[axis]) / self.width;
         let places = polygon.iter().map(place);
-        let [first, last] = [
-            places.clone().fold(f64::INFINITY, f64::min) as usize,
-            places.fold(0.0, f64::max) as usize,
-        ];
+        let [first, last] =
+            [places.clone().fold(f64::INFINITY, f64::min) as usize, places.fold(0.0, f64::max) as usize];
         for k in first..last {
             let plane = self.lower[axis] + (k + 1) as f64 * self.width;
             let [below, above] = cut(&polygon, axis, plane);

@@ -43,10 +43,7 @@ impl Capsule {
     /// # Errors
     /// `spacing` is not positive and finite, or the radius is negative or not finite.
     pub fn balls(&self, spacing: f64) -> Result<Vec<CollisionSphere>> {
-        for (what, value, good) in [
-            ("spacing", spacing, spacing > 0.0),
-            ("radius", self.radius, self.radius >= 0.0),
-        ] {
+        for (what, value, good) in [("spacing", spacing, spacing > 0.0), ("radius", self.radius, self.radius >= 0.0)] {
             if !(good && value.is_finite()) {
                 let condition = format!("it is {value}, which no capsule can have");
                 return Err(Error::input("capsule", what, condition));
@@ -54,11 +51,7 @@ impl Capsule {
         }
         let [from, to] = self.ends;
         let (length, pieces) = (self.length(), self.pieces(spacing));
-        let half = if pieces > 0.0 {
-            0.5 * length / pieces
-        } else {
-            0.0
-        };
+        let half = if pieces > 0.0 { 0.5 * length / pieces } else { 0.0 };
         let ball = |i: u32| CollisionSphere {
             body: self.body,
             centre: from + (to - from) * (f64::from(i) / pieces.max(1.0)),
@@ -82,29 +75,16 @@ impl Capsule {
     ///
     /// # Errors
     /// `placements` has no entry for the body.
-    pub fn nearest_ball(
-        &self,
-        placements: &[Placement<f64>],
-        solid: &Solid,
-    ) -> Result<Option<Sphere>> {
+    pub fn nearest_ball(&self, placements: &[Placement<f64>], solid: &Solid) -> Result<Option<Sphere>> {
         let [from, to] = self.ends;
-        let ends = [
-            in_base(self.body, &from, placements)?,
-            in_base(self.body, &to, placements)?,
-        ];
-        let ball = |centre| Sphere {
-            centre,
-            radius: self.radius,
-        };
+        let ends = [in_base(self.body, &from, placements)?, in_base(self.body, &to, placements)?];
+        let ball = |centre| Sphere { centre, radius: self.radius };
         Ok(solid.nearest_on_segment(&ends).map(ball))
     }
 }
 
 /// The placement of a body in the base frame.
-pub(super) fn placement_of(
-    body: Option<usize>,
-    placements: &[Placement<f64>],
-) -> Result<Placement<f64>> {
+pub(super) fn placement_of(body: Option<usize>, placements: &[Placement<f64>]) -> Result<Placement<f64>> {
     let Some(body) = body else {
         return Ok(Placement::identity());
     };
@@ -116,11 +96,7 @@ pub(super) fn placement_of(
 }
 
 /// The position of a point of a body in the base frame.
-fn in_base(
-    body: Option<usize>,
-    point: &Vector3<f64>,
-    placements: &[Placement<f64>],
-) -> Result<Vector3<f64>> {
+fn in_base(body: Option<usize>, point: &Vector3<f64>, placements: &[Placement<f64>]) -> Result<Vector3<f64>> {
     let placement = placement_of(body, placements)?;
     Ok(placement.rotation * point + placement.translation)
 }
@@ -148,19 +124,14 @@ impl CollisionGeometry {
         for capsule in &capsules {
             // Capsules of one body share the ball at its joint.
             for ball in capsule.balls(spacing)? {
-                let same =
-                    |b: &&mut CollisionSphere| b.body == ball.body && b.centre == ball.centre;
+                let same = |b: &&mut CollisionSphere| b.body == ball.body && b.centre == ball.centre;
                 match balls.iter_mut().find(same) {
                     Some(known) => known.radius = known.radius.max(ball.radius),
                     None => balls.push(ball),
                 }
             }
         }
-        Ok(Self {
-            balls,
-            capsules,
-            ..Self::default()
-        })
+        Ok(Self { balls, capsules, ..Self::default() })
     }
 
     /// The balls in the base frame, with the bodies at `placements`.
@@ -169,21 +140,14 @@ impl CollisionGeometry {
     /// `placements` has no entry for a body.
     pub fn placed(&self, placements: &[Placement<f64>]) -> Result<Vec<Sphere>> {
         let placed = |ball: &CollisionSphere| {
-            Ok(Sphere {
-                centre: in_base(ball.body, &ball.centre, placements)?,
-                radius: ball.radius,
-            })
+            Ok(Sphere { centre: in_base(ball.body, &ball.centre, placements)?, radius: ball.radius })
         };
         self.balls.iter().map(placed).collect()
     }
 
     /// The [nearest ball](Capsule::nearest_ball) of each capsule; `None` without capsules, and for a shape without a
     /// closed form.
-    pub(super) fn nearest_balls(
-        &self,
-        placements: &[Placement<f64>],
-        solid: &Solid,
-    ) -> Result<Option<Vec<Sphere>>> {
+    pub(super) fn nearest_balls(&self, placements: &[Placement<f64>], solid: &Solid) -> Result<Option<Vec<Sphere>>> {
         if self.capsules.is_empty() {
             return Ok(None);
         }
@@ -198,10 +162,7 @@ impl CollisionGeometry {
     #[must_use]
     pub fn with_sets(mut self) -> Self {
         let mut all = vec![0; self.balls.len()];
-        let sphere = |i: usize| Sphere {
-            centre: self.balls[i].centre,
-            radius: self.balls[i].radius,
-        };
+        let sphere = |i: usize| Sphere { centre: self.balls[i].centre, radius: self.balls[i].radius };
         for mut own in self.by_links() {
             own.sort_by(|i, j| self.balls[*j].radius.total_cmp(&self.balls[*i].radius));
             let mut sets = vec![Vec::new(); own.len().min(SETS)];

@@ -52,31 +52,19 @@ impl Shape<f64> {
         check(&[("excess", excess)])?;
         check(&lengths.collect::<Vec<_>>())?;
         match *self {
-            Self::Sphere { radius } => Ok(Cover {
-                balls: vec![Sphere {
-                    centre: Vector3::zeros(),
-                    radius,
-                }],
-                excess: 0.0,
-            }),
+            Self::Sphere { radius } => {
+                Ok(Cover { balls: vec![Sphere { centre: Vector3::zeros(), radius }], excess: 0.0 })
+            }
             Self::Cuboid { half_extents: h } => {
                 let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-                cover_triangles(
-                    &prism(&corners.map(|(x, y)| [x * h.x, y * h.y]), h.z),
-                    excess,
-                )
+                cover_triangles(&prism(&corners.map(|(x, y)| [x * h.x, y * h.y]), h.z), excess)
             }
-            Self::Capsule {
-                radius,
-                half_length,
-            } => {
+            Self::Capsule { radius, half_length } => {
                 let spacing = 2.0 * (excess * (2.0 * radius + excess)).sqrt();
                 let pieces = (2.0 * half_length / spacing).ceil();
                 if pieces + 1.0 > MOST_BALLS {
                     let [number, most] = [pieces + 1.0, MOST_BALLS].map(plain);
-                    let condition = format!(
-                        "it takes {number} balls for a capsule, at most {most} are allowed"
-                    );
+                    let condition = format!("it takes {number} balls for a capsule, at most {most} are allowed");
                     return refused("excess", condition);
                 }
                 let half = half_length / pieces;
@@ -85,15 +73,9 @@ impl Shape<f64> {
                     centre: Vector3::z() * (2.0 * half * f64::from(i) - half_length),
                     radius: radius_of_balls,
                 };
-                Ok(Cover {
-                    balls: (0..=pieces as u32).map(ball).collect(),
-                    excess: radius_of_balls - radius,
-                })
+                Ok(Cover { balls: (0..=pieces as u32).map(ball).collect(), excess: radius_of_balls - radius })
             }
-            Self::Cylinder {
-                radius,
-                half_length,
-            } => {
+            Self::Cylinder { radius, half_length } => {
                 // The sides touch the cylinder, and the edges are at this distance from its axis.
                 let most = radius + PRISM * excess;
                 let sides = (PI / (radius / most).acos()).ceil().max(3.0);

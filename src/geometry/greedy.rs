@@ -8,10 +8,7 @@ use std::collections::BinaryHeap;
 pub(super) fn fewest(sets: &[Vec<usize>], count: usize) -> Vec<usize> {
     let mut times = vec![0_u32; count];
     // The first of equals.
-    let heap = sets
-        .iter()
-        .enumerate()
-        .map(|(i, set)| (set.len(), usize::MAX - i));
+    let heap = sets.iter().enumerate().map(|(i, set)| (set.len(), usize::MAX - i));
     let mut heap: BinaryHeap<_> = heap.collect();
     let mut chosen = Vec::new();
     while let Some((gain, key)) = heap.pop() {

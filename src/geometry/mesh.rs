@@ -54,20 +54,14 @@ pub fn cover_triangles(triangles: &[Triangle], excess: f64) -> Result<Cover> {
         return refused("triangles", "there are none".to_owned());
     }
     if !coordinates.all(|x| x.is_finite()) {
-        return refused(
-            "triangles",
-            "a coordinate is not a finite number".to_owned(),
-        );
+        return refused("triangles", "a coordinate is not a finite number".to_owned());
     }
     let cells = Cells::new(triangles, WIDTH * excess)?;
     let surface = Surface::new(triangles, cells.outer_patches());
     let mut candidates = BTreeMap::new();
     let mut seen = vec![false; cells.count()];
     for cell in 0..cells.count() {
-        let Some(seed) = cells
-            .within(cell)
-            .filter(|_| !seen[cell] && cells.is_beside(cell))
-        else {
+        let Some(seed) = cells.within(cell).filter(|_| !seen[cell] && cells.is_beside(cell)) else {
             continue;
         };
         let ball = surface.largest_ball(&seed, excess);
@@ -120,11 +114,7 @@ impl<'a> Surface<'a> {
         Self {
             triangles,
             tree: Tree::new(&boxes),
-            some: patches
-                .iter()
-                .step_by(every)
-                .map(|p| p.corners[0])
-                .collect(),
+            some: patches.iter().step_by(every).map(|p| p.corners[0]).collect(),
             size: (upper - lower).norm(),
             boxes,
             patches,
@@ -171,10 +161,7 @@ impl<'a> Surface<'a> {
             }
             (foot + normal * radius, radius)
         });
-        Sphere {
-            centre: foot + normal * radius,
-            radius: radius + excess,
-        }
+        Sphere { centre: foot + normal * radius, radius: radius + excess }
     }
 
     /// The candidates that together contain all patches, with further balls about the patches that no candidate
@@ -215,9 +202,7 @@ impl<'a> Surface<'a> {
             let is_in = |p: &Vector3<f64>| (p - ball.centre).norm_squared() <= square;
             let [lower, upper] = &self.boxes[i];
             let furthest = (ball.centre - lower).sup(&(upper - ball.centre));
-            if left[i]
-                && (furthest.norm_squared() <= square || self.patches[i].corners.iter().all(is_in))
-            {
+            if left[i] && (furthest.norm_squared() <= square || self.patches[i].corners.iter().all(is_in)) {
                 found.push(i);
             }
             around

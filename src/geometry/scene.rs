@@ -67,11 +67,7 @@ impl Scene {
     /// A robot with these obstacles. With `ignored_pairs` its links keep clear of each other, except for these pairs;
     /// with `None` they may overlap.
     #[must_use]
-    pub fn new(
-        robot: CollisionGeometry,
-        obstacles: Vec<Obstacle>,
-        ignored_pairs: Option<&[[String; 2]]>,
-    ) -> Self {
+    pub fn new(robot: CollisionGeometry, obstacles: Vec<Obstacle>, ignored_pairs: Option<&[[String; 2]]>) -> Self {
         let by_balls = ignored_pairs.filter(|_| robot.sets.is_empty());
         let tree_pairs = ignored_pairs.map_or_else(Vec::new, |ignored| robot.tree_pairs(ignored));
         Self {
@@ -88,11 +84,7 @@ impl Scene {
     /// The same with distances that the robot keeps, m: from each obstacle, by its index, and between two links, by
     /// their names; without names for balls that belong to no links.
     #[must_use]
-    pub fn with_margins(
-        mut self,
-        of_obstacle: impl Fn(usize) -> f64,
-        of_links: impl Fn([&str; 2]) -> f64,
-    ) -> Self {
+    pub fn with_margins(mut self, of_obstacle: impl Fn(usize) -> f64, of_links: impl Fn([&str; 2]) -> f64) -> Self {
         self.obstacle_margins = (0..self.obstacles.len()).map(of_obstacle).collect();
         let link = |i: usize| self.robot.link_of(&self.trees[i]).unwrap_or_default();
         let pairs = self.tree_pairs.iter();
@@ -154,13 +146,9 @@ impl Scene {
         }
         let pairs = self.tree_pairs.iter().zip(&self.pair_margins);
         let of_margin = pairs.filter(|(_, own)| **own == margin);
-        let of_margin: HashSet<_> = of_margin
-            .flat_map(|([i, j], _)| [[*i, *j], [*j, *i]])
-            .collect();
+        let of_margin: HashSet<_> = of_margin.flat_map(|([i, j], _)| [[*i, *j], [*j, *i]]).collect();
         let pairs = self.pairs.iter().copied();
-        pairs
-            .filter(|pair| of_margin.contains(&pair.map(|ball| tree_of[ball])))
-            .collect()
+        pairs.filter(|pair| of_margin.contains(&pair.map(|ball| tree_of[ball]))).collect()
     }
 
     /// The [trees](CollisionGeometry::trees) of the robot.
@@ -196,11 +184,7 @@ impl Scene {
     ///
     /// # Errors
     /// `placements` has no entry for a body.
-    pub fn closest_pair_within(
-        &self,
-        placements: &[Placement<f64>],
-        most: f64,
-    ) -> Result<Option<ClosestPair<'_>>> {
+    pub fn closest_pair_within(&self, placements: &[Placement<f64>], most: f64) -> Result<Option<ClosestPair<'_>>> {
         self.closest(placements, true, most)
     }
 
@@ -209,10 +193,7 @@ impl Scene {
     ///
     /// # Errors
     /// `placements` has no entry for a body.
-    pub fn deepest_contact(
-        &self,
-        placements: &[Placement<f64>],
-    ) -> Result<Option<ClosestPair<'_>>> {
+    pub fn deepest_contact(&self, placements: &[Placement<f64>]) -> Result<Option<ClosestPair<'_>>> {
         self.closest(placements, false, f64::INFINITY)
     }
 
@@ -225,12 +206,7 @@ impl Scene {
         Ok(closest.map_or(f64::INFINITY, |pair| pair.distance))
     }
 
-    fn closest(
-        &self,
-        placements: &[Placement<f64>],
-        by_capsules: bool,
-        most: f64,
-    ) -> Result<Option<ClosestPair<'_>>> {
+    fn closest(&self, placements: &[Placement<f64>], by_capsules: bool, most: f64) -> Result<Option<ClosestPair<'_>>> {
         let kept = |margin: &f64| if by_capsules { 0.0 } else { *margin };
         let places = self.trees.iter().map(|t| placement_of(t.body, placements));
         let mut search = Search {
@@ -272,11 +248,7 @@ impl<'a> Search<'a> {
             distance,
             part,
             other: Collider::Obstacle(name),
-            points: along(
-                ball,
-                &solid.distance_derivatives(&ball.centre).normal,
-                distance,
-            ),
+            points: along(ball, &solid.distance_derivatives(&ball.centre).normal, distance),
             margin,
         };
         if let Some(balls) = balls {
@@ -342,18 +314,12 @@ impl<'a> Search<'a> {
     /// The bound of a node of a tree, in the base frame.
     fn placed(&self, tree: usize, node: usize) -> Sphere {
         let (place, bound) = (&self.places[tree], &self.trees[tree].nodes[node].bound);
-        Sphere {
-            centre: place.rotation * bound.centre + place.translation,
-            radius: bound.radius,
-        }
+        Sphere { centre: place.rotation * bound.centre + place.translation, radius: bound.radius }
     }
 
     /// The part of the robot with this ball.
     fn part(&self, ball: usize, tree: usize) -> Part<'a> {
-        Part {
-            body: self.trees[tree].body,
-            link: self.robot.links.get(ball).map(String::as_str),
-        }
+        Part { body: self.trees[tree].body, link: self.robot.links.get(ball).map(String::as_str) }
     }
 }
 

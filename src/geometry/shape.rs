@@ -2,9 +2,7 @@
 
 use super::corner::{Bent, beyond, corner, excess, length};
 use crate::scalar::{AlgebraOver, Scalar};
-use crate::spatial::{
-    Placement, apply_constant, apply_constant_transpose, matrix, rotation_of_z_to,
-};
+use crate::spatial::{Placement, apply_constant, apply_constant_transpose, matrix, rotation_of_z_to};
 use nalgebra::{Matrix3, Vector3};
 
 /// A shape about the origin of its own frame, in m.
@@ -71,23 +69,13 @@ impl Shape<f64> {
         let of = C::from_f64;
         match *self {
             Self::Sphere { radius } => Shape::Sphere { radius: of(radius) },
-            Self::Cuboid { half_extents } => Shape::Cuboid {
-                half_extents: half_extents.map(of),
-            },
-            Self::Cylinder {
-                radius,
-                half_length,
-            } => Shape::Cylinder {
-                radius: of(radius),
-                half_length: of(half_length),
-            },
-            Self::Capsule {
-                radius,
-                half_length,
-            } => Shape::Capsule {
-                radius: of(radius),
-                half_length: of(half_length),
-            },
+            Self::Cuboid { half_extents } => Shape::Cuboid { half_extents: half_extents.map(of) },
+            Self::Cylinder { radius, half_length } => {
+                Shape::Cylinder { radius: of(radius), half_length: of(half_length) }
+            }
+            Self::Capsule { radius, half_length } => {
+                Shape::Capsule { radius: of(radius), half_length: of(half_length) }
+            }
             Self::HalfSpace => Shape::HalfSpace,
         }
     }
@@ -99,10 +87,7 @@ impl Solid {
     #[must_use]
     pub fn half_space(normal: &Vector3<f64>, offset: f64) -> Self {
         let rotation = rotation_of_z_to(normal);
-        Self {
-            placement: Placement::new(rotation, rotation.column(2) * offset),
-            shape: Shape::HalfSpace,
-        }
+        Self { placement: Placement::new(rotation, rotation.column(2) * offset), shape: Shape::HalfSpace }
     }
 
     /// The point of a segment that is nearest to the solid, in closed form: for spheres and half-spaces; `None` for
@@ -154,14 +139,9 @@ impl<C: Scalar> Shape<C> {
         match *self {
             Self::Sphere { radius } => Vector3::repeat(radius),
             Self::Cuboid { half_extents } => half_extents,
-            Self::Cylinder {
-                radius,
-                half_length,
+            Self::Cylinder { radius, half_length } | Self::Capsule { radius, half_length } => {
+                Vector3::new(radius, radius, half_length)
             }
-            | Self::Capsule {
-                radius,
-                half_length,
-            } => Vector3::new(radius, radius, half_length),
             Self::HalfSpace => Vector3::zeros(),
         }
     }
@@ -173,20 +153,12 @@ impl<C: Scalar> Shape<C> {
     pub fn distance<S: AlgebraOver<C>>(&self, p: &Vector3<S>) -> S {
         match self {
             Self::Sphere { radius } => length([p.x, p.y, p.z]) - S::lift(*radius),
-            Self::Cuboid { half_extents: h } => {
-                corner([beyond(p.x, h.x), beyond(p.y, h.y), beyond(p.z, h.z)])
-            }
-            Self::Cylinder {
-                radius,
-                half_length,
-            } => {
+            Self::Cuboid { half_extents: h } => corner([beyond(p.x, h.x), beyond(p.y, h.y), beyond(p.z, h.z)]),
+            Self::Cylinder { radius, half_length } => {
                 let off = length([p.x, p.y]) - S::lift(*radius);
                 corner([off, beyond(p.z, *half_length)])
             }
-            Self::Capsule {
-                radius,
-                half_length,
-            } => {
+            Self::Capsule { radius, half_length } => {
                 let along = excess(beyond(p.z, *half_length));
                 length([p.x, p.y, along]) - S::lift(*radius)
             }
@@ -201,16 +173,13 @@ impl<C: Scalar> Shape<C> {
         let (one, zero) = (S::one(), S::zero());
         let sign = p.map(|x| x.if_negative(-one, one));
         match self {
-            Self::Sphere { radius } => Bent::length([p.x, p.y, p.z], [one; 3])
-                .distance(S::lift(*radius), &sign.map(|_| one)),
-            Self::Cuboid { half_extents: h } => {
-                Bent::corner([beyond(p.x, h.x), beyond(p.y, h.y), beyond(p.z, h.z)])
-                    .distance(zero, &sign)
+            Self::Sphere { radius } => {
+                Bent::length([p.x, p.y, p.z], [one; 3]).distance(S::lift(*radius), &sign.map(|_| one))
             }
-            Self::Cylinder {
-                radius,
-                half_length,
-            } => {
+            Self::Cuboid { half_extents: h } => {
+                Bent::corner([beyond(p.x, h.x), beyond(p.y, h.y), beyond(p.z, h.z)]).distance(zero, &sign)
+            }
+            Self::Cylinder { radius, half_length } => {
                 let off = Bent::length([p.x, p.y], [one; 2]);
                 let q = [off.value - S::lift(*radius), beyond(p.z, *half_length)];
                 let outer = Bent::corner(q);
@@ -221,28 +190,19 @@ impl<C: Scalar> Shape<C> {
                     normal: Vector3::from_fn(|i, _| outer.gradient[part(i)] * n[i]),
                     curvature: matrix(|i, j| {
                         let bent = outer.hessian[part(i)][part(j)] * n[i] * n[j];
-                        if i < 2 && j < 2 {
-                            bent + outer.gradient[0] * off.hessian[i][j]
-                        } else {
-                            bent
-                        }
+                        if i < 2 && j < 2 { bent + outer.gradient[0] * off.hessian[i][j] } else { bent }
                     }),
                 }
             }
-            Self::Capsule {
-                radius,
-                half_length,
-            } => {
+            Self::Capsule { radius, half_length } => {
                 let along = beyond(p.z, *half_length);
                 let moves = [one, one, along.if_negative(zero, one)];
                 let sign = Vector3::new(one, one, sign.z);
                 Bent::length([p.x, p.y, excess(along)], moves).distance(S::lift(*radius), &sign)
             }
-            Self::HalfSpace => Distance {
-                value: p.z,
-                normal: Vector3::new(zero, zero, one),
-                curvature: Matrix3::from_element(zero),
-            },
+            Self::HalfSpace => {
+                Distance { value: p.z, normal: Vector3::new(zero, zero, one), curvature: Matrix3::from_element(zero) }
+            }
         }
     }
 }

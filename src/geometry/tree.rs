@@ -32,16 +32,9 @@ impl Tree {
         if some.is_empty() {
             return;
         }
-        let (at, bounds) = (
-            self.nodes.len(),
-            bounds(some.iter().flat_map(|i| &boxes[*i])),
-        );
+        let (at, bounds) = (self.nodes.len(), bounds(some.iter().flat_map(|i| &boxes[*i])));
         let leaf = (some.len() == 1).then_some(some[0]);
-        self.nodes.push(Node {
-            bounds,
-            next: 0,
-            leaf,
-        });
+        self.nodes.push(Node { bounds, next: 0, leaf });
         if leaf.is_none() {
             let axis = (bounds[1] - bounds[0]).imax();
             let middle = |i: &usize| boxes[*i][0][axis] + boxes[*i][1][axis];
@@ -55,11 +48,7 @@ impl Tree {
 
     /// Calls `visit` with every box that is not further than a distance from a point. The point and the distance are
     /// those that `visit` returned last, `ball` at first; the ball must not extend beyond the one before.
-    pub fn visit(
-        &self,
-        mut ball: (Vector3<f64>, f64),
-        mut visit: impl FnMut(usize) -> (Vector3<f64>, f64),
-    ) {
+    pub fn visit(&self, mut ball: (Vector3<f64>, f64), mut visit: impl FnMut(usize) -> (Vector3<f64>, f64)) {
         let mut at = 0;
         while let Some(node) = self.nodes.get(at) {
             let [lower, upper] = &node.bounds;

@@ -74,9 +74,7 @@ impl<S: Scalar> BlockTridiagonal<S> {
                 let before = at - coupling.ncols();
                 let below = coupling.shape();
                 dense.view_mut((at, before), below).copy_from(coupling);
-                dense
-                    .view_mut((before, at), (below.1, below.0))
-                    .copy_from(&coupling.transpose());
+                dense.view_mut((before, at), (below.1, below.0)).copy_from(&coupling.transpose());
             }
         }
         dense
@@ -105,8 +103,7 @@ impl BlockTridiagonal<f64> {
                 let before = at - shared;
                 let (upper, lower) = (x.rows(before, shared), x.rows(at, below));
                 y.rows_mut(at, below).gemv(1.0, coupling, &upper, 1.0);
-                y.rows_mut(before, shared)
-                    .gemv_tr(1.0, coupling, &lower, 1.0);
+                y.rows_mut(before, shared).gemv_tr(1.0, coupling, &lower, 1.0);
             }
         }
     }

@@ -18,9 +18,7 @@ impl<S: Scalar> Ldlt<S> {
     /// Allocates the factors of matrices of order `n`.
     #[must_use]
     pub fn new(n: usize) -> Self {
-        Self {
-            factors: DMatrix::zeros(n, n),
-        }
+        Self { factors: DMatrix::zeros(n, n) }
     }
 
     /// Factorises the `n` by `n` matrix `h`, of which only the lower triangle is read. About `n^3 / 3` operations.
@@ -67,8 +65,7 @@ impl<S: Scalar> Ldlt<S> {
                 return;
             };
             let column = self.column(k);
-            let known =
-                (rest.iter().zip(&column[1..])).fold(S::zero(), |sum, (x, l)| sum + *x * *l);
+            let known = (rest.iter().zip(&column[1..])).fold(S::zero(), |sum, (x, l)| sum + *x * *l);
             *unknown = *unknown / column[0] - known;
         }
     }

@@ -16,13 +16,10 @@ use std::any::Any;
 pub fn multiply<S: Scalar>(a: &DMatrix<S>, b: &DMatrix<S>, out: &mut DMatrix<S>) {
     let [x, y]: [&dyn Any; 2] = [a, b];
     let z: &mut dyn Any = out;
-    if let (Some(a), Some(b), Some(out)) = (
-        x.downcast_ref::<DMatrix<f64>>(),
-        y.downcast_ref::<DMatrix<f64>>(),
-        z.downcast_mut::<DMatrix<f64>>(),
-    ) {
-        let [a, b] =
-            [a, b].map(|m| MatRef::from_column_major_slice(m.as_slice(), m.nrows(), m.ncols()));
+    if let (Some(a), Some(b), Some(out)) =
+        (x.downcast_ref::<DMatrix<f64>>(), y.downcast_ref::<DMatrix<f64>>(), z.downcast_mut::<DMatrix<f64>>())
+    {
+        let [a, b] = [a, b].map(|m| MatRef::from_column_major_slice(m.as_slice(), m.nrows(), m.ncols()));
         let (rows, columns) = out.shape();
         let out = MatMut::from_column_major_slice_mut(out.as_mut_slice(), rows, columns);
         matmul(out, Accum::Replace, a, b, 1.0, Par::Seq);

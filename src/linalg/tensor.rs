@@ -31,10 +31,7 @@ impl<S: Scalar> Tensor3<S> {
     /// The zero tensor of order `n`.
     #[must_use]
     pub fn new(n: usize) -> Self {
-        Self {
-            n,
-            entries: vec![S::zero(); n.pow(3)],
-        }
+        Self { n, entries: vec![S::zero(); n.pow(3)] }
     }
 
     /// Sets every entry to `value`.
@@ -113,10 +110,7 @@ impl<S: Scalar> Tensor3<S> {
     /// Applies a function to each slice.
     fn of_slices(&self, f: impl Fn(DMatrixView<'_, S>) -> DMatrix<S>) -> Self {
         let entries = (self.slices()).flat_map(|slice| f(slice).as_slice().to_vec());
-        Self {
-            n: self.n,
-            entries: entries.collect(),
-        }
+        Self { n: self.n, entries: entries.collect() }
     }
 
     /// Checks that the order of a result is `n`.
@@ -129,10 +123,7 @@ impl<S: Scalar> Tensor4<S> {
     /// The zero tensor of order `n`.
     #[must_use]
     pub fn new(n: usize) -> Self {
-        Self {
-            n,
-            entries: vec![S::zero(); n.pow(4)],
-        }
+        Self { n, entries: vec![S::zero(); n.pow(4)] }
     }
 
     /// Sets every entry to `value`.

@@ -18,10 +18,7 @@ impl<S: Scalar> Tiled<S> {
     /// The zero matrix of order `n`.
     pub(crate) fn new(n: usize) -> Self {
         let tiles = n.div_ceil(TILE);
-        Self {
-            tiles,
-            entries: vec![[S::zero(); TILE]; tiles * n],
-        }
+        Self { tiles, entries: vec![[S::zero(); TILE]; tiles * n] }
     }
 
     /// Sets every entry to zero.

@@ -60,11 +60,7 @@ impl<C: Scalar> Model<C> {
         for (i, spec) in specs.into_iter().enumerate() {
             let element = format!("joint '{}'", spec.name);
             if spec.parent.is_some_and(|p| p >= i) {
-                return Err(Error::input(
-                    name,
-                    element,
-                    "its parent does not come before it",
-                ));
+                return Err(Error::input(name, element, "its parent does not come before it"));
             }
             if model.joints.iter().any(|j| j.name() == spec.name) {
                 return Err(Error::input(name, element, "the name occurs twice"));
@@ -73,19 +69,9 @@ impl<C: Scalar> Model<C> {
                 name: spec.name.clone(),
                 body: Some(i),
                 placement: Placement::identity(),
-                carrier: Some(Carrier {
-                    joint: spec.name.clone(),
-                    parent: spec.parent,
-                }),
+                carrier: Some(Carrier { joint: spec.name.clone(), parent: spec.parent }),
             });
-            model.joints.push(Joint::new(
-                spec.name,
-                spec.kind,
-                spec.parent,
-                spec.origin,
-                spec.axis,
-                spec.limits,
-            ));
+            model.joints.push(Joint::new(spec.name, spec.kind, spec.parent, spec.origin, spec.axis, spec.limits));
             model.inertias.push(spec.inertia);
         }
         Ok(model)
@@ -96,9 +82,7 @@ impl<C: Scalar> Model<C> {
     /// # Errors
     /// The body does not exist, or another frame has the same name.
     pub fn add_frame(&mut self, frame: Frame<C>) -> Result<()> {
-        let refused = |condition: &str| {
-            Error::input(&self.name, format!("frame '{}'", frame.name), condition)
-        };
+        let refused = |condition: &str| Error::input(&self.name, format!("frame '{}'", frame.name), condition);
         if frame.body.is_some_and(|body| body >= self.dof()) {
             return Err(refused("there is no such body"));
         }
@@ -126,10 +110,7 @@ pub fn pendulum(links: usize) -> Result<Model> {
         name: format!("joint_{}", i + 1),
         kind: JointKind::Continuous,
         parent: i.checked_sub(1),
-        origin: Placement::new(
-            Matrix3::identity(),
-            Vector3::new(if i == 0 { 0.0 } else { -1.0 }, 0.0, 0.0),
-        ),
+        origin: Placement::new(Matrix3::identity(), Vector3::new(if i == 0 { 0.0 } else { -1.0 }, 0.0, 0.0)),
         axis: Vector3::y(),
         inertia: Inertia::from_com(1.0, Vector3::new(-0.5, 0.0, 0.0), Matrix3::zeros()),
         limits: Limits::NONE,

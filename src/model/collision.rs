@@ -40,33 +40,20 @@ impl<C: Scalar> Collision<C> {
     ///
     /// # Errors
     /// The model has no link of that name.
-    pub fn at_link(
-        model: &Model<C>,
-        link: &str,
-        placement: &Placement<C>,
-        shape: CollisionShape<C>,
-    ) -> Result<Self> {
+    pub fn at_link(model: &Model<C>, link: &str, placement: &Placement<C>, shape: CollisionShape<C>) -> Result<Self> {
         let frame = model.frames().iter().find(|f| f.name == link);
         let Some(frame) = frame else {
             let element = format!("link '{link}'");
             return Err(Error::input(model.name(), element, model.no_link(link)));
         };
-        Ok(Self {
-            link: link.to_owned(),
-            body: frame.body,
-            placement: frame.placement.compose(placement),
-            shape,
-        })
+        Ok(Self { link: link.to_owned(), body: frame.body, placement: frame.placement.compose(placement), shape })
     }
 
     /// The shape with its placement in the body; `None` for a mesh.
     #[must_use]
     pub fn solid(&self) -> Option<Solid<C>> {
         match self.shape {
-            CollisionShape::Solid(shape) => Some(Solid {
-                placement: self.placement,
-                shape,
-            }),
+            CollisionShape::Solid(shape) => Some(Solid { placement: self.placement, shape }),
             CollisionShape::Mesh { .. } => None,
         }
     }
@@ -88,11 +75,7 @@ impl<C: Scalar> Model<C> {
             let same = self.frames.iter().find(|f| f.name == *link);
             if same.is_none_or(|frame| frame.body != *body) {
                 let condition = "a shape is there, but no such link of this body";
-                return Err(Error::input(
-                    &self.name,
-                    format!("link '{link}'"),
-                    condition,
-                ));
+                return Err(Error::input(&self.name, format!("link '{link}'"), condition));
             }
         }
         self.collisions = collisions;
@@ -107,16 +90,12 @@ impl Collision<f64> {
         Collision {
             link: self.link.clone(),
             body: self.body,
-            placement: Placement::new(
-                self.placement.rotation.map(D::from_f64),
-                vector(&self.placement.translation),
-            ),
+            placement: Placement::new(self.placement.rotation.map(D::from_f64), vector(&self.placement.translation)),
             shape: match &self.shape {
                 CollisionShape::Solid(shape) => CollisionShape::Solid(shape.cast()),
-                CollisionShape::Mesh { file, scale } => CollisionShape::Mesh {
-                    file: file.clone(),
-                    scale: vector(scale),
-                },
+                CollisionShape::Mesh { file, scale } => {
+                    CollisionShape::Mesh { file: file.clone(), scale: vector(scale) }
+                }
             },
         }
     }
@@ -126,11 +105,7 @@ impl<C: Scalar> CollisionSphere<C> {
     /// The origins of all joint frames as points: the paper's collision model.
     #[must_use]
     pub fn joint_frames(model: &Model<C>) -> Vec<Self> {
-        let origin = |body| Self {
-            body: Some(body),
-            centre: Vector3::zeros(),
-            radius: C::zero(),
-        };
+        let origin = |body| Self { body: Some(body), centre: Vector3::zeros(), radius: C::zero() };
         (0..model.dof()).map(origin).collect()
     }
 
@@ -140,14 +115,8 @@ impl<C: Scalar> CollisionSphere<C> {
     /// The model has no link of that name.
     pub fn at_link(model: &Model<C>, link: &str, radius: C) -> Result<Self> {
         let frame = model.frames().iter().find(|f| f.name == link);
-        let frame = frame.ok_or_else(|| {
-            Error::input(model.name(), format!("link '{link}'"), model.no_link(link))
-        })?;
-        Ok(Self {
-            body: frame.body,
-            centre: frame.placement.translation,
-            radius,
-        })
+        let frame = frame.ok_or_else(|| Error::input(model.name(), format!("link '{link}'"), model.no_link(link)))?;
+        Ok(Self { body: frame.body, centre: frame.placement.translation, radius })
     }
 }
 
@@ -174,11 +143,7 @@ impl Capsule {
             if ends.is_empty() {
                 ends.push(Vector3::zeros());
             }
-            capsules.extend(ends.into_iter().map(|end| Self {
-                body,
-                ends: [Vector3::zeros(), end],
-                radius,
-            }));
+            capsules.extend(ends.into_iter().map(|end| Self { body, ends: [Vector3::zeros(), end], radius }));
         }
         capsules
     }

@@ -43,12 +43,8 @@ pub struct Limits {
 
 impl Limits {
     /// No limits.
-    pub const NONE: Self = Self {
-        lower: f64::NEG_INFINITY,
-        upper: f64::INFINITY,
-        velocity: f64::INFINITY,
-        effort: f64::INFINITY,
-    };
+    pub const NONE: Self =
+        Self { lower: f64::NEG_INFINITY, upper: f64::INFINITY, velocity: f64::INFINITY, effort: f64::INFINITY };
 
     /// The position within the limits that is nearest to `q`.
     #[must_use]
@@ -141,26 +137,19 @@ impl<C: Scalar> Joint<C> {
 
     /// Computes [`placement`](Self::placement) from `q`, its sine and its cosine.
     #[inline]
-    pub(crate) fn placement_turned<S: AlgebraOver<C>>(
-        &self,
-        q: S,
-        (sin, cos): (S, S),
-    ) -> Placement<S> {
+    pub(crate) fn placement_turned<S: AlgebraOver<C>>(&self, q: S, (sin, cos): (S, S)) -> Placement<S> {
         let lift = |v: &Vector3<C>| v.map(S::lift);
         match self.kind {
             JointKind::Revolute | JointKind::Continuous => {
                 let one_less_cos = cos - S::one();
-                let rotation = self.origin.rotation.zip_zip_map(
-                    &self.cosine_part,
-                    &self.sine_part,
-                    |fixed, c, s| one_less_cos.scale(c) + sin.scale(s) + S::lift(fixed),
-                );
+                let rotation = self.origin.rotation.zip_zip_map(&self.cosine_part, &self.sine_part, |fixed, c, s| {
+                    one_less_cos.scale(c) + sin.scale(s) + S::lift(fixed)
+                });
                 Placement::new(rotation, lift(&self.origin.translation))
             }
             JointKind::Prismatic => {
                 let direction = self.origin.rotation * self.axis;
-                let translation =
-                    (self.origin.translation).zip_map(&direction, |p, d| q.scale(d) + S::lift(p));
+                let translation = (self.origin.translation).zip_map(&direction, |p, d| q.scale(d) + S::lift(p));
                 Placement::new(self.origin.rotation.map(S::lift), translation)
             }
         }
@@ -173,9 +162,7 @@ impl<C: Scalar> Joint<C> {
     pub fn motion_subspace<S: AlgebraOver<C>>(&self, placement: &Placement<S>) -> Motion<S> {
         let axis = apply_to_constant(&placement.rotation, &self.axis);
         match self.kind {
-            JointKind::Revolute | JointKind::Continuous => {
-                Motion::new(axis, cross(&placement.translation, &axis))
-            }
+            JointKind::Revolute | JointKind::Continuous => Motion::new(axis, cross(&placement.translation, &axis)),
             JointKind::Prismatic => Motion::new(Vector3::zeros(), axis),
         }
     }
@@ -190,10 +177,7 @@ impl Joint<f64> {
             parent: self.parent,
             limits: self.limits,
             axis: self.axis.map(D::from_f64),
-            origin: Placement::new(
-                self.origin.rotation.map(D::from_f64),
-                self.origin.translation.map(D::from_f64),
-            ),
+            origin: Placement::new(self.origin.rotation.map(D::from_f64), self.origin.translation.map(D::from_f64)),
             cosine_part: self.cosine_part.map(D::from_f64),
             sine_part: self.sine_part.map(D::from_f64),
         }

@@ -45,17 +45,14 @@ impl Model<f64> {
     fn rebuilt(&self, positions: Vec<Option<f64>>, mount: &Placement<f64>) -> Result<Reduced> {
         let mut specs = Vec::<JointSpec<f64>>::new();
         let mut base = self.base_inertia.placed(mount);
-        let placed = |bodies: &[(Option<usize>, Placement<f64>)],
-                      body: Option<usize>,
-                      within: &Placement<f64>| match body {
-            Some(body) => (bodies[body].0, bodies[body].1.compose(within)),
-            None => (None, mount.compose(within)),
-        };
+        let placed =
+            |bodies: &[(Option<usize>, Placement<f64>)], body: Option<usize>, within: &Placement<f64>| match body {
+                Some(body) => (bodies[body].0, bodies[body].1.compose(within)),
+                None => (None, mount.compose(within)),
+            };
         let mut bodies: Vec<(Option<usize>, Placement<f64>)> = Vec::with_capacity(self.dof());
         let free = positions.iter().map(Option::is_none);
-        let drives = (self.drives.iter().zip(free))
-            .filter_map(|(drive, free)| free.then_some(*drive))
-            .collect();
+        let drives = (self.drives.iter().zip(free)).filter_map(|(drive, free)| free.then_some(*drive)).collect();
         for ((joint, inertia), q) in self.joints.iter().zip(&self.inertias).zip(positions) {
             let (parent, within) = placed(&bodies, joint.parent(), joint.origin());
             let Some(q) = q else {
@@ -80,20 +77,12 @@ impl Model<f64> {
         }
         let frame = |frame: &Frame<f64>| {
             let (body, placement) = placed(&bodies, frame.body, &frame.placement);
-            Frame {
-                body,
-                placement,
-                ..frame.clone()
-            }
+            Frame { body, placement, ..frame.clone() }
         };
         let frames = self.frames.iter().map(frame).collect();
         let collision = |collision: &Collision| {
             let (body, placement) = placed(&bodies, collision.body, &collision.placement);
-            Collision {
-                body,
-                placement,
-                ..collision.clone()
-            }
+            Collision { body, placement, ..collision.clone() }
         };
         let collisions = self.collisions.iter().map(collision).collect();
         let model = Model::from_joints(&self.name, specs)?

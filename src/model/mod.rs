@@ -70,12 +70,7 @@ impl<C: Scalar> Frame<C> {
     /// A frame at `placement` in the body of joint `body`, or in the base, such as a tool or a sensor.
     #[must_use]
     pub fn new(name: &str, body: Option<usize>, placement: Placement<C>) -> Self {
-        Self {
-            name: name.to_owned(),
-            body,
-            placement,
-            carrier: None,
-        }
+        Self { name: name.to_owned(), body, placement, carrier: None }
     }
 }
 
@@ -167,9 +162,7 @@ impl Model<f64> {
     #[must_use]
     pub fn cast<D: Scalar>(&self) -> Model<D> {
         let vector = |v: &Vector3<f64>| v.map(D::from_f64);
-        let placement = |p: &Placement<f64>| {
-            Placement::new(p.rotation.map(D::from_f64), vector(&p.translation))
-        };
+        let placement = |p: &Placement<f64>| Placement::new(p.rotation.map(D::from_f64), vector(&p.translation));
         let inertia = |i: &Inertia<f64>| Inertia {
             mass: D::from_f64(i.mass),
             first_moment: vector(&i.first_moment),

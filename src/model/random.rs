@@ -14,16 +14,8 @@ impl Model {
     pub fn random_configuration(&self, rng: &mut impl Rng) -> Vec<f64> {
         let draw = |joint: &Joint<f64>| {
             let Limits { lower, upper, .. } = *joint.limits();
-            let lower = if lower.is_finite() {
-                lower
-            } else {
-                upper.min(PI) - 2.0 * PI
-            };
-            let upper = if upper.is_finite() {
-                upper
-            } else {
-                lower + 2.0 * PI
-            };
+            let lower = if lower.is_finite() { lower } else { upper.min(PI) - 2.0 * PI };
+            let upper = if upper.is_finite() { upper } else { lower + 2.0 * PI };
             lower + (upper - lower) * rng.random::<f64>()
         };
         self.joints.iter().map(draw).collect()

@@ -58,11 +58,7 @@ impl Bracket {
     /// The maximum next to the first or last of the times, `end` 0 or 2, which has the largest value: time and height.
     pub fn at_end(&self, end: usize) -> (f64, f64) {
         let (time, height) = self.vertex();
-        if height > self.values[end] {
-            (time, height)
-        } else {
-            (self.times[end], self.values[end])
-        }
+        if height > self.values[end] { (time, height) } else { (self.times[end], self.values[end]) }
     }
 
     /// Returns true if the vertex is only slightly above the middle value, as it is for a smooth maximum once that is
@@ -76,11 +72,7 @@ impl Bracket {
     /// row that is the largest of several functions may have a step between the times, and all its values are then far
     /// below the parabola.
     pub fn maximum(&self) -> (f64, f64) {
-        if self.is_settled() {
-            self.vertex()
-        } else {
-            (self.times[1], self.values[1])
-        }
+        if self.is_settled() { self.vertex() } else { (self.times[1], self.values[1]) }
     }
 
     /// The next time at which the row is evaluated: the vertex, or the middle of the longer side if that is nearly the
@@ -121,13 +113,9 @@ pub(super) fn bound(values: &[f64], equality: bool) -> f64 {
         most = from_fn(|k| larger(most[k], larger(height(near[k]), above[k])));
         rest = &rest[LANES..];
     }
-    let windows = rest
-        .windows(3)
-        .map(|near| 3.0 * near[1] - near[0] - near[2]);
+    let windows = rest.windows(3).map(|near| 3.0 * near[1] - near[0] - near[2]);
     let others = rest.iter().copied().chain(windows).map(height);
-    most.into_iter()
-        .chain(others)
-        .fold(f64::NEG_INFINITY, larger)
+    most.into_iter().chain(others).fold(f64::NEG_INFINITY, larger)
 }
 
 /// The largest of values at successive times, or of their absolute values for an equality, and its position in

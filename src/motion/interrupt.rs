@@ -17,10 +17,7 @@ impl Interrupt {
     /// A request with a time limit as well, counted from now.
     #[must_use]
     pub fn after(time: Duration) -> Self {
-        Self {
-            raised: Arc::default(),
-            limit: Some((Instant::now() + time, time)),
-        }
+        Self { raised: Arc::default(), limit: Some((Instant::now() + time, time)) }
     }
 
     /// Requests that the search stop.
@@ -74,11 +71,7 @@ pub(crate) struct Watch {
 impl Watch {
     /// Starts the timer now.
     pub fn start(limit: Option<Duration>, interrupt: &Interrupt) -> Self {
-        Self {
-            began: Instant::now(),
-            limit,
-            interrupt: interrupt.clone(),
-        }
+        Self { began: Instant::now(), limit, interrupt: interrupt.clone() }
     }
 
     /// Returns true if this fraction of the time limit has passed.
@@ -90,8 +83,6 @@ impl Watch {
     /// The reason to stop, if there is one.
     pub fn stopped(&self) -> Option<Stopped> {
         let over = || self.limit.filter(|_| self.is_late(1.0));
-        self.interrupt
-            .stopped()
-            .or_else(|| over().map(Stopped::TimeLimit))
+        self.interrupt.stopped().or_else(|| over().map(Stopped::TimeLimit))
     }
 }

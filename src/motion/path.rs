@@ -33,11 +33,8 @@ impl PathMemory {
         if self.local[0].len() != n {
             self.local = [(); 3].map(|()| DVector::zeros(n));
         }
-        let Self {
-            functions, local, ..
-        } = self;
-        path.basis
-            .evaluate_in(&path.coefficients, time, functions, local);
+        let Self { functions, local, .. } = self;
+        path.basis.evaluate_in(&path.coefficients, time, functions, local);
         local
     }
 }
@@ -54,10 +51,7 @@ impl Path {
         };
         let least = Basis::new(1, ends.smallest_degree() - 1, ends);
         let coefficients = DMatrix::zeros(problem.model().dof(), least.count());
-        let least = Self {
-            basis: least,
-            coefficients,
-        };
+        let least = Self { basis: least, coefficients };
         least.between_ends_of(problem).in_basis(basis)
     }
 
@@ -65,10 +59,7 @@ impl Path {
     pub fn in_basis(&self, basis: Basis) -> Self {
         let dof = self.coefficients.nrows();
         let coefficients = basis.fit(dof, |time| self.basis.evaluate(&self.coefficients, time));
-        Self {
-            basis,
-            coefficients,
-        }
+        Self { basis, coefficients }
     }
 
     /// Computes the coefficients of the rest of a path on one segment after this share of it, from 0 to less than 1, as
@@ -94,10 +85,7 @@ impl Path {
             let (x, xdot) = curve.at(time * horizon);
             [x, xdot * horizon, DVector::zeros(rows)]
         });
-        Self {
-            basis,
-            coefficients,
-        }
+        Self { basis, coefficients }
     }
 
     /// The curve with these states.
@@ -186,26 +174,15 @@ impl Path {
             slope *= problem.horizon();
         }
         let last = self.basis.segments();
-        let Continuity {
-            acceleration,
-            rest,
-            free_final_position,
-            free_start,
-            ..
-        } = self.basis.continuity();
-        let ends = [
-            (0, problem.start(), free_start),
-            (last, problem.goal(), free_final_position),
-        ];
+        let Continuity { acceleration, rest, free_final_position, free_start, .. } = self.basis.continuity();
+        let ends = [(0, problem.start(), free_start), (last, problem.goal(), free_final_position)];
         for (end, state, _) in ends.into_iter().filter(|(.., free)| !free) {
             let mut q = self.coefficients.column_mut(self.basis.value(end));
             q.copy_from_slice(&state[..n]);
         }
         for (end, rest) in [0, last].into_iter().zip(rest) {
             if acceleration && rest {
-                self.coefficients
-                    .column_mut(self.basis.first(end))
-                    .fill(0.0);
+                self.coefficients.column_mut(self.basis.first(end)).fill(0.0);
             }
         }
     }
@@ -213,15 +190,8 @@ impl Path {
 
 /// The states $[q; v]$ at the Chebyshev nodes of all segments of a path, `2 N` by `p + 1` per segment, from
 /// configuration and velocity at normalised times.
-pub(crate) fn states_at_nodes(
-    path: &Path,
-    state: impl Fn(f64) -> [DVector<f64>; 2],
-) -> Result<DMatrix<f64>> {
-    let (n, segments, p) = (
-        path.coefficients.nrows(),
-        path.basis.segments(),
-        path.basis.degree(),
-    );
+pub(crate) fn states_at_nodes(path: &Path, state: impl Fn(f64) -> [DVector<f64>; 2]) -> Result<DMatrix<f64>> {
+    let (n, segments, p) = (path.coefficients.nrows(), path.basis.segments(), path.basis.degree());
     let chebyshev = Chebyshev::new(p, 1.0)?;
     let mut x = DMatrix::zeros(2 * n, segments * (p + 1));
     for e in 0..segments {
@@ -245,12 +215,7 @@ pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
         [q, slope / horizon]
     })?;
     let last = x.ncols() - 1;
-    let Continuity {
-        free_final_position,
-        free_final_velocity,
-        free_start,
-        ..
-    } = path.basis.continuity();
+    let Continuity { free_final_position, free_final_velocity, free_start, .. } = path.basis.continuity();
     if !free_start {
         x.column_mut(0).copy_from_slice(problem.start());
     }
@@ -266,9 +231,8 @@ pub(crate) fn curve_of(problem: &Problem<'_>, path: &Path) -> Result<Curve> {
 /// The configuration of a curve in a basis.
 pub(crate) fn path_of(curve: &Curve, basis: Basis) -> Path {
     let (n, parts) = (curve.dof(), curve.parts());
-    let second: Vec<_> = (0..curve.segments())
-        .map(|e| curve.segment(e) * curve.chebyshev(e).d2().transpose())
-        .collect();
+    let second: Vec<_> =
+        (0..curve.segments()).map(|e| curve.segment(e) * curve.chebyshev(e).d2().transpose()).collect();
     let mut weights = DVector::zeros(curve.degree() + 1);
     let coefficients = basis.fit(n, |time| {
         let part = ((time * parts as f64) as usize).min(parts - 1);
@@ -283,8 +247,5 @@ pub(crate) fn path_of(curve: &Curve, basis: Basis) -> Path {
         let of_q = |x: &DVector<f64>, scale: f64| x.rows(0, n) * scale;
         [of_q(&x, 1.0), of_q(&xdot, horizon), a * horizon * horizon]
     });
-    Path {
-        basis,
-        coefficients,
-    }
+    Path { basis, coefficients }
 }

@@ -25,11 +25,8 @@ impl<'m> Problem<'m> {
         if (Self::SHORTEST_HORIZON..=Self::LONGEST_HORIZON).contains(&horizon) {
             return Ok(());
         }
-        let [horizon, least, most] =
-            [horizon, Self::SHORTEST_HORIZON, Self::LONGEST_HORIZON].map(plain);
-        Err(format!(
-            "it is {horizon}, a positive time of at least {least} s and at most {most} s is needed"
-        ))
+        let [horizon, least, most] = [horizon, Self::SHORTEST_HORIZON, Self::LONGEST_HORIZON].map(plain);
+        Err(format!("it is {horizon}, a positive time of at least {least} s and at most {most} s is needed"))
     }
 
     /// The problem from state `start` to state `goal`, each $[q; v]$ with `2 N` entries, in `horizon` seconds.
@@ -39,12 +36,7 @@ impl<'m> Problem<'m> {
     /// [`SHORTEST_HORIZON`](Self::SHORTEST_HORIZON) or above [`LONGEST_HORIZON`](Self::LONGEST_HORIZON).
     pub fn new(model: &'m Model, start: Vec<f64>, goal: Vec<f64>, horizon: f64) -> Result<Self> {
         Self::check(model, [&start, &goal], horizon)?;
-        Ok(Self {
-            model,
-            start,
-            goal,
-            horizon,
-        })
+        Ok(Self { model, start, goal, horizon })
     }
 
     /// Changes the states and the horizon.
@@ -68,8 +60,7 @@ impl<'m> Problem<'m> {
                 return Err(Error::input(model.name(), what, condition));
             }
         }
-        Self::check_horizon(horizon)
-            .map_err(|condition| Error::input(model.name(), "horizon", condition))?;
+        Self::check_horizon(horizon).map_err(|condition| Error::input(model.name(), "horizon", condition))?;
         Ok(())
     }
 
@@ -142,9 +133,7 @@ impl<'m> Problem<'m> {
             match guess {
                 _ if node == 0 => start,
                 _ if node == p => goal,
-                Guess::LineConfiguration if row >= n => {
-                    (self.goal[row - n] - self.start[row - n]) / self.horizon
-                }
+                Guess::LineConfiguration if row >= n => (self.goal[row - n] - self.start[row - n]) / self.horizon,
                 Guess::LineState | Guess::LineConfiguration => {
                     start + (goal - start) * chebyshev.times()[node] / self.horizon
                 }

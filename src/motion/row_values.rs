@@ -1,8 +1,7 @@
 //! The rows of constraints at times of a motion.
 
 use crate::constraint::{
-    Constraint, Constraints, Evaluator, Piece, Pieces, PlacedState, RateLimit, StageInput,
-    searched_from,
+    Constraint, Constraints, Evaluator, Piece, Pieces, PlacedState, RateLimit, StageInput, searched_from,
 };
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
@@ -45,8 +44,7 @@ impl<'a, K: Constraint> Rows<'a, K> {
         let (n, count, zero) = (model.dof(), constraints.dim(), Wide::splat(0.0));
         let states = constraints.state.dim();
         let cutoff = |row: usize| constraints.state.cutoff(row).filter(|_| row < states);
-        let least = (0..count)
-            .map(|row| cutoff(row).map_or(f64::NEG_INFINITY, |cutoff| -cutoff / scales[row]));
+        let least = (0..count).map(|row| cutoff(row).map_or(f64::NEG_INFINITY, |cutoff| -cutoff / scales[row]));
         let least: Vec<_> = least.collect();
         let dense = (0..count).filter(|row| least[*row].is_infinite());
         let known: Vec<_> = dense.collect();
@@ -77,12 +75,7 @@ impl<'a, K: Constraint> Rows<'a, K> {
     }
 
     /// Evaluates all rows at times of a segment, where the motion has these states, one after the other.
-    pub fn evaluate(
-        &mut self,
-        states: &[f64],
-        (begin, own_times): (f64, &[f64]),
-        scales: &[f64],
-    ) -> Result<()> {
+    pub fn evaluate(&mut self, states: &[f64], (begin, own_times): (f64, &[f64]), scales: &[f64]) -> Result<()> {
         let n = self.model.dof();
         let times = own_times.len();
         self.stride = times.next_multiple_of(LANES);
@@ -91,21 +84,14 @@ impl<'a, K: Constraint> Rows<'a, K> {
         }
         self.values.resize(self.dense * self.stride, 0.0);
         let constraints = self.constraints.clone();
-        let Constraints {
-            state,
-            torque,
-            stage,
-        } = &*constraints;
+        let Constraints { state, torque, stage } = &*constraints;
         for first in (0..times).step_by(LANES) {
             let (of_state, others) = self.g.split_at_mut(state.dim());
             let (of_torque, of_stage) = others.split_at_mut(torque.dim());
             Lanes::gather(states, first, &mut self.z);
             let placed = self.evaluator.at(&self.z[..2 * n])?;
             let known = Pieces::new(&self.pieces).and_above(self.searched_from);
-            let at = PlacedState {
-                pieces: self.are_known.then_some(known),
-                ..*placed.state()
-            };
+            let at = PlacedState { pieces: self.are_known.then_some(known), ..*placed.state() };
             self.active.clear();
             state.value_and_pieces(&at, None, of_state, &mut self.active)?;
             std::mem::swap(&mut self.pieces, &mut self.active);
@@ -154,8 +140,7 @@ impl<'a, K: Constraint> Rows<'a, K> {
             if self.places[row].is_none() {
                 self.places[row] = Some(self.known.len());
                 self.known.push(row);
-                self.values
-                    .resize(self.known.len() * stride, self.least[row]);
+                self.values.resize(self.known.len() * stride, self.least[row]);
             }
         }
         for (row, values) in self.known.iter().zip(self.values.chunks_exact_mut(stride)) {
@@ -163,11 +148,7 @@ impl<'a, K: Constraint> Rows<'a, K> {
             for (value, g) in values.zip(self.g[*row].0) {
                 let scaled = g / scales[*row];
                 // Comparisons would ignore a NaN.
-                *value = if scaled.is_nan() {
-                    f64::INFINITY
-                } else {
-                    scaled
-                };
+                *value = if scaled.is_nan() { f64::INFINITY } else { scaled };
             }
         }
     }

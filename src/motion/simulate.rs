@@ -11,10 +11,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
 
 /// The relative and absolute local error of the simulation.
-const TOLERANCE: Tolerance = Tolerance {
-    relative: 1e-8,
-    absolute: 1e-10,
-};
+const TOLERANCE: Tolerance = Tolerance { relative: 1e-8, absolute: 1e-10 };
 
 /// The gains of the feedback $u - k_p (q - q_{des}) - k_v (v - v_{des})$.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,12 +49,7 @@ pub struct Simulation {
 /// # Errors
 /// The curve has another number of joints than `model`, or an index is out of range. A simulation that fails before its
 /// end is not an error: [`Simulation::failure`] has the reason.
-pub fn simulate(
-    model: &Model,
-    curve: &Curve,
-    feedback: Feedback,
-    passive: &[usize],
-) -> Result<Simulation> {
+pub fn simulate(model: &Model, curve: &Curve, feedback: Feedback, passive: &[usize]) -> Result<Simulation> {
     simulate_with(model, curve, feedback, passive, &mut Bdf)
 }
 
@@ -181,12 +173,7 @@ struct ControlledRobot<'a> {
 }
 
 impl<'a> ControlledRobot<'a> {
-    fn new(
-        model: &'a Model,
-        curve: &'a Curve,
-        feedback: Feedback,
-        passive: &'a [usize],
-    ) -> Result<Self> {
+    fn new(model: &'a Model, curve: &'a Curve, feedback: Feedback, passive: &'a [usize]) -> Result<Self> {
         let n = model.dof();
         model.check("curve", curve.dof())?;
         if let Some(index) = passive.iter().find(|index| **index >= n) {
@@ -240,14 +227,7 @@ impl<'a> ControlledRobot<'a> {
         let n = self.model.dof();
         self.control(t, y)?;
         dy[..n].copy_from_slice(&y[n..]);
-        aba(
-            self.model,
-            &mut self.data,
-            &y[..n],
-            &y[n..],
-            &self.u,
-            &mut dy[n..],
-        )
+        aba(self.model, &mut self.data, &y[..n], &y[n..], &self.u, &mut dy[n..])
     }
 
     fn rates_jacobian(&mut self, t: f64, y: &[f64], jac: &mut DMatrix<f64>) -> Result<()> {
@@ -261,10 +241,8 @@ impl<'a> ControlledRobot<'a> {
         }
         jac.fill(0.0);
         jac.view_mut((0, n), (n, n)).fill_with_identity();
-        jac.view_mut((n, 0), (n, n))
-            .copy_from(&(&fd.dq - &fd.h_inverse * self.feedback.kp));
-        jac.view_mut((n, n), (n, n))
-            .copy_from(&(&fd.dv - &fd.h_inverse * self.feedback.kv));
+        jac.view_mut((n, 0), (n, n)).copy_from(&(&fd.dq - &fd.h_inverse * self.feedback.kp));
+        jac.view_mut((n, n), (n, n)).copy_from(&(&fd.dv - &fd.h_inverse * self.feedback.kv));
         Ok(())
     }
 }

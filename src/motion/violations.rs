@@ -43,11 +43,7 @@ pub fn violations<K: Constraint>(
 ) -> Result<Vec<Violation>> {
     model.check("curve", curve.dof())?;
     let mut search = LargestRows::new(model, constraints, intervals, |part| part)?;
-    let mut motion = OnCurve {
-        curve,
-        table: None,
-        states: DMatrix::zeros(0, 0),
-    };
+    let mut motion = OnCurve { curve, table: None, states: DMatrix::zeros(0, 0) };
     Ok(search.along(&mut motion)?.to_vec())
 }
 
@@ -150,11 +146,7 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
         let (part, intervals) = (self.part, self.intervals);
         self.largest.clear();
         let least = self.rows.least.iter().enumerate();
-        self.largest.extend(least.map(|(row, by)| Violation {
-            row,
-            by: *by,
-            at_s: 0.0,
-        }));
+        self.largest.extend(least.map(|(row, by)| Violation { row, by: *by, at_s: 0.0 }));
         self.rows.are_known = false;
         self.uncertain.clear();
         for segment in 0..motion.segments() {
@@ -163,8 +155,7 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
             self.times.clear();
             self.times.extend((0..=intervals).map(|k| time(k as f64)));
             let states = motion.states(segment, &self.times, true);
-            self.rows
-                .evaluate(states, (begin, &self.times), &self.scales)?;
+            self.rows.evaluate(states, (begin, &self.times), &self.scales)?;
             for (largest, equality) in self.largest.iter_mut().zip(&self.equalities) {
                 let Some(values) = self.rows.of_row(largest.row) else {
                     continue;
@@ -182,10 +173,7 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
                 let mut by_parabola = true;
                 for k in (1..intervals).filter(|_| !equality) {
                     let around = [k - 1, k, k + 1];
-                    let bracket = Bracket {
-                        times: around.map(|k| self.times[k]),
-                        values: around.map(|k| values[k]),
-                    };
+                    let bracket = Bracket { times: around.map(|k| self.times[k]), values: around.map(|k| values[k]) };
                     let [from, to] = kept.map(|time| time - begin);
                     let is_kept = bracket.times[0] <= to && bracket.times[2] >= from;
                     if is_kept && bracket.is_valid() && bracket.may_exceed(0.0) {
@@ -211,16 +199,14 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
             let (begin, length) = (motion.begin(segment), motion.length(segment));
             let ends = self.kept.iter().flatten().map(|end| end - begin);
             self.times.clear();
-            self.times
-                .extend(ends.filter(|end| (0.0..=length).contains(end)));
+            self.times.extend(ends.filter(|end| (0.0..=length).contains(end)));
             self.times.sort_unstable_by(f64::total_cmp);
             self.times.dedup();
             if self.times.is_empty() {
                 continue;
             }
             let states = motion.states(segment, &self.times, false);
-            self.rows
-                .evaluate(states, (begin, &self.times), &self.scales)?;
+            self.rows.evaluate(states, (begin, &self.times), &self.scales)?;
             for largest in &mut self.largest {
                 let ends = self.kept[largest.row];
                 let Some(values) = self.rows.of_row(largest.row) else {
@@ -249,9 +235,8 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
                 continue;
             }
             for refinement in 0..Bracket::MOST_REFINEMENTS {
-                let is_open = |(_, bracket): &(usize, Bracket)| {
-                    refinement < Bracket::REFINEMENTS || !bracket.is_settled()
-                };
+                let is_open =
+                    |(_, bracket): &(usize, Bracket)| refinement < Bracket::REFINEMENTS || !bracket.is_settled();
                 let open = self.own.iter().filter(|of| is_open(of));
                 self.times.clear();
                 self.times.extend(open.map(|(_, bracket)| bracket.next()));
@@ -259,14 +244,10 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
                     break;
                 }
                 let states = motion.states(segment, &self.times, false);
-                self.rows
-                    .evaluate(states, (begin, &self.times), &self.scales)?;
+                self.rows.evaluate(states, (begin, &self.times), &self.scales)?;
                 let open = self.own.iter_mut().filter(|of| is_open(of));
                 for (k, (row, bracket)) in open.enumerate() {
-                    let value = self
-                        .rows
-                        .of_row(*row)
-                        .map_or(self.rows.least[*row], |of| of[k]);
+                    let value = self.rows.of_row(*row).map_or(self.rows.least[*row], |of| of[k]);
                     bracket.narrow(self.times[k], value);
                 }
             }
@@ -285,20 +266,10 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
 
 /// The largest of values at times after `begin`, between the times at which the row is kept, and its position in
 /// intervals.
-fn largest_between(
-    values: &[f64],
-    (begin, times): (f64, &[f64]),
-    [from, to]: [f64; 2],
-) -> (f64, f64) {
+fn largest_between(values: &[f64], (begin, times): (f64, &[f64]), [from, to]: [f64; 2]) -> (f64, f64) {
     let at = values.iter().zip(times).enumerate();
     let kept = at.filter(|(_, (_, time))| (from..=to).contains(&(begin + **time)));
-    kept.fold((f64::NEG_INFINITY, 0.0), |most, (k, (value, _))| {
-        if *value > most.0 {
-            (*value, k as f64)
-        } else {
-            most
-        }
-    })
+    kept.fold((f64::NEG_INFINITY, 0.0), |most, (k, (value, _))| if *value > most.0 { (*value, k as f64) } else { most })
 }
 
 /// A curve through nodes.
@@ -357,11 +328,7 @@ impl Motion for OnCurve<'_> {
 /// The curve has another number of joints than `model`.
 pub fn largest_torques(model: &Model, curve: &Curve, intervals: usize) -> Result<Vec<f64>> {
     // The rows of passive joints are the torques themselves.
-    let all = Constraints {
-        state: (),
-        torque: TorqueLimits(vec![Some(0.0); model.dof()]),
-        stage: Default::default(),
-    };
+    let all = Constraints { state: (), torque: TorqueLimits(vec![Some(0.0); model.dof()]), stage: Default::default() };
     let found = violations(model, curve, &all, intervals)?;
     Ok(found.into_iter().map(|torque| torque.by).collect())
 }
@@ -371,12 +338,7 @@ pub fn largest_torques(model: &Model, curve: &Curve, intervals: usize) -> Result
 ///
 /// # Errors
 /// The curve has another number of joints than `model`.
-pub fn passive_share(
-    model: &Model,
-    curve: &Curve,
-    limits: &TorqueLimits,
-    intervals: usize,
-) -> Result<f64> {
+pub fn passive_share(model: &Model, curve: &Curve, limits: &TorqueLimits, intervals: usize) -> Result<f64> {
     if !limits.has_passive() {
         return Ok(0.0);
     }

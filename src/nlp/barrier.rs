@@ -38,11 +38,7 @@ impl BarrierState {
         let Progress { step, .. } = state.progress;
         let curvature = state.progress.curvature();
         let longest = options.longest_step / step;
-        let further = if longest.is_finite() && curvature * longest < 1.0 {
-            longest
-        } else {
-            1.0 / curvature
-        };
+        let further = if longest.is_finite() && curvature * longest < 1.0 { longest } else { 1.0 / curvature };
         let decrease = match further > 1.0 {
             true => further * decrease,
             false => decrease,
@@ -91,12 +87,7 @@ pub struct Monotone {
 
 impl Default for Monotone {
     fn default() -> Self {
-        Self {
-            factor: 0.2,
-            power: 1.5,
-            done: [1.0, 0.1],
-            stalled: 8,
-        }
+        Self { factor: 0.2, power: 1.5, done: [1.0, 0.1], stalled: 8 }
     }
 }
 

@@ -117,11 +117,7 @@ impl Iterate {
         // The root less the product and the root and the product, none of which loses digits.
         let large = root + product.abs();
         let small = 4.0 * mu * (mu / large);
-        let (less, more) = if product > 0.0 {
-            (small, large)
-        } else {
-            (large, small)
-        };
+        let (less, more) = if product > 0.0 { (small, large) } else { (large, small) };
         [(2.0 * mu + less) * 0.5 / nu, (2.0 * mu + more) * 0.5 / nu]
     }
 
@@ -129,13 +125,7 @@ impl Iterate {
     fn central(&self, row: Row, h: f64, nu: f64) -> RowState {
         let mu = self.barrier.mu;
         let [s, t] = self.split(h, nu);
-        RowState {
-            row,
-            slack: s,
-            elastic: t,
-            multiplier: if s > t { mu / s } else { nu - mu / t },
-            penalty: nu,
-        }
+        RowState { row, slack: s, elastic: t, multiplier: if s > t { mu / s } else { nu - mu / t }, penalty: nu }
     }
 
     /// Replaces the working set by rows in ascending order. Those that were in it keep their state; new ones have the
@@ -273,13 +263,7 @@ impl Iterate {
     /// The terms of an inequality of this value.
     pub fn term(&self, state: &RowState, h: f64) -> Term {
         let mu = self.barrier.mu;
-        let RowState {
-            slack: s,
-            elastic: t,
-            multiplier: z,
-            penalty: nu,
-            ..
-        } = *state;
+        let RowState { slack: s, elastic: t, multiplier: z, penalty: nu, .. } = *state;
         let curvature = self.curvature(state);
         Term {
             slope: z + curvature * (h + mu / z - mu / (nu - z)),
@@ -304,13 +288,7 @@ impl Iterate {
     /// The weight of the product of the gradient of a row with itself, $1 / (s / \lambda + t / (\nu - \lambda))$.
     #[inline]
     fn curvature(&self, state: &RowState) -> f64 {
-        let RowState {
-            slack: s,
-            elastic: t,
-            multiplier: z,
-            penalty: nu,
-            ..
-        } = *state;
+        let RowState { slack: s, elastic: t, multiplier: z, penalty: nu, .. } = *state;
         let upper = nu - z;
         z * upper / (s * upper + t * z)
     }
@@ -319,32 +297,16 @@ impl Iterate {
     #[inline]
     pub fn step(&self, state: &RowState, h: f64, change: f64) -> RowStep {
         let mu = self.barrier.mu;
-        let RowState {
-            slack: s,
-            elastic: t,
-            multiplier: z,
-            penalty: nu,
-            ..
-        } = *state;
+        let RowState { slack: s, elastic: t, multiplier: z, penalty: nu, .. } = *state;
         let upper = nu - z;
         let multiplier = self.curvature(state) * (h + change + mu / z - mu / upper);
-        RowStep {
-            slack: mu / z - s - s / z * multiplier,
-            elastic: mu / upper - t + t / upper * multiplier,
-            multiplier,
-        }
+        RowStep { slack: mu / z - s - s / z * multiplier, elastic: mu / upper - t + t / upper * multiplier, multiplier }
     }
 
     /// The curvature of slack and elastic variable along a step, and the part of it in the condensed matrix.
     #[inline]
     pub fn bend(&self, state: &RowState, step: &RowStep, change: f64) -> [f64; 2] {
-        let RowState {
-            slack: s,
-            elastic: t,
-            multiplier: z,
-            penalty: nu,
-            ..
-        } = *state;
+        let RowState { slack: s, elastic: t, multiplier: z, penalty: nu, .. } = *state;
         let upper = nu - z;
         let own = z / s * step.slack * step.slack + upper / t * step.elastic * step.elastic;
         [own, self.curvature(state) * change * change]

@@ -63,11 +63,7 @@ pub struct Step {
 impl Bordered {
     /// A matrix with this number of rows and columns of zeros in its border.
     pub fn with_border(matrix: BlockTridiagonal<f64>, columns: usize) -> Self {
-        Self {
-            border: DMatrix::zeros(matrix.order(), columns),
-            matrix,
-            corner: DMatrix::zeros(columns, columns),
-        }
+        Self { border: DMatrix::zeros(matrix.order(), columns), matrix, corner: DMatrix::zeros(columns, columns) }
     }
 
     /// The number of rows.
@@ -93,11 +89,7 @@ impl Bordered {
             return true;
         }
         assign(&mut memory.border, &self.border);
-        for (known, mut column) in memory
-            .border
-            .column_iter()
-            .zip(self.border.column_iter_mut())
-        {
+        for (known, mut column) in memory.border.column_iter().zip(self.border.column_iter_mut()) {
             memory.column.copy_from(&known);
             self.matrix.solve(&mut memory.column);
             column.copy_from(&memory.column);
@@ -242,8 +234,7 @@ impl Kkt {
         progress.factorisations = 0;
         loop {
             progress.factorisations += 1;
-            self.factor
-                .set_sum(&self.hessian, multiple * scale, &self.norm);
+            self.factor.set_sum(&self.hessian, multiple * scale, &self.norm);
             if self.factor.factorise(&mut self.memory) {
                 break;
             }

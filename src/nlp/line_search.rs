@@ -40,12 +40,7 @@ pub(super) fn line_search<P: Nlp>(
             let (gained, rounding) = (highest - after, ROUNDING * before.abs().max(f.abs()));
             let hidden = gained.abs() <= rounding && (alpha * slope).abs() <= rounding;
             if hidden || gained >= -options.sufficient_decrease * alpha * slope {
-                let mut end = End {
-                    alpha,
-                    f,
-                    trial,
-                    merit: after,
-                };
+                let mut end = End { alpha, f, trial, merit: after };
                 if alpha == first {
                     let mut longer = std::mem::take(&mut state.longer);
                     end.extend(problem, (state, step), &mut longer, options)?;
@@ -126,26 +121,14 @@ pub(super) struct Trial {
 
 impl Trial {
     /// Evaluates the objective and the rows at the end of a fraction of a step; returns the objective.
-    fn evaluate<P: Nlp>(
-        &mut self,
-        problem: &mut P,
-        state: &State,
-        step: &DVector<f64>,
-        alpha: f64,
-    ) -> Result<f64> {
+    fn evaluate<P: Nlp>(&mut self, problem: &mut P, state: &State, step: &DVector<f64>, alpha: f64) -> Result<f64> {
         assign(&mut self.x, &state.x);
         self.x.axpy(alpha, step, 1.0);
         problem.value(&self.x, &mut self.h)
     }
 
     /// Sets the changes of the linearised rows along a step: those over a short part of it, relative to that.
-    fn set_tangent<P: Nlp>(
-        &mut self,
-        problem: &mut P,
-        state: &State,
-        step: &Step,
-        options: &Options,
-    ) -> Result<()> {
+    fn set_tangent<P: Nlp>(&mut self, problem: &mut P, state: &State, step: &Step, options: &Options) -> Result<()> {
         let (working, held) = (&state.iterate.working, &state.iterate.equalities);
         if working.is_empty() && held.is_empty() {
             return Ok(());
@@ -157,8 +140,7 @@ impl Trial {
         self.tangent.clear();
         let rows = working.iter().map(|of| of.row.at);
         let rows = rows.chain(held.iter().map(|of| of.row.at));
-        self.tangent
-            .extend(rows.map(|at| (self.h[at] - state.h[at]) / part));
+        self.tangent.extend(rows.map(|at| (self.h[at] - state.h[at]) / part));
         Ok(())
     }
 
@@ -190,9 +172,7 @@ impl Trial {
         }
         let held = from.equalities.iter().zip(&mut self.iterate.equalities);
         for ((before, after), tangent) in held.zip(&self.tangent[from.working.len()..]) {
-            let end = from
-                .equality_term(before, state.h[before.row.at] + tangent)
-                .slope;
+            let end = from.equality_term(before, state.h[before.row.at] + tangent).slope;
             after.estimate = before.estimate + alpha.min(1.0) * (end - before.estimate);
         }
         slope.total()

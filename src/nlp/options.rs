@@ -184,13 +184,11 @@ impl Options {
     fn check_factors(&self) -> Result<()> {
         let [first, later, after] = self.regularisation_factors;
         let [less, more] = self.share_factors;
-        let [for_first, for_second, for_third] =
-            [" for the first", " for the second", " for the third"];
+        let [for_first, for_second, for_third] = [" for the first", " for the second", " for the third"];
         let of_row = self.row_penalty_of_multipliers;
-        for (what, value) in [
-            ("penalty_of_multipliers", self.penalty_of_multipliers),
-            ("row_penalty_of_multipliers", of_row),
-        ] {
+        for (what, value) in
+            [("penalty_of_multipliers", self.penalty_of_multipliers), ("row_penalty_of_multipliers", of_row)]
+        {
             let good = value >= 0.0 && value.is_finite();
             needs(what, value, good, "not negative", "")?;
         }

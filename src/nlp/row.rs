@@ -30,13 +30,7 @@ impl Equality {
     /// An equality with its first penalty, and `factor` times that to begin with.
     #[must_use]
     pub fn new(row: Row, first: f64, factor: f64) -> Self {
-        Self {
-            row,
-            first,
-            penalty: factor * first,
-            multiplier: 0.0,
-            estimate: 0.0,
-        }
+        Self { row, first, penalty: factor * first, multiplier: 0.0, estimate: 0.0 }
     }
 }
 

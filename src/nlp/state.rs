@@ -1,10 +1,7 @@
 //! A search in progress.
 
 use super::line_search::{Trial, leave_saddle};
-use super::{
-    Barrier, Iterate, Kkt, Nlp, Options, Progress, Row, RowState, Solution, Status, Tightened,
-    measures,
-};
+use super::{Barrier, Iterate, Kkt, Nlp, Options, Progress, Row, RowState, Solution, Status, Tightened, measures};
 use crate::error::Result;
 use nalgebra::DVector;
 
@@ -192,12 +189,7 @@ impl State {
 
     /// Adapts the margins of the rows at the current point, and raises the barrier parameter up to `most` if they
     /// change more than it can follow.
-    pub(super) fn tighten<P: Nlp>(
-        &mut self,
-        problem: &mut P,
-        most: f64,
-        options: &Options,
-    ) -> Result<Tightened> {
+    pub(super) fn tighten<P: Nlp>(&mut self, problem: &mut P, most: f64, options: &Options) -> Result<Tightened> {
         if self.is_last_barrier(options) {
             self.rounds += 1;
         }
@@ -214,8 +206,7 @@ impl State {
 
     fn update_equalities(&mut self, options: &Options) {
         let most = options.largest_penalty * self.scale() / self.measure;
-        self.iterate
-            .update_equalities(&self.h, options.equality_factor, most, options.feasible);
+        self.iterate.update_equalities(&self.h, options.equality_factor, most, options.feasible);
     }
 
     /// Raises the penalties of violated rows whose multipliers have reached them, and those of all rows if the
@@ -241,19 +232,14 @@ impl State {
         let raised = stalled && nu < most;
         if raised {
             let nu = (options.penalty_factor * nu).min(most);
-            self.iterate
-                .set_barrier(Barrier { mu, nu }, options.multiplier_range);
+            self.iterate.set_barrier(Barrier { mu, nu }, options.multiplier_range);
         }
         self.iterate.raise_penalties(&self.h, options, most) || raised
     }
 
     /// Evaluates the rows between the points at a stationary point. Returns the status if the search is over; otherwise
     /// margins or the penalty have changed.
-    pub(super) fn tighten_end<P: Nlp>(
-        &mut self,
-        problem: &mut P,
-        options: &Options,
-    ) -> Result<Option<Status>> {
+    pub(super) fn tighten_end<P: Nlp>(&mut self, problem: &mut P, options: &Options) -> Result<Option<Status>> {
         self.rounds += 1;
         let range = options.multiplier_range;
         self.iterate.update_multipliers(&self.h, range);
@@ -279,8 +265,7 @@ impl State {
             let total = gap.min(options.warm_barrier);
             let mu = total * self.scale() / self.total_weight();
             let nu = self.iterate.barrier.nu;
-            self.iterate
-                .set_barrier(Barrier { mu, nu }, options.multiplier_range);
+            self.iterate.set_barrier(Barrier { mu, nu }, options.multiplier_range);
             return Ok(None);
         }
         if self.rounds <= options.rounds
@@ -313,10 +298,7 @@ impl State {
         let Barrier { mu, nu } = self.iterate.barrier;
         let total = self.total_weight();
         if change > mu * total {
-            let barrier = Barrier {
-                mu: (change / total).min(most).max(mu),
-                nu,
-            };
+            let barrier = Barrier { mu: (change / total).min(most).max(mu), nu };
             self.iterate.set_barrier(barrier, options.multiplier_range);
         }
         Ok(())
@@ -342,13 +324,7 @@ impl State {
         self.progress.complementarity = self.complementarity();
         // Other users of its terms want those of the Lagrangian.
         self.iterate.share = 1.0;
-        Ok(Solution {
-            x: self.x,
-            iterate: self.iterate,
-            status,
-            progress: self.progress,
-            violation,
-        })
+        Ok(Solution { x: self.x, iterate: self.iterate, status, progress: self.progress, violation })
     }
 
     /// The size of the objective, relative to which gradients and barriers are measured.

@@ -9,10 +9,9 @@ use super::{Failure, Integrator, NonFinite, Ode, Statistics, Tolerance};
 use diffsol::error::DiffsolError;
 use diffsol::ode_solver::OdeSolverStatistics;
 use diffsol::{
-    ConstantOp, Matrix, NalgebraContext, NalgebraMat, NalgebraVec, NonLinearOp,
-    NonLinearOpJacobian, OdeBuilder, OdeEquations, OdeEquationsRef, OdeSolverConfig,
-    OdeSolverMethod, OdeSolverProblem, OdeSolverState, OdeSolverStopReason, Op, UnitCallable,
-    Vector, VectorCommon,
+    ConstantOp, Matrix, NalgebraContext, NalgebraMat, NalgebraVec, NonLinearOp, NonLinearOpJacobian, OdeBuilder,
+    OdeEquations, OdeEquationsRef, OdeSolverConfig, OdeSolverMethod, OdeSolverProblem, OdeSolverState,
+    OdeSolverStopReason, Op, UnitCallable, Vector, VectorCommon,
 };
 use std::cell::RefCell;
 use std::error::Error;
@@ -34,12 +33,10 @@ const LARGEST_STATE: f64 = 1e150;
 pub(super) type Problem<'a> = OdeSolverProblem<Equations<'a>>;
 
 /// The state of a solver.
-pub(super) type State<'p, 'a, M> =
-    <<M as Method>::Solver<'p, 'a> as OdeSolverMethod<'p, Equations<'a>>>::State;
+pub(super) type State<'p, 'a, M> = <<M as Method>::Solver<'p, 'a> as OdeSolverMethod<'p, Equations<'a>>>::State;
 
 /// The configuration of a solver.
-pub(super) type Config<'p, 'a, M> =
-    <<M as Method>::Solver<'p, 'a> as OdeSolverMethod<'p, Equations<'a>>>::Config;
+pub(super) type Config<'p, 'a, M> = <<M as Method>::Solver<'p, 'a> as OdeSolverMethod<'p, Equations<'a>>>::Config;
 
 /// An implicit method of diffsol.
 pub(super) trait Method: Sized {
@@ -74,10 +71,7 @@ impl<M: Method> Integrator for M {
             reason: String::new(),
             statistics: Statistics::default(),
         };
-        let refused = |reason: String| Failure {
-            reason,
-            ..progress.clone()
-        };
+        let refused = |reason: String| Failure { reason, ..progress.clone() };
         validate(system.dim(), s0, y0, outputs, tolerance)
             .map_err(|reason| refused(format!("invalid input: {reason}")))?;
         let Some(&end) = outputs.last() else {
@@ -87,10 +81,7 @@ impl<M: Method> Integrator for M {
             .rtol(tolerance.relative)
             .atol([tolerance.absolute])
             .build_from_eqn(Equations {
-                core: RefCell::new(Core {
-                    system,
-                    progress: progress.clone(),
-                }),
+                core: RefCell::new(Core { system, progress: progress.clone() }),
                 s0,
                 end,
                 y0,
@@ -101,12 +92,7 @@ impl<M: Method> Integrator for M {
         problem.ode_options.max_error_test_failures = ERROR_FAILURE_LIMIT;
         let result = advance::<M>(&problem, outputs, observe).map_err(|e| e.to_string());
         let progress = problem.eqn.core.into_inner().progress;
-        result
-            .map(|()| progress.statistics)
-            .map_err(|reason| Failure {
-                reason: reason + &progress.reason,
-                ..progress
-            })
+        result.map(|()| progress.statistics).map_err(|reason| Failure { reason: reason + &progress.reason, ..progress })
     }
 }
 
@@ -162,8 +148,7 @@ fn advance<M: Method>(
         *config.as_base_mut().minimum_timestep = (SMALLEST_STEP * span).max(f64::EPSILON * before);
         let result = solver.step();
         let (t, y) = (solver.state().t, solver.state().y.inner().as_slice());
-        core.borrow_mut()
-            .record(problem.eqn.s(t), y, t > before, solver.get_statistics());
+        core.borrow_mut().record(problem.eqn.s(t), y, t > before, solver.get_statistics());
         let finished = matches!(result, Ok(OdeSolverStopReason::TstopReached));
         while let Some(s) = outputs.next_if(|s| finished || s - s0 <= t) {
             if s < *end && s - s0 < t {
@@ -183,12 +168,7 @@ fn advance<M: Method>(
 /// A first step for order 1: its error h^2/2 |y''| should be a quarter of the tolerance, with y'' = df/ds + J f from
 /// one more evaluation of f slightly along the solution. It changes y by at most a tenth (or by the tolerance, near
 /// zero) and covers at most a tenth of the interval.
-fn initial_step(
-    problem: &Problem<'_>,
-    y0: &NalgebraVec<f64>,
-    f0: &NalgebraVec<f64>,
-    span: f64,
-) -> f64 {
+fn initial_step(problem: &Problem<'_>, y0: &NalgebraVec<f64>, f0: &NalgebraVec<f64>, span: f64) -> f64 {
     let norm = |v: &NalgebraVec<f64>| v.squared_norm(y0, &problem.atol, problem.rtol).sqrt();
     let (size, slope) = (norm(y0).max(1.0), norm(f0));
     let mut probe = (0.01 * size / slope).min(1e-3 * span);
@@ -198,11 +178,7 @@ fn initial_step(
         y1.axpy(probe, f0, 1.0);
         let curvature = norm(&(NonLinearOp::call(&problem.eqn, &y1, probe) - f0)) / probe;
         if !curvature.is_nan() {
-            return (0.5 / curvature)
-                .sqrt()
-                .min((0.1 * size).max(1.0) / slope)
-                .min(0.1 * span)
-                .max(smallest);
+            return (0.5 / curvature).sqrt().min((0.1 * size).max(1.0) / slope).min(0.1 * span).max(smallest);
         }
         probe *= 0.1;
     }

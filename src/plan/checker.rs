@@ -105,11 +105,7 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
     }
 
     /// Takes configurations to these sets, which they keep then, within bounds of the joints.
-    pub(super) fn project_onto(
-        &mut self,
-        sets: &'a [AnyConstraint],
-        bounds: Vec<[f64; 2]>,
-    ) -> Result<()> {
+    pub(super) fn project_onto(&mut self, sets: &'a [AnyConstraint], bounds: Vec<[f64; 2]>) -> Result<()> {
         if !sets.is_empty() {
             self.projection = Some(InverseKinematics::new(self.model, sets, bounds)?);
         }
@@ -145,8 +141,7 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
             *bound = g.0.iter().copied().fold(-margin * scale, f64::max);
         }
         let placed = self.evaluator.at(&self.x)?;
-        self.distances
-            .keep(margin, &self.x, placed.state().placements);
+        self.distances.keep(margin, &self.x, placed.state().placements);
         Ok(())
     }
 
@@ -196,11 +191,7 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
         self.distances.begin_line(&moves);
         self.near.clone_from(&self.order);
         self.parts.clear();
-        self.parts.push(Part {
-            begin: 0.0,
-            end: 1.0,
-            pairs: 0..self.near.len(),
-        });
+        self.parts.push(Part { begin: 0.0, end: 1.0, pairs: 0..self.near.len() });
         let (mut next, before) = (0, self.checks);
         while let Some(Part { begin, end, pairs }) = self.parts.get(next).cloned() {
             // The first ones include the end, which is most often not free.
@@ -242,11 +233,7 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
                 let found = self.found.iter().filter(|(_, near)| near & lanes != 0);
                 self.near.extend(found.map(|(pair, _)| *pair));
                 if from < self.near.len() || self.has_others {
-                    self.parts.push(Part {
-                        begin,
-                        end,
-                        pairs: from..self.near.len(),
-                    });
+                    self.parts.push(Part { begin, end, pairs: from..self.near.len() });
                 }
             }
         }

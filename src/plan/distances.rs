@@ -81,9 +81,7 @@ impl Distances {
                 AnyConstraint::Spheres(rows) => {
                     let solids = rows.spheres.iter().map(|sphere| Solid {
                         placement: Placement::new(Placement::identity().rotation, sphere.centre),
-                        shape: Shape::Sphere {
-                            radius: sphere.radius,
-                        },
+                        shape: Shape::Sphere { radius: sphere.radius },
                     });
                     own.add_solids(&rows.balls, &solids.collect::<Vec<_>>());
                 }
@@ -120,10 +118,7 @@ impl Distances {
                 + match pair.other {
                     Other::Solid(solid) => match solid.shape {
                         Shape::HalfSpace => f64::INFINITY,
-                        Shape::Capsule {
-                            radius,
-                            half_length,
-                        } => radius + half_length,
+                        Shape::Capsule { radius, half_length } => radius + half_length,
                         shape => shape.half_lengths().norm(),
                     },
                     Other::Link(other) => own.links[other].nodes[0].bound.radius,
@@ -132,11 +127,7 @@ impl Distances {
             if let Other::Link(other) = pair.other {
                 for (own, other) in pair.reaches.iter_mut().zip(&reaches[other]) {
                     // A joint that moves both does not change their distance.
-                    *own = if *own > 0.0 && *other > 0.0 {
-                        0.0
-                    } else {
-                        *own + other
-                    };
+                    *own = if *own > 0.0 && *other > 0.0 { 0.0 } else { *own + other };
                 }
             }
         }
@@ -144,15 +135,7 @@ impl Distances {
     }
 
     fn add(&mut self, link: usize, other: Other, kept: f64) {
-        self.pairs.push(Pair {
-            link,
-            other,
-            kept,
-            margin: 0.0,
-            reaches: Vec::new(),
-            speed: 0.0,
-            radius: 0.0,
-        });
+        self.pairs.push(Pair { link, other, kept, margin: 0.0, reaches: Vec::new(), speed: 0.0, radius: 0.0 });
     }
 
     /// Adds the pairs of each body and each solid.
@@ -236,9 +219,7 @@ impl Distances {
     pub fn place(&mut self, placements: &[Placement<Wide>]) {
         let roots = self.links.iter().map(|link| {
             let root = link.nodes.first();
-            root.map_or_else(Vector3::zeros, |root| {
-                place(link.body.map(|body| &placements[body]), &root.bound.centre)
-            })
+            root.map_or_else(Vector3::zeros, |root| place(link.body.map(|body| &placements[body]), &root.bound.centre))
         });
         self.centres.clear();
         self.centres.extend(roots);
@@ -258,10 +239,7 @@ impl Distances {
     pub fn look(&self, pair: usize, placements: &[Placement<Wide>], share: f64) -> Look {
         let own = &self.pairs[pair];
         let reach = (share * own.speed - own.margin).max(0.0);
-        let mut look = Look {
-            near: 0,
-            hit: false,
-        };
+        let mut look = Look { near: 0, hit: false };
         // Most are so far from each other that balls around them are.
         let other = match &own.other {
             Other::Solid(solid) => solid.placement.translation.map(Wide::splat),
@@ -272,30 +250,16 @@ impl Distances {
         if dot(&d, &d).0.iter().all(|square| *square >= far * far) {
             return look;
         }
-        self.search(pair, placements, |distance, is_leaf| {
-            look.take(distance, reach, is_leaf)
-        });
+        self.search(pair, placements, |distance, is_leaf| look.take(distance, reach, is_leaf));
         look
     }
 
     /// Visits lower bounds of the distance of a pair, less that which is kept, and the distances of balls.
-    fn search(
-        &self,
-        pair: usize,
-        placements: &[Placement<Wide>],
-        mut visit: impl FnMut(&Wide, bool) -> bool,
-    ) {
-        let Pair {
-            link,
-            other,
-            kept,
-            margin,
-            ..
-        } = &self.pairs[pair];
+    fn search(&self, pair: usize, placements: &[Placement<Wide>], mut visit: impl FnMut(&Wide, bool) -> bool) {
+        let Pair { link, other, kept, margin, .. } = &self.pairs[pair];
         let kept = kept + margin;
         let link = &self.links[*link];
-        let place =
-            |tree: &BallTree, centre| place(tree.body.map(|body| &placements[body]), centre);
+        let place = |tree: &BallTree, centre| place(tree.body.map(|body| &placements[body]), centre);
         let is_nearer = |a: &Wide, b: &Wide| (0..LANES).all(|k| a.0[k] < b.0[k]);
         match other {
             Other::Solid(solid) => {
@@ -304,9 +268,7 @@ impl Distances {
                     let distance = solid.distance(&place(link, &ball.centre));
                     distance - Wide::splat(ball.radius + kept)
                 };
-                link.search(bound, is_nearer, |node, distance| {
-                    visit(distance, link.nodes[node].leaf.is_some())
-                });
+                link.search(bound, is_nearer, |node, distance| visit(distance, link.nodes[node].leaf.is_some()));
             }
             Other::Link(other) => {
                 let other = &self.links[*other];
@@ -329,9 +291,7 @@ impl Distances {
 fn reaches(model: &Model, link: &BallTree) -> Vec<f64> {
     let mut reaches = vec![0.0; model.dof()];
     let leaves = link.nodes.iter().filter(|node| node.leaf.is_some());
-    let mut reach = leaves
-        .map(|node| node.bound.centre.norm())
-        .fold(0.0, f64::max);
+    let mut reach = leaves.map(|node| node.bound.centre.norm()).fold(0.0, f64::max);
     let mut body = link.body;
     while let Some(i) = body {
         let joint = &model.joints()[i];

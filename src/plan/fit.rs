@@ -48,9 +48,7 @@ pub(crate) fn along<K: Constraint + ?Sized>(
     }
     if path.len() > segments + 1 {
         let lines = path.len() - 1;
-        return refuse(format!(
-            "there are {lines} lines between them and {segments} segments of a curve"
-        ));
+        return refuse(format!("there are {lines} lines between them and {segments} segments of a curve"));
     }
     for waypoint in path {
         check_length("waypoint", n, waypoint.len())?;
@@ -60,9 +58,7 @@ pub(crate) fn along<K: Constraint + ?Sized>(
     let mut checker = Checker::new(problem.model(), constraint, settings.resolution)?;
     checker.keep(settings.margin, ends)?;
     let stops = breakpoints.iter().map(|q| stops.contains(&&q[..]));
-    let mut halvings: Vec<_> = stops
-        .map(|stop| if stop { HALVINGS + 1 } else { 0 })
-        .collect();
+    let mut halvings: Vec<_> = stops.map(|stop| if stop { HALVINGS + 1 } else { 0 }).collect();
     let share = |halvings: i32| match halvings {
         0..=HALVINGS => 0.5_f64.powi(halvings),
         _ => 0.0,
@@ -70,11 +66,7 @@ pub(crate) fn along<K: Constraint + ?Sized>(
     loop {
         let slopes: Vec<f64> = halvings.iter().map(|h| share(*h)).collect();
         let coefficients = coefficients(&breakpoints, &slopes, &basis);
-        let curve = Path {
-            coefficients,
-            basis: basis.clone(),
-        }
-        .between_ends_of(problem);
+        let curve = Path { coefficients, basis: basis.clone() }.between_ends_of(problem);
         let mut shorter = Vec::new();
         for e in 0..segments {
             let times = (1..LOOKS).map(|k| (e as f64 + k as f64 / LOOKS as f64) / segments as f64);
@@ -118,10 +110,7 @@ fn coefficients(breakpoints: &[Vec<f64>], shares: &[f64], basis: &Basis) -> DMat
 
 /// The waypoints with additional points on the longest lines, so that there are as many lines as segments.
 fn divide(path: &[Vec<f64>], segments: usize) -> Vec<Vec<f64>> {
-    let lengths: Vec<f64> = path
-        .windows(2)
-        .map(|line| distance(&line[0], &line[1]))
-        .collect();
+    let lengths: Vec<f64> = path.windows(2).map(|line| distance(&line[0], &line[1])).collect();
     let mut parts = vec![1_usize; lengths.len()];
     for _ in lengths.len()..segments {
         let part = |i: &usize| lengths[*i] / parts[*i] as f64;

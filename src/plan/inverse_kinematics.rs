@@ -112,11 +112,7 @@ impl<'a, K: Constraint + ?Sized> InverseKinematics<'a, K> {
                 _ => f64::INFINITY,
             };
             let draw = |(near, [lower, upper]): (&f64, &[f64; 2])| {
-                let most = if upper - lower <= TAU {
-                    spread
-                } else {
-                    spread.min(PI)
-                };
+                let most = if upper - lower <= TAU { spread } else { spread.min(PI) };
                 let (from, to) = (lower.max(near - most), upper.min(near + most));
                 (from + (to - from) * rng.random::<f64>()).clamp(*lower, *upper)
             };
@@ -182,9 +178,7 @@ impl<'a, K: Constraint + ?Sized> InverseKinematics<'a, K> {
 
     fn clamp(&self, q: &[f64]) -> Vec<f64> {
         let bounds = q.iter().zip(&self.bounds);
-        bounds
-            .map(|(q, [lower, upper])| q.clamp(*lower, *upper))
-            .collect()
+        bounds.map(|(q, [lower, upper])| q.clamp(*lower, *upper)).collect()
     }
 
     /// Computes the residuals and their norm.
@@ -208,35 +202,16 @@ impl<'a, K: Constraint + ?Sized> InverseKinematics<'a, K> {
         let n = self.bounds.len();
         let scaled = self.residuals.iter().zip(&self.scales);
         let first: Vec<_> = scaled.map(|(r, scale)| r * scale).collect();
-        let rows = self
-            .residuals
-            .iter()
-            .zip(&self.equalities)
-            .zip(&self.scales);
-        let squares: Vec<_> = rows
-            .map(|((r, equality), scale)| {
-                if *equality || *r > 0.0 {
-                    scale * scale
-                } else {
-                    0.0
-                }
-            })
-            .collect();
+        let rows = self.residuals.iter().zip(&self.equalities).zip(&self.scales);
+        let squares: Vec<_> =
+            rows.map(|((r, equality), scale)| if *equality || *r > 0.0 { scale * scale } else { 0.0 }).collect();
         let mut placed = self.evaluator.at(&self.state)?;
-        let gradient = placed.weighted_derivatives(
-            self.constraint,
-            Weights {
-                first_order: &first,
-                gauss_newton: None,
-            },
-        )?;
+        let gradient =
+            placed.weighted_derivatives(self.constraint, Weights { first_order: &first, gauss_newton: None })?;
         let gradient = gradient.gradient().rows(0, n).into_owned();
         let matrix = placed.weighted_derivatives(
             self.constraint,
-            Weights {
-                first_order: &vec![0.0; first.len()],
-                gauss_newton: Some(&squares),
-            },
+            Weights { first_order: &vec![0.0; first.len()], gauss_newton: Some(&squares) },
         )?;
         Ok((gradient, matrix.hessian().view((0, 0), (n, n)).into_owned()))
     }
@@ -252,12 +227,7 @@ impl<'a, K: Constraint + ?Sized> InverseKinematics<'a, K> {
 }
 
 /// The damped step in the free joints, zero in the others; `None` if the matrix is singular.
-fn damped(
-    matrix: &DMatrix<f64>,
-    gradient: &DVector<f64>,
-    free: &[usize],
-    damping: f64,
-) -> Option<DVector<f64>> {
+fn damped(matrix: &DMatrix<f64>, gradient: &DVector<f64>, free: &[usize], damping: f64) -> Option<DVector<f64>> {
     let mut within = matrix.select_rows(free).select_columns(free);
     for i in 0..free.len() {
         within[(i, i)] += damping.max(f64::EPSILON);
@@ -271,12 +241,7 @@ fn damped(
 }
 
 /// The factor of the damping after a step, from the ratio of the decrease of $|r|^2 / 2$ and that of its model.
-fn adjusted(
-    matrix: &DMatrix<f64>,
-    gradient: &DVector<f64>,
-    [from, to]: [&[f64]; 2],
-    [before, after]: [f64; 2],
-) -> f64 {
+fn adjusted(matrix: &DMatrix<f64>, gradient: &DVector<f64>, [from, to]: [&[f64]; 2], [before, after]: [f64; 2]) -> f64 {
     let moved = DVector::from_iterator(from.len(), to.iter().zip(from).map(|(to, from)| to - from));
     let expected = -gradient.dot(&moved) - 0.5 * moved.dot(&(matrix * &moved));
     let ratio = 0.5 * (before * before - after * after) / expected;

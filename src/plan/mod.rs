@@ -174,17 +174,10 @@ pub fn plan<K: Constraint + ?Sized>(
     }
     checker.keep(settings.margin, ends)?;
     checker.limit(settings.most_checks);
-    let mut sampler = Sampler {
-        ends,
-        ranges: ranges(problem.model(), ends),
-        shortest: None,
-    };
+    let mut sampler = Sampler { ends, ranges: ranges(problem.model(), ends), shortest: None };
     checker.project_onto(&sets, sampler.ranges.clone())?;
     let mut shortest = one(0, &mut checker, &sampler, (settings, stopped))?;
-    let further = PlanSettings {
-        most_checks: settings.most_checks.min(settings.further_checks),
-        ..settings.clone()
-    };
+    let further = PlanSettings { most_checks: settings.most_checks.min(settings.further_checks), ..settings.clone() };
     let length = |waypoints: &[Vec<f64>]| Along::new(waypoints).length();
     for path in 1..settings.paths {
         let Plan::Found(waypoints) = &shortest else {
@@ -224,9 +217,7 @@ fn one<K: Constraint + ?Sized>(
 ///
 /// # Errors
 /// Another row is an equality, which no sampled configuration meets.
-pub(crate) fn sets_with_equalities<K: Constraint + ?Sized>(
-    constraint: &K,
-) -> Result<Vec<AnyConstraint>> {
+pub(crate) fn sets_with_equalities<K: Constraint + ?Sized>(constraint: &K) -> Result<Vec<AnyConstraint>> {
     let equalities = |of: &AnyConstraint| (0..of.dim()).filter(|row| of.is_equality(*row)).count();
     let mut parts = Vec::new();
     constraint.parts(&mut parts);

@@ -46,10 +46,7 @@ pub(super) fn shorten<K: Constraint + ?Sized>(
 }
 
 /// Joins each waypoint to the last one that it reaches by a free line.
-fn leave_out<K: Constraint + ?Sized>(
-    checker: &mut Checker<'_, K>,
-    path: &mut Vec<Vec<f64>>,
-) -> Result<()> {
+fn leave_out<K: Constraint + ?Sized>(checker: &mut Checker<'_, K>, path: &mut Vec<Vec<f64>>) -> Result<()> {
     let mut from = 0;
     while from + 2 < path.len() {
         for to in (from + 2..path.len()).rev() {
@@ -125,16 +122,11 @@ fn cut(path: &mut Vec<Vec<f64>>) {
 }
 
 /// Moves every waypoint halfway to the middle of its neighbours if both of its edges stay free.
-fn round<K: Constraint + ?Sized>(
-    checker: &mut Checker<'_, K>,
-    path: &mut [Vec<f64>],
-) -> Result<()> {
+fn round<K: Constraint + ?Sized>(checker: &mut Checker<'_, K>, path: &mut [Vec<f64>]) -> Result<()> {
     for i in 1..path.len() - 1 {
         let middle = between(&path[i - 1], &path[i + 1], 0.5);
         let moved = between(&path[i], &middle, 0.5);
-        if checker.is_line_free(&path[i - 1], &moved)?
-            && checker.is_line_free(&moved, &path[i + 1])?
-        {
+        if checker.is_line_free(&path[i - 1], &moved)? && checker.is_line_free(&moved, &path[i + 1])? {
             path[i] = moved;
         }
     }
@@ -173,11 +165,7 @@ impl Along {
             return (0, path[0].clone());
         };
         let span = self.0[edge + 1] - self.0[edge];
-        let share = if span > 0.0 {
-            (length - self.0[edge]) / span
-        } else {
-            0.0
-        };
+        let share = if span > 0.0 { (length - self.0[edge]) / span } else { 0.0 };
         (edge, between(&path[edge], next, share))
     }
 }

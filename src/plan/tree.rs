@@ -20,11 +20,7 @@ struct Tree {
 
 impl Tree {
     fn new(root: &[f64]) -> Self {
-        Self {
-            dof: root.len(),
-            nodes: root.to_vec(),
-            parents: vec![0],
-        }
+        Self { dof: root.len(), nodes: root.to_vec(), parents: vec![0] }
     }
 
     fn len(&self) -> usize {
@@ -133,9 +129,7 @@ pub(super) fn step<K: Constraint + ?Sized>(
             let Some(next) = checker.projected(between(from, to, range / far))? else {
                 return Ok(None);
             };
-            if distance(&next, to) > far - NEARER * range
-                || distance(from, &next) > FARTHEST * range
-            {
+            if distance(&next, to) > far - NEARER * range || distance(from, &next) > FARTHEST * range {
                 return Ok(None);
             }
             next

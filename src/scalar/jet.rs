@@ -19,10 +19,7 @@ impl<S: Scalar, const N: usize> Jet<S, N> {
     #[inline]
     #[must_use]
     pub fn constant(re: S) -> Self {
-        Self {
-            re,
-            eps: [S::zero(); N],
-        }
+        Self { re, eps: [S::zero(); N] }
     }
 
     /// A number from its value and its tangents.

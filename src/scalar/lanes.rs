@@ -44,11 +44,7 @@ impl<S: Scalar, const W: usize> Lanes<S, W> {
 
 /// Applies `op` to each lane in a loop, because the compiler does not always unroll `array::map`.
 #[inline(always)]
-fn lanewise<S: Scalar, const W: usize>(
-    mut a: Lanes<S, W>,
-    b: Lanes<S, W>,
-    op: impl Fn(&mut S, S),
-) -> Lanes<S, W> {
+fn lanewise<S: Scalar, const W: usize>(mut a: Lanes<S, W>, b: Lanes<S, W>, op: impl Fn(&mut S, S)) -> Lanes<S, W> {
     for i in 0..W {
         op(&mut a.0[i], b.0[i]);
     }

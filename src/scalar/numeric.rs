@@ -67,11 +67,7 @@ impl<D: DualNum + Copy> Scalar for D {
 
     #[inline]
     fn if_negative(self, then: Self, otherwise: Self) -> Self {
-        if self.re() < D::Primitive::zero() {
-            then
-        } else {
-            otherwise
-        }
+        if self.re() < D::Primitive::zero() { then } else { otherwise }
     }
 
     /// `num-dual` reports only the real part, so that only numbers without derivatives can be known to vanish.
@@ -87,11 +83,7 @@ impl<D: DualNum + Copy> Tanh for D {
         // `num-dual` divides sinh by cosh, which is not a number once they overflow. Beyond this bound the hyperbolic
         // tangent is one to the last bit, and its derivatives vanish beside that.
         let re = self.re();
-        if Float::abs(re) > primitive::<D::Primitive>(20.0) {
-            D::from(Float::signum(re))
-        } else {
-            DualNum::tanh(&self)
-        }
+        if Float::abs(re) > primitive::<D::Primitive>(20.0) { D::from(Float::signum(re)) } else { DualNum::tanh(&self) }
     }
 }
 

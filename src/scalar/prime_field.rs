@@ -92,11 +92,7 @@ impl Scalar for PrimeField {
         };
         // 2^61 is 1, so only the power modulo 61 matters.
         let magnitude = Self::new(integer) * Self(1 << power.rem_euclid(61));
-        if x.is_sign_negative() {
-            -magnitude
-        } else {
-            magnitude
-        }
+        if x.is_sign_negative() { -magnitude } else { magnitude }
     }
 
     /// The rational point of the circle with the parameter `self`: $s = 2t / (1 + t^2)$, $c = (1 - t^2) / (1 + t^2)$.
@@ -116,11 +112,7 @@ impl Scalar for PrimeField {
     /// The residues above half of the order count as negative, like $-1, -2, \dots$: about half of all elements.
     #[inline]
     fn if_negative(self, then: Self, otherwise: Self) -> Self {
-        if self.0 > Self::ORDER / 2 {
-            then
-        } else {
-            otherwise
-        }
+        if self.0 > Self::ORDER / 2 { then } else { otherwise }
     }
 
     #[inline]

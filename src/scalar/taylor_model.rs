@@ -45,10 +45,7 @@ impl<const N: usize> TaylorModel<N> {
     pub fn constant(x: f64) -> Self {
         let mut coefficients = [0.0; N];
         coefficients[0] = x;
-        Self {
-            coefficients,
-            radius: 0.0,
-        }
+        Self { coefficients, radius: 0.0 }
     }
 
     /// The polynomial with these coefficients, any number of them, and a bound on its error: those beyond degree
@@ -59,10 +56,7 @@ impl<const N: usize> TaylorModel<N> {
         let kept = polynomial.len().min(N);
         coefficients[..kept].copy_from_slice(&polynomial[..kept]);
         let beyond: f64 = polynomial[kept..].iter().map(|c| c.abs()).sum();
-        Self {
-            coefficients,
-            radius: (radius + beyond) * UP,
-        }
+        Self { coefficients, radius: (radius + beyond) * UP }
     }
 
     /// The coefficients, from degree zero.
@@ -150,10 +144,7 @@ impl<const N: usize> TaylorModel<N> {
         let size = self.size();
         let rounding = (N as f64 + 2.0) * UNIT * size * beyond;
         let errors = size * other.radius + self.radius * (beyond + other.radius);
-        Self {
-            coefficients,
-            radius: (truncated + rounding + errors) * UP + TINY,
-        }
+        Self { coefficients, radius: (truncated + rounding + errors) * UP + TINY }
     }
 
     /// Computes the nested series $1 + x f_1 (1 + x f_2 (1 + \dots))$ with `2 TERMS` factors
@@ -183,10 +174,7 @@ impl<const N: usize> TaylorModel<N> {
 
     /// Encloses nothing, because nothing is known.
     fn unknown() -> Self {
-        Self {
-            coefficients: [0.0; N],
-            radius: f64::INFINITY,
-        }
+        Self { coefficients: [0.0; N], radius: f64::INFINITY }
     }
 
     fn reciprocal(self) -> Self {
@@ -256,10 +244,7 @@ impl<const N: usize> Scalar for TaylorModel<N> {
         let (cos_turn, sin_turn) = (nested(0).widened(rest), (turn * nested(1)).widened(rest));
         let (sin, cos) = self.coefficients[0].sin_cos();
         let (sin, cos) = (ball(sin, SIN_COS_ERROR), ball(cos, SIN_COS_ERROR));
-        (
-            sin * cos_turn + cos * sin_turn,
-            cos * cos_turn - sin * sin_turn,
-        )
+        (sin * cos_turn + cos * sin_turn, cos * cos_turn - sin * sin_turn)
     }
 
     /// By the binomial series about the constant coefficient; unknown if zero may be among the values.
@@ -270,10 +255,7 @@ impl<const N: usize> Scalar for TaylorModel<N> {
         };
         // The coefficients of the series are below one.
         let series = Self::series(x, |k| [1.5 - f64::from(k), f64::from(k)]);
-        series
-            .widened(Self::rest(size))
-            .scale(middle.sqrt())
-            .widened(2.0 * UNIT * middle.sqrt())
+        series.widened(Self::rest(size)).scale(middle.sqrt()).widened(2.0 * UNIT * middle.sqrt())
     }
 
     /// Encloses both numbers if the sign is not known.

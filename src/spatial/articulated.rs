@@ -46,9 +46,7 @@ impl<S: Scalar> ArticulatedInertia<S> {
     pub fn without(&self, u: &Force<S>, gamma: S) -> Self {
         let scaled = *u * gamma;
         Self {
-            rotational: symmetric(|i, j| {
-                self.rotational[(i, j)] - scaled.angular[i] * u.angular[j]
-            }),
+            rotational: symmetric(|i, j| self.rotational[(i, j)] - scaled.angular[i] * u.angular[j]),
             coupling: matrix(|i, j| self.coupling[(i, j)] - scaled.angular[i] * u.linear[j]),
             mass: symmetric(|i, j| self.mass[(i, j)] - scaled.linear[i] * u.linear[j]),
         }

@@ -33,31 +33,20 @@ impl<S: Scalar> Coriolis<S> {
         let half_trace = (bar[(0, 0)] + bar[(1, 1)] + bar[(2, 2)]) * S::from_f64(0.5);
         let second = matrix(|i, j| if i == j { half_trace } else { S::zero() } - bar[(i, j)]);
         let (along, w) = (dot(h, &v.linear), &v.angular);
-        let turned = |j| {
-            cross(
-                w,
-                &Vector3::new(second[(0, j)], second[(1, j)], second[(2, j)]),
-            )
-        };
+        let turned = |j| cross(w, &Vector3::new(second[(0, j)], second[(1, j)], second[(2, j)]));
         let turned = [turned(0), turned(1), turned(2)];
         let moment = matrix(|i, j| {
             let hv = v.linear[i] * h[j];
             -turned[j][i] - if i == j { hv - along } else { hv }
         });
-        Self {
-            moment,
-            momentum: v.linear * inertia.mass + cross(w, h),
-        }
+        Self { moment, momentum: v.linear * inertia.mass + cross(w, h) }
     }
 
     /// Computes $B m$.
     #[inline(always)]
     #[must_use]
     pub fn apply(&self, m: &Motion<S>) -> Force<S> {
-        Force::new(
-            apply(&self.moment, &m.angular),
-            cross(&m.angular, &self.momentum),
-        )
+        Force::new(apply(&self.moment, &m.angular), cross(&m.angular, &self.momentum))
     }
 
     /// Computes $B^T m$, a couple: a force with this moment and no linear part.
@@ -87,10 +76,7 @@ impl<S: Scalar> Coriolis<S> {
             let moved = p[i] * u[j];
             turned[j][i] - back[i][j] + if i == j { along - moved } else { -moved }
         });
-        Self {
-            moment,
-            momentum: cross(w, p),
-        }
+        Self { moment, momentum: cross(w, p) }
     }
 }
 
@@ -98,10 +84,7 @@ impl<S: Scalar> Add for Coriolis<S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self {
-            moment: self.moment + other.moment,
-            momentum: self.momentum + other.momentum,
-        }
+        Self { moment: self.moment + other.moment, momentum: self.momentum + other.momentum }
     }
 }
 

@@ -1,8 +1,6 @@
 //! The spatial inertia of a rigid body, or of several that move together.
 
-use super::{
-    Force, Motion, Placement, apply, apply_to_constant, cross, cross_matrix, dot, symmetric,
-};
+use super::{Force, Motion, Placement, apply, apply_to_constant, cross, cross_matrix, dot, symmetric};
 use crate::scalar::{AlgebraOver, Scalar};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use std::ops::{Add, AddAssign};
@@ -22,22 +20,14 @@ impl<S: Scalar> Inertia<S> {
     /// Zero inertia.
     #[must_use]
     pub fn zero() -> Self {
-        Self {
-            mass: S::zero(),
-            first_moment: Vector3::zeros(),
-            rotational: Matrix3::zeros(),
-        }
+        Self { mass: S::zero(), first_moment: Vector3::zeros(), rotational: Matrix3::zeros() }
     }
 
     /// Builds the inertia from the mass, the centre of mass `com` and the rotational inertia about `com`.
     #[must_use]
     pub fn from_com(mass: S, com: Vector3<S>, rotational: Matrix3<S>) -> Self {
         let c = cross_matrix(&com);
-        Self {
-            mass,
-            first_moment: com * mass,
-            rotational: rotational - c * c * mass,
-        }
+        Self { mass, first_moment: com * mass, rotational: rotational - c * c * mass }
     }
 
     /// Computes the momentum $I m$ of a body with this inertia and velocity `m`.
@@ -68,11 +58,7 @@ impl<S: Scalar> Inertia<S> {
             let outer = p[i] * h[j] + moved[i] * p[j];
             turned + if i == j { trace - outer } else { -outer }
         });
-        Inertia {
-            mass,
-            first_moment: moved,
-            rotational,
-        }
+        Inertia { mass, first_moment: moved, rotational }
     }
 
     /// The 6 by 6 matrix, angular rows first.
@@ -80,9 +66,7 @@ impl<S: Scalar> Inertia<S> {
     pub fn to_matrix(&self) -> Matrix6<S> {
         let h = cross_matrix(&self.first_moment);
         let mut matrix = Matrix6::zeros();
-        matrix
-            .fixed_view_mut::<3, 3>(0, 0)
-            .copy_from(&self.rotational);
+        matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(&self.rotational);
         matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&h);
         matrix.fixed_view_mut::<3, 3>(3, 0).copy_from(&-h);
         matrix.fixed_view_mut::<3, 3>(3, 3).fill_diagonal(self.mass);

@@ -17,8 +17,8 @@ pub use placement::{Placement, rotation_of_z_to, unit_vector};
 #[cfg(feature = "solvers")]
 pub(crate) use product::outer;
 pub(crate) use product::{
-    apply, apply_constant, apply_constant_transpose, apply_to_constant, apply_transpose, cross,
-    dot, matrix, multiply, symmetric,
+    apply, apply_constant, apply_constant_transpose, apply_to_constant, apply_transpose, cross, dot, matrix, multiply,
+    symmetric,
 };
 pub use vector::{Force, Motion};
 

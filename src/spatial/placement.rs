@@ -20,10 +20,7 @@ impl<S: Scalar> Placement<S> {
     /// A placement from its parts. `rotation` must be orthogonal with determinant one.
     #[must_use]
     pub fn new(rotation: Matrix3<S>, translation: Vector3<S>) -> Self {
-        Self {
-            rotation,
-            translation,
-        }
+        Self { rotation, translation }
     }
 
     /// The placement of coincident frames.
@@ -67,10 +64,7 @@ impl<S: Scalar> Placement<S> {
     #[must_use]
     pub fn act(&self, m: &Motion<S>) -> Motion<S> {
         let angular = apply(&self.rotation, &m.angular);
-        Motion::new(
-            angular,
-            apply(&self.rotation, &m.linear) + cross(&self.translation, &angular),
-        )
+        Motion::new(angular, apply(&self.rotation, &m.linear) + cross(&self.translation, &angular))
     }
 }
 
@@ -79,10 +73,7 @@ impl<S: Scalar> Placement<S> {
 pub fn unit_vector(v: &Vector3<f64>) -> Option<Vector3<f64>> {
     // Scaled first, so that squares neither overflow nor vanish.
     let scaled = v / v.amax();
-    scaled
-        .iter()
-        .all(|x| x.is_finite())
-        .then(|| scaled.normalize())
+    scaled.iter().all(|x| x.is_finite()).then(|| scaled.normalize())
 }
 
 /// A rotation that maps the `z` axis to a direction, a vector of any length but zero.

@@ -7,11 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Computes $a \times b$.
 #[inline(always)]
 pub(crate) fn cross<S: Scalar>(a: &Vector3<S>, b: &Vector3<S>) -> Vector3<S> {
-    Vector3::new(
-        a.y * b.z - a.z * b.y,
-        a.z * b.x - a.x * b.z,
-        a.x * b.y - a.y * b.x,
-    )
+    Vector3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 }
 
 /// Computes $a \cdot b$.
@@ -65,30 +61,21 @@ pub(crate) fn multiply<S: Scalar>(a: &Matrix3<S>, b: &Matrix3<S>) -> Matrix3<S> 
 
 /// Computes $M x$ for constants `M`, which are not promoted.
 #[inline(always)]
-pub(crate) fn apply_constant<C: Copy, S: AlgebraOver<C>>(
-    m: &Matrix3<C>,
-    x: &Vector3<S>,
-) -> Vector3<S> {
+pub(crate) fn apply_constant<C: Copy, S: AlgebraOver<C>>(m: &Matrix3<C>, x: &Vector3<S>) -> Vector3<S> {
     let row = |i| x.x.scale(m[(i, 0)]) + x.y.scale(m[(i, 1)]) + x.z.scale(m[(i, 2)]);
     Vector3::new(row(0), row(1), row(2))
 }
 
 /// Computes $M^T x$ for constants `M`, which are not promoted.
 #[inline(always)]
-pub(crate) fn apply_constant_transpose<C: Copy, S: AlgebraOver<C>>(
-    m: &Matrix3<C>,
-    x: &Vector3<S>,
-) -> Vector3<S> {
+pub(crate) fn apply_constant_transpose<C: Copy, S: AlgebraOver<C>>(m: &Matrix3<C>, x: &Vector3<S>) -> Vector3<S> {
     let row = |i| x.x.scale(m[(0, i)]) + x.y.scale(m[(1, i)]) + x.z.scale(m[(2, i)]);
     Vector3::new(row(0), row(1), row(2))
 }
 
 /// Computes $M x$ for constants `x`, which are not promoted.
 #[inline(always)]
-pub(crate) fn apply_to_constant<C: Copy, S: AlgebraOver<C>>(
-    m: &Matrix3<S>,
-    x: &Vector3<C>,
-) -> Vector3<S> {
+pub(crate) fn apply_to_constant<C: Copy, S: AlgebraOver<C>>(m: &Matrix3<S>, x: &Vector3<C>) -> Vector3<S> {
     let row = |i| m[(i, 0)].scale(x[0]) + m[(i, 1)].scale(x[1]) + m[(i, 2)].scale(x[2]);
     Vector3::new(row(0), row(1), row(2))
 }

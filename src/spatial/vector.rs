@@ -105,20 +105,14 @@ impl<S: Scalar> Motion<S> {
     #[inline(always)]
     #[must_use]
     pub fn cross(&self, m: &Self) -> Self {
-        Self::new(
-            cross(&self.angular, &m.angular),
-            cross(&self.angular, &m.linear) + cross(&self.linear, &m.angular),
-        )
+        Self::new(cross(&self.angular, &m.angular), cross(&self.angular, &m.linear) + cross(&self.linear, &m.angular))
     }
 
     /// Computes $v \times^* f$, the rate of change of `f` when it moves with velocity `self` (2.32 in the book).
     #[inline(always)]
     #[must_use]
     pub fn cross_force(&self, f: &Force<S>) -> Force<S> {
-        Force::new(
-            cross(&self.angular, &f.angular) + cross(&self.linear, &f.linear),
-            cross(&self.angular, &f.linear),
-        )
+        Force::new(cross(&self.angular, &f.angular) + cross(&self.linear, &f.linear), cross(&self.angular, &f.linear))
     }
 
     /// Computes $m \cdot f$, a power or a generalised force.

@@ -67,23 +67,17 @@ struct Node {
 impl Grids {
     /// The shared [`Grid::new`] in normalised time.
     pub fn get(&self, basis: &Basis, points: usize) -> Arc<Grid<f64>> {
-        get(&self.grids, basis, points, |basis, points| {
-            Grid::new(basis, points, 1.0)
-        })
+        get(&self.grids, basis, points, |basis, points| Grid::new(basis, points, 1.0))
     }
 
     /// The shared [`Grid::with_ends`] in normalised time.
     pub fn with_ends(&self, basis: &Basis, points: usize) -> Arc<Grid<f64>> {
-        get(&self.with_ends, basis, points, |basis, points| {
-            Grid::with_ends(basis, points, 1.0)
-        })
+        get(&self.with_ends, basis, points, |basis, points| Grid::with_ends(basis, points, 1.0))
     }
 
     /// The shared [`Grid::collocated`] in normalised time.
     pub fn collocated(&self, basis: &Basis, points: [usize; 2]) -> Arc<Grid<f64>> {
-        get(&self.collocated, basis, points, |basis, points| {
-            Grid::collocated(basis, points, 1.0)
-        })
+        get(&self.collocated, basis, points, |basis, points| Grid::collocated(basis, points, 1.0))
     }
 
     /// The shared [`Scan::new`].
@@ -128,11 +122,7 @@ impl Grid<f64> {
 
     fn of_rule(basis: &Basis, (nodes, weights): (Vec<f64>, Vec<f64>), horizon: f64) -> Self {
         let nodes = nodes.into_iter().zip(weights);
-        let nodes = nodes.map(|(at, weight)| Node {
-            at,
-            weight,
-            collocated: false,
-        });
+        let nodes = nodes.map(|(at, weight)| Node { at, weight, collocated: false });
         Self::at(basis, nodes.collect(), horizon)
     }
 
@@ -144,11 +134,7 @@ impl Grid<f64> {
         let rule = |count, part, collocated| {
             let (nodes, weights) = gauss_legendre(count);
             let nodes = nodes.into_iter().zip(weights);
-            nodes.map(move |(at, weight)| Node {
-                at,
-                weight: part * weight,
-                collocated,
-            })
+            nodes.map(move |(at, weight)| Node { at, weight: part * weight, collocated })
         };
         let part = Self::COLLOCATED;
         let all = rule(points, 1.0 - part, false).chain(rule(held, part, true));
@@ -237,14 +223,7 @@ impl<S: Scalar> Grid<S> {
         Grid {
             collocated: self.collocated.clone(),
             thirds: [0, 1].map(|i| self.thirds[i].map(&f)),
-            ..Grid::from_table(
-                self.segments,
-                self.shared,
-                self.free.clone(),
-                times,
-                weights,
-                table,
-            )
+            ..Grid::from_table(self.segments, self.shared, self.free.clone(), times, weights, table)
         }
     }
 
@@ -336,12 +315,7 @@ pub(super) fn jerk_products<S: Scalar>(
 }
 
 /// Adds the gradient in the functions of segment `e`, one column each, to the full gradient.
-pub(super) fn add_gradient<S: Scalar>(
-    grid: &Grid<S>,
-    gradient: &DMatrix<S>,
-    e: usize,
-    out: &mut DVector<S>,
-) {
+pub(super) fn add_gradient<S: Scalar>(grid: &Grid<S>, gradient: &DMatrix<S>, e: usize, out: &mut DVector<S>) {
     let (n, first) = (gradient.nrows(), grid.first(e));
     for (m, column) in gradient.column_iter().enumerate() {
         if let Some(unknown) = grid.unknown[first + m] {

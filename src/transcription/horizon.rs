@@ -20,11 +20,7 @@ pub struct HorizonDerivatives<S: Scalar> {
 impl<S: Scalar> HorizonDerivatives<S> {
     /// Zeros for this number of unknown coefficients.
     pub(super) fn zeros(unknowns: usize) -> Self {
-        Self {
-            first: S::zero(),
-            second: S::zero(),
-            mixed: DVector::zeros(unknowns),
-        }
+        Self { first: S::zero(), second: S::zero(), mixed: DVector::zeros(unknowns) }
     }
 }
 
@@ -48,11 +44,7 @@ pub(super) struct Moved<S: Scalar> {
 impl<S: Scalar> Default for Moved<S> {
     fn default() -> Self {
         let [rates, mixed] = [(); 2].map(|()| DMatrix::zeros(0, 0));
-        Self {
-            rates,
-            mixed,
-            at_point: [(); 3].map(|()| DVector::zeros(0)),
-        }
+        Self { rates, mixed, at_point: [(); 3].map(|()| DVector::zeros(0)) }
     }
 }
 
@@ -89,18 +81,10 @@ impl<S: Scalar> Moving<'_, S> {
         memory: &'m mut Moved<S>,
         out: &mut HorizonDerivatives<S>,
     ) -> &'m DMatrix<S> {
-        let Self {
-            grid,
-            horizon,
-            rates,
-        } = *self;
+        let Self { grid, horizon, rates } = *self;
         let n = rates.nrows();
         memory.resize(n, grid.table.ncols());
-        let Moved {
-            rates: moved,
-            mixed,
-            at_point: [first, second, bent],
-        } = memory;
+        let Moved { rates: moved, mixed, at_point: [first, second, bent] } = memory;
         place(rates, grid.first(e), &grid.table, moved);
         scale(moved, horizon);
         let power = |x: usize| S::from_f64(x as f64);
@@ -114,11 +98,7 @@ impl<S: Scalar> Moving<'_, S> {
                 second[i] = rate * (state[i] / horizon - moved[i] - first[i]);
             }
             at.hessians.product(g, first, bent);
-            let dot = |x: &DVector<S>| {
-                x.iter()
-                    .zip(gradient)
-                    .fold(S::zero(), |sum, (a, b)| sum + *a * *b)
-            };
+            let dot = |x: &DVector<S>| x.iter().zip(gradient).fold(S::zero(), |sum, (a, b)| sum + *a * *b);
             let slope = dot(first);
             out.first += *weight * (at.costs[g] + horizon * slope);
             let two = S::from_f64(2.0);
@@ -142,19 +122,11 @@ impl<S: Scalar> Moving<'_, S> {
         memory: &'m mut Moved<S>,
         out: &mut HorizonDerivatives<S>,
     ) -> &'m DMatrix<S> {
-        let Self {
-            grid,
-            horizon,
-            rates,
-        } = *self;
+        let Self { grid, horizon, rates } = *self;
         let (n, [two, three]) = (rates.nrows(), [2.0, 3.0].map(S::from_f64));
         let scale = S::one() / (horizon * horizon * horizon);
         memory.resize(n, grid.points());
-        let Moved {
-            rates: moved,
-            mixed,
-            ..
-        } = memory;
+        let Moved { rates: moved, mixed, .. } = memory;
         place(rates, grid.first(e), &grid.thirds[0], moved);
         *moved *= scale;
         let [slopes, curvatures] = &at.by_jerk;

@@ -23,19 +23,13 @@ impl<S: Scalar> Horizons<S> {
     /// One horizon `T`.
     #[must_use]
     pub fn one(horizon: S) -> Self {
-        Self {
-            parts: vec![horizon],
-            reference: None,
-        }
+        Self { parts: vec![horizon], reference: None }
     }
 
     /// The horizons $T_k$ of parts, and the reference $T_0$.
     #[must_use]
     pub fn of_parts(parts: Vec<S>, reference: S) -> Self {
-        Self {
-            parts,
-            reference: Some(reference),
-        }
+        Self { parts, reference: Some(reference) }
     }
 
     /// The horizons of all parts.
@@ -171,11 +165,7 @@ pub(super) fn rates_of_slopes<S: Scalar>(
 
 /// The derivatives in the horizon of a part of the factors of the slopes of a segment, times `gradient`, the
 /// derivatives in its stretched coefficients, one column per function.
-pub(super) fn slopes_alone<S: Scalar>(
-    gradient: &DMatrix<S>,
-    shared: usize,
-    reference: S,
-) -> DMatrix<S> {
+pub(super) fn slopes_alone<S: Scalar>(gradient: &DMatrix<S>, shared: usize, reference: S) -> DMatrix<S> {
     let mut own = DMatrix::zeros(gradient.nrows(), gradient.ncols());
     for slope in slopes(gradient.ncols(), shared) {
         own.set_column(slope, &(gradient.column(slope) / reference));

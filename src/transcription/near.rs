@@ -50,13 +50,7 @@ pub(super) struct Noted {
 impl Near {
     /// Begins lists at points with these times in parts of each of several segments. Rows that are not listed are below
     /// the values of `far` until a body has moved by more than `moved`, in m; an infinite one lists its row.
-    pub fn begin<K: Constraint>(
-        &mut self,
-        state: &K,
-        far: &[f64],
-        moved: f64,
-        (times, segments): (Vec<f64>, usize),
-    ) {
+    pub fn begin<K: Constraint>(&mut self, state: &K, far: &[f64], moved: f64, (times, segments): (Vec<f64>, usize)) {
         self.bodies.clear();
         self.far.clear();
         for (row, far) in far.iter().copied().enumerate() {
@@ -152,25 +146,15 @@ impl Near {
     /// The rows of a group that may be near with the bodies placed like this at its points; `None` if others may be.
     /// Half of the distance is left for the times between the points.
     pub fn at_points(&self, group: usize, placed: &[Placement<Wide>]) -> Option<&[usize]> {
-        let Group {
-            rows, placements, ..
-        } = &self.groups[group];
+        let Group { rows, placements, .. } = &self.groups[group];
         let is_known = self.has_lists() && !placements.is_empty();
-        (is_known && self.are_close(placed, |body| placements[body], 0.5 * self.moved))
-            .then_some(rows)
+        (is_known && self.are_close(placed, |body| placements[body], 0.5 * self.moved)).then_some(rows)
     }
 
     /// The rows of a group that may be near with the bodies placed like this at the first of these times, which are in
     /// parts of the segment; `None` if others may be. Each time is compared with the nearest point.
-    pub fn between(
-        &self,
-        group: usize,
-        times: &[f64],
-        placed: &[Placement<Wide>],
-    ) -> Option<&[usize]> {
-        let Group {
-            rows, placements, ..
-        } = &self.groups[group];
+    pub fn between(&self, group: usize, times: &[f64], placed: &[Placement<Wide>]) -> Option<&[usize]> {
+        let Group { rows, placements, .. } = &self.groups[group];
         let first = group % self.times.len().div_ceil(LANES) * LANES;
         let points = &self.times[first..self.times.len().min(first + LANES)];
         let nearest: [usize; LANES] = std::array::from_fn(|lane| {
@@ -180,10 +164,7 @@ impl Near {
         });
         let pick = |x: &Wide| Lanes(nearest.map(|point| x.0[point]));
         let other = |body: usize| {
-            let Placement {
-                rotation,
-                translation,
-            } = &placements[body];
+            let Placement { rotation, translation } = &placements[body];
             Placement::new(rotation.map(|x| pick(&x)), translation.map(|x| pick(&x)))
         };
         let is_known = !placements.is_empty();
@@ -191,27 +172,16 @@ impl Near {
     }
 
     /// Returns true if no ball has moved by more than `most` from the other placement of its body.
-    fn are_close(
-        &self,
-        placed: &[Placement<Wide>],
-        other: impl Fn(usize) -> Placement<Wide>,
-        most: f64,
-    ) -> bool {
+    fn are_close(&self, placed: &[Placement<Wide>], other: impl Fn(usize) -> Placement<Wide>, most: f64) -> bool {
         let add_square = |sum: Wide, x: &Wide| sum + *x * *x;
         self.bodies.iter().all(|(body, r)| {
             let (here, there) = (&placed[*body], other(*body));
-            let (p, turn) = (
-                here.translation - there.translation,
-                here.rotation - there.rotation,
-            );
-            let [p, turn] = [p.as_slice(), turn.as_slice()]
-                .map(|of| of.iter().fold(Wide::splat(0.0), add_square).sqrt());
+            let (p, turn) = (here.translation - there.translation, here.rotation - there.rotation);
+            let [p, turn] =
+                [p.as_slice(), turn.as_slice()].map(|of| of.iter().fold(Wide::splat(0.0), add_square).sqrt());
             let moved = p + turn.scale(std::f64::consts::FRAC_1_SQRT_2 * r);
             // NaN is not close.
-            moved
-                .0
-                .iter()
-                .fold(true, |all, moved| all & (*moved <= most))
+            moved.0.iter().fold(true, |all, moved| all & (*moved <= most))
         })
     }
 
@@ -222,13 +192,7 @@ impl Near {
         placed: &[Placement<Wide>],
         (values, scales, found): (&[Wide], &[f64], usize),
     ) {
-        let Group {
-            rows,
-            placements,
-            working,
-            between,
-            ..
-        } = &mut self.groups[group];
+        let Group { rows, placements, working, between, .. } = &mut self.groups[group];
         placements.clear();
         placements.extend_from_slice(placed);
         rows.clear();
@@ -265,12 +229,7 @@ impl Near {
             return false;
         }
         let group = self.of_point(g);
-        let Group {
-            rows,
-            placements,
-            between,
-            ..
-        } = &mut self.groups[group];
+        let Group { rows, placements, between, .. } = &mut self.groups[group];
         if !between.contains(&row) {
             between.push(row);
         }
@@ -298,12 +257,7 @@ impl Near {
 
     /// The group of a part of a segment, and the part of the times between its first and its last one, `intervals`
     /// intervals from each other.
-    pub fn part(
-        &self,
-        segment: usize,
-        k: usize,
-        intervals: usize,
-    ) -> (Option<usize>, Range<usize>) {
+    pub fn part(&self, segment: usize, k: usize, intervals: usize) -> (Option<usize>, Range<usize>) {
         let count = self.parts();
         let end = |k: usize| match k {
             0 => 1,

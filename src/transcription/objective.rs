@@ -69,9 +69,7 @@ impl<S: Scalar> Derivatives<S> {
     /// Zeros for the unknowns of a grid and a robot with `dof` joints.
     #[must_use]
     pub fn new(grid: &Grid<S>, dof: usize) -> Self {
-        let sizes: Vec<_> = (0..grid.segments)
-            .map(|e| grid.block(e).len() * dof)
-            .collect();
+        let sizes: Vec<_> = (0..grid.segments).map(|e| grid.block(e).len() * dof).collect();
         let matrix = BlockTridiagonal::new(&sizes, grid.shared * dof);
         Self {
             gradient: DVector::zeros(grid.free.len() * dof),
@@ -164,13 +162,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         for e in 0..self.grid.segments {
             self.place(coefficients, e);
             let phase = self.phase(e);
-            let here = points(
-                &self.grid,
-                &self.times,
-                (&self.states, &self.jerks),
-                e,
-                phase,
-            );
+            let here = points(&self.grid, &self.times, (&self.states, &self.jerks), e, phase);
             self.cost.values(here, &mut self.costs)?;
             for (weight, cost) in self.grid.weights.iter().zip(&self.costs) {
                 sum += *weight * *cost;
@@ -184,11 +176,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     ///
     /// # Errors
     /// `coefficients` is not `N` by the number of functions of the grid.
-    pub fn derivatives(
-        &mut self,
-        coefficients: &DMatrix<S>,
-        out: &mut Derivatives<S>,
-    ) -> Result<S> {
+    pub fn derivatives(&mut self, coefficients: &DMatrix<S>, out: &mut Derivatives<S>) -> Result<S> {
         self.integrate(coefficients, true, out)
     }
 
@@ -196,20 +184,11 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     ///
     /// # Errors
     /// `coefficients` is not `N` by the number of functions of the grid.
-    pub fn gradient_and_hessian(
-        &mut self,
-        coefficients: &DMatrix<S>,
-        out: &mut Derivatives<S>,
-    ) -> Result<S> {
+    pub fn gradient_and_hessian(&mut self, coefficients: &DMatrix<S>, out: &mut Derivatives<S>) -> Result<S> {
         self.integrate(coefficients, false, out)
     }
 
-    fn integrate(
-        &mut self,
-        coefficients: &DMatrix<S>,
-        with_metric: bool,
-        out: &mut Derivatives<S>,
-    ) -> Result<S> {
+    fn integrate(&mut self, coefficients: &DMatrix<S>, with_metric: bool, out: &mut Derivatives<S>) -> Result<S> {
         self.check(coefficients)?;
         let (shared, dof) = (self.grid.clone(), self.dof);
         let grid = &*shared;
@@ -220,15 +199,8 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             let phase = self.phase(e);
             let curve = points(grid, &self.times, (&self.states, &self.jerks), e, phase);
             let segment = Segment::new(grid, &self.horizons, e, curve);
-            let Workspace {
-                at_points,
-                sums,
-                gradient,
-                moved,
-                squares,
-            } = self
-                .workspace
-                .get_or_insert_with(|| Workspace::new(grid, dof));
+            let Workspace { at_points, sums, gradient, moved, squares } =
+                self.workspace.get_or_insert_with(|| Workspace::new(grid, dof));
             at_points.with_metrics = with_metric;
             self.cost.all_derivatives(curve, at_points)?;
             for (weight, cost) in grid.weights.iter().zip(&at_points.costs) {
@@ -241,22 +213,18 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             segment.weigh(at_points, squares);
             segment.gradient(self.rates.is_some(), at_points, gradient, out);
             let (horizon, factor) = (segment.horizon, segment.factor);
-            at_points
-                .hessians
-                .integrate(grid.products(), horizon, sums, |pair, block| {
-                    if curve.jerks.is_some() {
-                        for i in 0..dof {
-                            block[(i, i)] += squares[(i, pair)];
-                        }
+            at_points.hessians.integrate(grid.products(), horizon, sums, |pair, block| {
+                if curve.jerks.is_some() {
+                    for i in 0..dof {
+                        block[(i, i)] += squares[(i, pair)];
                     }
-                    put_block(grid, (block, factor), e, pair, &mut out.hessian);
-                });
+                }
+                put_block(grid, (block, factor), e, pair, &mut out.hessian);
+            });
             if with_metric {
-                at_points
-                    .metrics
-                    .integrate(grid.products(), horizon, sums, |pair, block| {
-                        put_block(grid, (block, factor), e, pair, &mut out.metric);
-                    });
+                at_points.metrics.integrate(grid.products(), horizon, sums, |pair, block| {
+                    put_block(grid, (block, factor), e, pair, &mut out.metric);
+                });
             }
             self.end_segment(e, &mut sum, &mut whole);
         }
@@ -267,8 +235,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     fn begin(&mut self, coefficients: &DMatrix<S>, out: &mut Derivatives<S>) {
         out.gradient.fill(S::zero());
         let (unknowns, parts) = (out.gradient.len(), self.horizons.parts().len());
-        out.horizons
-            .resize_with(parts, || HorizonDerivatives::zeros(unknowns));
+        out.horizons.resize_with(parts, || HorizonDerivatives::zeros(unknowns));
         for of in &mut out.horizons {
             (of.first, of.second) = (S::zero(), S::zero());
             of.mixed.fill(S::zero());
@@ -298,9 +265,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         let velocity = |m, g| grid.table[(m, 3 * g + 1)];
         let squares = grid.pairs.iter().map(|&(a, b)| {
             let at_points = grid.weights.iter().enumerate();
-            at_points.fold(S::zero(), |sum, (g, w)| {
-                sum + *w * velocity(a, g) * velocity(b, g)
-            })
+            at_points.fold(S::zero(), |sum, (g, w)| sum + *w * velocity(a, g) * velocity(b, g))
         });
         let squares: Vec<S> = squares.collect();
         for e in 0..grid.segments {

@@ -19,12 +19,7 @@ pub(crate) fn scale<S: Scalar>(states: &mut DMatrix<S>, horizon: S) {
 }
 
 /// Computes the curve of the functions from `first` on by `table`.
-pub(crate) fn place<S: Scalar>(
-    coefficients: &DMatrix<S>,
-    first: usize,
-    table: &DMatrix<S>,
-    states: &mut DMatrix<S>,
-) {
+pub(crate) fn place<S: Scalar>(coefficients: &DMatrix<S>, first: usize, table: &DMatrix<S>, states: &mut DMatrix<S>) {
     if coefficients.ncols() == table.nrows() {
         // One segment has all functions.
         multiply(coefficients, table, states);
@@ -43,11 +38,5 @@ pub(crate) fn points<'a, S: Scalar>(
     phase: usize,
 ) -> Points<'a, S> {
     let first = e * grid.points();
-    Points {
-        first,
-        phase,
-        times: &times[first..first + grid.points()],
-        states,
-        jerks: jerks.as_ref(),
-    }
+    Points { first, phase, times: &times[first..first + grid.points()], states, jerks: jerks.as_ref() }
 }

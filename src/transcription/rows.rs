@@ -2,8 +2,7 @@
 
 use super::{Near, Shared, Which};
 use crate::constraint::{
-    Constraint, Constraints, Evaluator, Phase, Piece, RateLimit, RowKind, StandingFoot,
-    searched_from,
+    Constraint, Constraints, Evaluator, Phase, Piece, RateLimit, RowKind, StandingFoot, searched_from,
 };
 use crate::cost::{CostWithControl, Points};
 use crate::dynamics::Data;
@@ -50,11 +49,7 @@ pub(crate) struct Rows<'a, K, P> {
 pub(crate) type Standing<'a> = (usize, &'a Model, &'a StandingFoot, Option<&'a Phase>);
 
 /// The foot on which a robot stands in a phase.
-fn standing<'c, K>(
-    constraints: &'c Constraints<K>,
-    model: &'c Model,
-    phase: usize,
-) -> Option<Standing<'c>>
+fn standing<'c, K>(constraints: &'c Constraints<K>, model: &'c Model, phase: usize) -> Option<Standing<'c>>
 where
     K: Constraint,
 {
@@ -111,11 +106,7 @@ impl<K, P: Clone> Clone for Rows<'_, K, P> {
 }
 
 impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
-    pub fn new(
-        model: &'a Model,
-        constraints: impl Into<Shared<'a, Constraints<K>>>,
-        cost: P,
-    ) -> Result<Self> {
+    pub fn new(model: &'a Model, constraints: impl Into<Shared<'a, Constraints<K>>>, cost: P) -> Result<Self> {
         let constraints = constraints.into();
         constraints.check(model)?;
         let state = &constraints.state;
@@ -154,9 +145,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             active: Vec::new(),
             searched_from: searched_from(state),
             highest: vec![0.0; states],
-            dense: (0..states)
-                .filter(|row| attributes.cutoffs[*row].is_infinite())
-                .collect(),
+            dense: (0..states).filter(|row| attributes.cutoffs[*row].is_infinite()).collect(),
             touched: Vec::new(),
             foot: Vec::new(),
             costs: Vec::new(),
@@ -173,9 +162,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
 
     /// The rows of the state that are equalities, with their units.
     pub fn equalities_of_state(&self) -> impl Iterator<Item = (usize, f64)> + use<'_, 'a, K, P> {
-        let Attributes {
-            equalities, units, ..
-        } = &self.attributes;
+        let Attributes { equalities, units, .. } = &self.attributes;
         let rows = (0..self.states()).filter(|row| equalities[*row]);
         rows.map(|row| (row, units[row]))
     }
@@ -228,13 +215,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
 
     /// Computes the rows that do not concern the state alone, those that are kept for a part of the time also `always`,
     /// and the running cost.
-    fn others(
-        &mut self,
-        points: Points<'_, f64>,
-        always: bool,
-        h: &mut [f64],
-        costs: &mut [f64],
-    ) -> Result<()> {
+    fn others(&mut self, points: Points<'_, f64>, always: bool, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
         self.of_rates(points, h);
         self.of_foot(points, h)?;
         if !self.with_control() {
@@ -246,14 +227,9 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         if self.controls.ncols() < points.count() {
             self.controls = DMatrix::zeros(points.states.nrows(), points.count());
         }
-        self.cost
-            .values_with_control(points, costs, &mut self.controls)?;
+        self.cost.values_with_control(points, costs, &mut self.controls)?;
         let scales = &self.attributes.scales;
-        for (g, (h, u)) in h
-            .chunks_exact_mut(count)
-            .zip(self.controls.column_iter())
-            .enumerate()
-        {
+        for (g, (h, u)) in h.chunks_exact_mut(count).zip(self.controls.column_iter()).enumerate() {
             if rates > states {
                 torque.value(u.as_slice(), &mut h[states..rates])?;
             }
@@ -319,12 +295,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
 
     /// Computes the rows without the running cost, which is skipped if only the state has constraints, also those that
     /// are kept for a part of the time. Returns true if these are all rows of the state.
-    pub fn of_all(
-        &mut self,
-        points: Points<'_, f64>,
-        which: Which<'_>,
-        h: &mut [f64],
-    ) -> Result<bool> {
+    pub fn of_all(&mut self, points: Points<'_, f64>, which: Which<'_>, h: &mut [f64]) -> Result<bool> {
         if self.with_control() {
             let mut costs = std::mem::take(&mut self.costs);
             costs.resize(points.count(), 0.0);

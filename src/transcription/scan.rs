@@ -96,12 +96,7 @@ impl Scan {
             }
             thirds.set_column(k, &local.row(3).transpose());
         }
-        Self {
-            basis: basis.clone(),
-            table,
-            thirds,
-            intervals,
-        }
+        Self { basis: basis.clone(), table, thirds, intervals }
     }
 
     /// Finds the local maxima in time of all rows above `floor`, ends of the segments included, refined by a parabola;
@@ -134,12 +129,7 @@ impl Scan {
             let phase = segment * rows.cost.phases() / segments;
             for k in 0..rows.near.parts() {
                 let (group, middles) = rows.near.part(segment, k, self.intervals);
-                let part = Part {
-                    segment,
-                    phase,
-                    group,
-                    middles,
-                };
+                let part = Part { segment, phase, group, middles };
                 self.evaluate(rows, &part, (horizons, floor), look)?;
                 for (row, unit) in rows.equalities_of_state() {
                     let values = look.h.iter().skip(row).step_by(count);
@@ -179,37 +169,21 @@ impl Scan {
                 };
                 let segment = ((normalised * segments as f64) as usize).min(segments - 1);
                 let phase = segment * rows.cost.phases() / segments;
-                let Look {
-                    functions,
-                    one,
-                    few: [[states, jerks], ..],
-                    h,
-                    ..
-                } = look;
+                let Look { functions, one, few: [[states, jerks], ..], h, .. } = look;
                 let at = (segment, normalised);
                 self.place_at(coefficients, horizons, at, functions, one);
                 states.copy_from(&one.columns(0, 3));
                 jerks.copy_from(&one.column(3));
-                let points = Points {
-                    first: 0,
-                    phase,
-                    times: &[time],
-                    states,
-                    jerks: Some(jerks),
-                };
+                let points = Points { first: 0, phase, times: &[time], states, jerks: Some(jerks) };
                 h.resize(rows.count(), 0.0);
                 rows.of_all(points, Which::Only(&[]), h)?;
                 let own = h[first..first + between.dim()].iter().enumerate();
-                look.found
-                    .extend(
-                        own.filter(|(_, height)| **height > floor)
-                            .map(|(row, height)| Maximum {
-                                row: first + row,
-                                segment,
-                                time: normalised,
-                                height: *height,
-                            }),
-                    );
+                look.found.extend(own.filter(|(_, height)| **height > floor).map(|(row, height)| Maximum {
+                    row: first + row,
+                    segment,
+                    time: normalised,
+                    height: *height,
+                }));
             }
         }
         Ok(())
@@ -261,13 +235,8 @@ impl Scan {
         times.extend(normalised.map(|time| horizons.time(of_horizon, time)));
         parts.clear();
         parts.extend(own.map(|k| k as f64 / self.intervals as f64));
-        let points = Points {
-            first: 0,
-            phase: part.phase,
-            times,
-            states,
-            jerks: look.jerks.is_some().then_some(jerks),
-        };
+        let points =
+            Points { first: 0, phase: part.phase, times, states, jerks: look.jerks.is_some().then_some(jerks) };
         let which = match part.group {
             Some(group) => Which::Between(group, parts),
             None => Which::All,
@@ -305,12 +274,7 @@ impl Scan {
                     continue;
                 }
                 let bracket = Bracket { times, values };
-                let maximum = |(time, height)| Maximum {
-                    row,
-                    segment,
-                    time,
-                    height,
-                };
+                let maximum = |(time, height)| Maximum { row, segment, time, height };
                 if k == 1 && values[0] > floor && values[0] > values[1] {
                     found.push(maximum(bracket.at_end(0)));
                 }
@@ -341,17 +305,7 @@ impl Scan {
         look: &mut Look,
     ) -> Result<()> {
         let (count, segments) = (rows.count(), self.basis.segments());
-        let Look {
-            found,
-            uncertain,
-            times,
-            rows: own,
-            h,
-            functions,
-            one,
-            few,
-            ..
-        } = look;
+        let Look { found, uncertain, times, rows: own, h, functions, one, few, .. } = look;
         let of_phases = uncertain.chunk_by_mut(|(_, a, _), (_, b, _)| a == b);
         for few_maxima in of_phases.flat_map(|of_phase| of_phase.chunks_mut(LANES)) {
             let [states, jerks] = &mut few[few_maxima.len() - 1];
@@ -364,13 +318,7 @@ impl Scan {
                 let part = horizons.part(segment, segments);
                 times.push(horizons.time(part, time));
             }
-            let points = Points {
-                first: 0,
-                phase: few_maxima[0].1,
-                times,
-                states,
-                jerks: Some(jerks),
-            };
+            let points = Points { first: 0, phase: few_maxima[0].1, times, states, jerks: Some(jerks) };
             let of_maxima = few_maxima.iter().map(|(at, ..)| found[*at].row);
             own.clear();
             own.extend(of_maxima.filter(|row| *row < rows.states()));

@@ -25,22 +25,9 @@ pub(super) struct Segment<'a, S: Scalar> {
 }
 
 impl<'a, S: Scalar> Segment<'a, S> {
-    pub fn new(
-        grid: &'a Grid<S>,
-        horizons: &'a Horizons<S>,
-        e: usize,
-        curve: Points<'a, S>,
-    ) -> Self {
+    pub fn new(grid: &'a Grid<S>, horizons: &'a Horizons<S>, e: usize, curve: Points<'a, S>) -> Self {
         let part = horizons.part(e, grid.segments);
-        Self {
-            grid,
-            horizons,
-            e,
-            curve,
-            part,
-            horizon: horizons.parts()[part],
-            factor: horizons.stretch(part),
-        }
+        Self { grid, horizons, e, curve, part, horizon: horizons.parts()[part], factor: horizons.stretch(part) }
     }
 
     /// Adds the derivatives in the horizon of the part, with coefficients that change at these rates, see [`Moving`].
@@ -53,11 +40,7 @@ impl<'a, S: Scalar> Segment<'a, S> {
         out: &mut Derivatives<S>,
     ) {
         let (grid, horizon) = (self.grid, self.horizon);
-        let moving = Moving {
-            grid,
-            horizon,
-            rates,
-        };
+        let moving = Moving { grid, horizon, rates };
         let own = &mut out.horizons[self.part];
         let mixed = moving.integrate(self.e, self.curve, at_points, moved, own);
         multiply(mixed, &grid.transposed, gradient);

@@ -1,9 +1,7 @@
 //! The rows of the state at the points of a curve: all, or those that may be near their bounds.
 
 use super::Rows;
-use crate::constraint::{
-    Constraint, Piece, Pieces, PlacedState, RowList, WeightedDerivatives, Weights,
-};
+use crate::constraint::{Constraint, Piece, Pieces, PlacedState, RowList, WeightedDerivatives, Weights};
 use crate::cost::{CostWithControl, Points};
 use crate::error::Result;
 use crate::scalar::{LANES, Wide};
@@ -79,12 +77,7 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
     }
 
     /// Computes rows of the state and leaves the others unchanged; returns true if these are all.
-    pub(super) fn of_state(
-        &mut self,
-        points: Points<'_, f64>,
-        which: Which<'_>,
-        h: &mut [f64],
-    ) -> Result<bool> {
+    pub(super) fn of_state(&mut self, points: Points<'_, f64>, which: Which<'_>, h: &mut [f64]) -> Result<bool> {
         let count = self.count();
         if self.wide.is_empty() {
             return Ok(true);
@@ -109,13 +102,7 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
     }
 
     /// Computes rows of the state at the points from `start` on, side by side; returns true if these are all.
-    fn side_by_side(
-        &mut self,
-        points: Points<'_, f64>,
-        start: usize,
-        which: Which<'_>,
-        h: &mut [f64],
-    ) -> Result<bool> {
+    fn side_by_side(&mut self, points: Points<'_, f64>, start: usize, which: Which<'_>, h: &mut [f64]) -> Result<bool> {
         let own = 2 * points.states.nrows();
         let found = points.gather(start, &mut self.z);
         let placed = self.evaluator.at(&self.z[..own])?;
@@ -127,17 +114,13 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
         };
         let mut noted = match (which, group) {
             (_, Some(group)) => std::mem::take(self.near.noted(group)),
-            (Which::Between(group, _) | Which::Beside(group), _) => {
-                self.near.begin_beside(Some(group), start)
-            }
+            (Which::Between(group, _) | Which::Beside(group), _) => self.near.begin_beside(Some(group), start),
             _ => self.near.begin_beside(None, start),
         };
         let follows = self.near.follows && noted.are_known;
         let listed = match (which, group) {
             (Which::Near, Some(group)) => self.near.at_points(group, placements),
-            (Which::Between(group, times), _) => {
-                self.near.between(group, &times[start..], placements)
-            }
+            (Which::Between(group, times), _) => self.near.between(group, &times[start..], placements),
             (Which::Only(rows), _) => Some(rows),
             _ => None,
         };
@@ -148,10 +131,7 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
         };
         let known = Pieces::new(&noted.pieces).and_above(from);
         let is_beside = group.is_none() && noted.are_known;
-        let beside = PlacedState {
-            pieces: (follows || is_beside).then_some(known),
-            ..at
-        };
+        let beside = PlacedState { pieces: (follows || is_beside).then_some(known), ..at };
         let (wide, rows) = (&mut self.wide, listed.map(RowList::new));
         if follows {
             match rows {
@@ -192,14 +172,8 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             (Which::Between(group, _), _) if !are_all => Some(self.near.listed(group)),
             _ => None,
         };
-        let mut written = Written {
-            wide: &self.wide,
-            scales: &self.attributes.scales,
-            highest: &mut self.highest,
-            h,
-            first,
-            found,
-        };
+        let mut written =
+            Written { wide: &self.wide, scales: &self.attributes.scales, highest: &mut self.highest, h, first, found };
         match (listed, which) {
             (Some(rows), _) if are_all => {
                 written.write(self.dense.iter().chain(rows).copied());
@@ -226,7 +200,6 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
         let group = self.near.group(points.first, start, points.count());
         let pieces = group.and_then(|group| self.near.pieces(group));
         let state = (&self.constraints.state, pieces);
-        self.evaluator
-            .weighted_derivatives_at(&self.z[..own], state, weights)
+        self.evaluator.weighted_derivatives_at(&self.z[..own], state, weights)
     }
 }

@@ -56,9 +56,7 @@ pub fn build_model(robot: &Robot, file: &str, options: UrdfOptions) -> Result<(M
     };
     let model = Model::from_joints(&robot.name, builder.specs)
         .map_err(|e| match e {
-            Error::Input {
-                element, condition, ..
-            } => Error::input(file, element, condition),
+            Error::Input { element, condition, .. } => Error::input(file, element, condition),
             other => other,
         })?
         .with_base_inertia(builder.base_inertia)
@@ -138,28 +136,17 @@ impl Builder<'_> {
             name: link.name.clone(),
             body,
             placement,
-            carrier: visit.joint.map(|joint| Carrier {
-                joint: joint.name.clone(),
-                parent: Some(visit.parent),
-            }),
+            carrier: visit.joint.map(|joint| Carrier { joint: joint.name.clone(), parent: Some(visit.parent) }),
         });
         Ok(())
     }
 
     /// Adds the collision elements of a link, which is placed in its body.
-    fn add_collisions(
-        &mut self,
-        link: &Link,
-        body: Option<usize>,
-        placement: &Placement<f64>,
-    ) -> Result<()> {
+    fn add_collisions(&mut self, link: &Link, body: Option<usize>, placement: &Placement<f64>) -> Result<()> {
         for (i, collision) in link.collision.iter().enumerate() {
             let name = collision_name(collision.name.as_deref(), i);
             if has_no_extent(&collision.geometry) {
-                self.report.push(LoadNote::NoExtent {
-                    link: link.name.clone(),
-                    shape: name,
-                });
+                self.report.push(LoadNote::NoExtent { link: link.name.clone(), shape: name });
                 continue;
             }
             let element = || format!("link '{}': {name}", link.name);
@@ -176,19 +163,10 @@ impl Builder<'_> {
 
     /// Adds the damping and friction of a joint, with a note if they are not counted.
     fn add_dynamics(&mut self, joint: &Joint) {
-        let dynamics = joint.dynamics.clone().unwrap_or(Dynamics {
-            damping: 0.0,
-            friction: 0.0,
-        });
-        for (attribute, value) in [
-            ("damping", dynamics.damping),
-            ("friction", dynamics.friction),
-        ] {
+        let dynamics = joint.dynamics.clone().unwrap_or(Dynamics { damping: 0.0, friction: 0.0 });
+        for (attribute, value) in [("damping", dynamics.damping), ("friction", dynamics.friction)] {
             if value != 0.0 && self.options.losses.is_none() {
-                self.report.push(LoadNote::LeftOut {
-                    joint: joint.name.clone(),
-                    attribute,
-                });
+                self.report.push(LoadNote::LeftOut { joint: joint.name.clone(), attribute });
             }
         }
         self.dynamics.push(dynamics);
@@ -197,14 +175,7 @@ impl Builder<'_> {
     /// The inertia of a link in its own frame.
     fn inertia(&mut self, link: &Link) -> Result<Inertia<f64>> {
         let element = format!("link '{}'", link.name);
-        let urdf_rs::Inertia {
-            ixx,
-            ixy,
-            ixz,
-            iyy,
-            iyz,
-            izz,
-        } = link.inertial.inertia;
+        let urdf_rs::Inertia { ixx, ixy, ixz, iyy, iyz, izz } = link.inertial.inertia;
         let mass = link.inertial.mass.value;
         let origin = self.pose(&link.inertial.origin, || element.clone())?;
         let numbers = [mass, ixx, ixy, ixz, iyy, iyz, izz];
@@ -219,10 +190,7 @@ impl Builder<'_> {
         if numbers.iter().all(|x| *x == 0.0) {
             self.report.push(LoadNote::Massless { link: name() });
         } else if let Some(condition) = impossible_inertia(mass, &rotational) {
-            self.report.push(LoadNote::ImpossibleInertia {
-                link: name(),
-                condition,
-            });
+            self.report.push(LoadNote::ImpossibleInertia { link: name(), condition });
         }
         let turned = origin.rotation * rotational * origin.rotation.transpose();
         Ok(Inertia::from_com(mass, origin.translation, turned))
@@ -242,10 +210,7 @@ impl Builder<'_> {
             );
             return Err(self.error(format!("joint '{}'", joint.name), condition));
         }
-        self.report.push(LoadNote::Held {
-            joint: joint.name.clone(),
-            kind,
-        });
+        self.report.push(LoadNote::Held { joint: joint.name.clone(), kind });
         Ok(None)
     }
 
@@ -272,10 +237,7 @@ impl Builder<'_> {
                  move by itself, and a \"group\" of an SRDF holds it with its master"
             )),
             Mimic::Independent => {
-                self.report.push(LoadNote::Independent {
-                    joint: joint.name.clone(),
-                    mimics: mimics.clone(),
-                });
+                self.report.push(LoadNote::Independent { joint: joint.name.clone(), mimics: mimics.clone() });
                 Ok(Some(kind))
             }
         }
@@ -300,30 +262,18 @@ impl Builder<'_> {
         // Scaled first, so that neither tiny nor huge axes lose digits; axes of length one stay as they are written.
         let scaled = axis / largest;
         let length = scaled.norm();
-        Ok(if length * largest == 1.0 {
-            axis
-        } else {
-            scaled / length
-        })
+        Ok(if length * largest == 1.0 { axis } else { scaled / length })
     }
 }
 
 /// Converts a pose, or returns its fault; roll, pitch and yaw rotate about the fixed axes x, y, z in this order.
 pub(super) fn convert_pose(pose: &Pose) -> std::result::Result<Placement<f64>, String> {
-    if pose
-        .xyz
-        .iter()
-        .chain(pose.rpy.iter())
-        .any(|x| !x.is_finite())
-    {
+    if pose.xyz.iter().chain(pose.rpy.iter()).any(|x| !x.is_finite()) {
         return Err("its origin is not a finite number".to_owned());
     }
     let [roll, pitch, yaw] = pose.rpy.0;
     let rotation = Rotation3::from_euler_angles(roll, pitch, yaw);
-    Ok(Placement::new(
-        rotation.into_inner(),
-        Vector3::from(pose.xyz.0),
-    ))
+    Ok(Placement::new(rotation.into_inner(), Vector3::from(pose.xyz.0)))
 }
 
 /// Returns true if products of finite numbers stayed finite.
@@ -346,15 +296,10 @@ pub fn impossible_inertia(mass: f64, rotational: &Matrix3<f64>) -> Option<String
     let moments = rotational.symmetric_eigenvalues();
     let rounding = (1e-9 * moments.amax()).max(mass * POINT);
     if moments.min() < -rounding {
-        return Some(format!(
-            "its principal moment of inertia {:e} is negative",
-            moments.min()
-        ));
+        return Some(format!("its principal moment of inertia {:e} is negative", moments.min()));
     }
     if moments.sum() - 2.0 * moments.max() < -rounding {
-        return Some(
-            "its largest principal moment of inertia exceeds the sum of the others".to_owned(),
-        );
+        return Some("its largest principal moment of inertia exceeds the sum of the others".to_owned());
     }
     None
 }

@@ -42,12 +42,10 @@ pub(super) fn read_collada(text: &str) -> Read<Vec<Triangle>> {
                 "instance_geometry" => {
                     let own = read_geometry(ids.named(element, "url")?, &ids)?;
                     if triangles.len() + own.len() > MOST_TRIANGLES {
-                        let condition =
-                            format!("with it there are over {MOST_TRIANGLES} triangles");
+                        let condition = format!("with it there are over {MOST_TRIANGLES} triangles");
                         return Err(refuse(element, &condition));
                     }
-                    let place =
-                        |p: Vector3<f64>| transform.transform_point(&Point3::from(p)).coords;
+                    let place = |p: Vector3<f64>| transform.transform_point(&Point3::from(p)).coords;
                     triangles.extend(own.into_iter().map(|triangle| triangle.map(place)));
                 }
                 "instance_node" | "instance_controller" => {
@@ -69,8 +67,7 @@ impl<'a, 'input> Ids<'a, 'input> {
     fn named(&self, node: Node<'a, 'input>, attribute: &str) -> Read<Node<'a, 'input>> {
         let id = node.attribute(attribute).unwrap_or_default();
         let found = id.strip_prefix('#').and_then(|id| self.0.get(id));
-        (found.copied())
-            .ok_or_else(|| refuse(node, &format!("its {attribute} '{id}' is not in this file")))
+        (found.copied()).ok_or_else(|| refuse(node, &format!("its {attribute} '{id}' is not in this file")))
     }
 }
 
@@ -82,8 +79,7 @@ fn read_transform(element: Node<'_, '_>) -> Read<Matrix4<f64>> {
         "scale" => Matrix4::new_nonuniform_scaling(&Vector3::from(exactly::<3>(element)?)),
         "rotate" => {
             let [x, y, z, degrees] = exactly::<4>(element)?;
-            let axis = Unit::try_new(Vector3::new(x, y, z), 0.0)
-                .ok_or_else(|| refuse(element, "its axis is zero"))?;
+            let axis = Unit::try_new(Vector3::new(x, y, z), 0.0).ok_or_else(|| refuse(element, "its axis is zero"))?;
             Rotation3::from_axis_angle(&axis, degrees.to_radians()).to_homogeneous()
         }
         "lookat" | "skew" => return Err(refuse(element, "it is not supported")),
@@ -128,9 +124,7 @@ fn read_faces(faces: Node<'_, '_>, ids: &Ids<'_, '_>, triangles: &mut Vec<Triang
     for p in lists {
         let indices = list::<usize>(p)?;
         let whole = indices.len().is_multiple_of(stride);
-        let corners = indices
-            .chunks(stride)
-            .map(|corner| corner.get(offset).and_then(|i| points.get(*i)).copied());
+        let corners = indices.chunks(stride).map(|corner| corner.get(offset).and_then(|i| points.get(*i)).copied());
         let corners = corners.collect::<Option<Vec<_>>>();
         let corners = corners.ok_or_else(|| refuse(p, "it names a corner that is not there"))?;
         let own = match (&counts, faces.tag_name().name()) {
@@ -162,17 +156,14 @@ fn read_points(input: Node<'_, '_>, ids: &Ids<'_, '_>) -> Read<Vec<Vector3<f64>>
     let position = position.ok_or_else(|| refuse(vertices, "it has no input of positions"))?;
     let source = ids.named(position, "source")?;
     let accessor = required(required(source, "technique_common")?, "accessor")?;
-    let number =
-        |name, default| parse::<usize>(accessor, accessor.attribute(name).unwrap_or(default));
+    let number = |name, default| parse::<usize>(accessor, accessor.attribute(name).unwrap_or(default));
     let (stride, first) = (number("stride", "1")?, number("offset", "0")?);
     if stride < 3 {
         return Err(refuse(accessor, "its stride is below 3"));
     }
     let numbers = list::<f64>(required(source, "float_array")?)?;
     let points = numbers.get(first..).unwrap_or_default().chunks(stride);
-    Ok(points
-        .filter_map(|p| Some(Vector3::from_column_slice(p.get(..3)?)))
-        .collect())
+    Ok(points.filter_map(|p| Some(Vector3::from_column_slice(p.get(..3)?))).collect())
 }
 
 fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {
@@ -191,21 +182,16 @@ fn list<T: FromStr>(node: Node<'_, '_>) -> Read<Vec<T>> {
 
 fn exactly<const N: usize>(node: Node<'_, '_>) -> Read<[f64; N]> {
     let numbers = list::<f64>(node)?;
-    numbers
-        .try_into()
-        .map_err(|_| refuse(node, &format!("it does not have {N} numbers")))
+    numbers.try_into().map_err(|_| refuse(node, &format!("it does not have {N} numbers")))
 }
 
 fn parse<T: FromStr>(node: Node<'_, '_>, word: &str) -> Read<T> {
-    word.parse()
-        .map_err(|_| refuse(node, &format!("'{word}' is not such a number")))
+    word.parse().map_err(|_| refuse(node, &format!("'{word}' is not such a number")))
 }
 
 /// A fault of an element, with its identifier and line.
 fn refuse(node: Node<'_, '_>, condition: &str) -> String {
     let line = node.document().text_pos_at(node.range().start).row;
-    let id = node
-        .attribute("id")
-        .map_or_else(String::new, |id| format!(" '{id}'"));
+    let id = node.attribute("id").map_or_else(String::new, |id| format!(" '{id}'"));
     format!("{}{id} at line {line}: {condition}", node.tag_name().name())
 }

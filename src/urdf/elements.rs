@@ -10,8 +10,8 @@ use super::{LoadNote, LoadReport};
 use crate::error::{Error, Result};
 use roxmltree::{Document, Error as XmlError, Node};
 use urdf_rs::{
-    Axis, Collision, Dynamics, Geometry, Inertia, Inertial, Joint, JointLimit, JointType, Link,
-    LinkName, Mass, Mimic, Pose, Robot, SafetyController, Vec3,
+    Axis, Collision, Dynamics, Geometry, Inertia, Inertial, Joint, JointLimit, JointType, Link, LinkName, Mass, Mimic,
+    Pose, Robot, SafetyController, Vec3,
 };
 
 /// A robot as far as the text of its URDF can be read.
@@ -61,9 +61,7 @@ impl Elements {
         };
         if let Some(element) = root.descendants().find(is_xacro) {
             let name = element.tag_name().name();
-            let condition = format!(
-                "'xacro:{name}' is not expanded: run xacro on the file first, or name it *.xacro"
-            );
+            let condition = format!("'xacro:{name}' is not expanded: run xacro on the file first, or name it *.xacro");
             return Err(Error::input(file, "robot", condition));
         }
         for node in elements(root) {
@@ -71,10 +69,7 @@ impl Elements {
             if !["link", "joint"].contains(&kind) {
                 continue;
             }
-            match node
-                .attribute("name")
-                .filter(|name| !name.trim().is_empty())
-            {
+            match node.attribute("name").filter(|name| !name.trim().is_empty()) {
                 Some(name) => all.add(node, (kind, name), file),
                 None => {
                     let line = document.text_pos_at(node.range().start).row;
@@ -156,12 +151,7 @@ pub(super) type Read<T> = std::result::Result<T, String>;
 
 /// A link without mass and shapes.
 fn empty_link(name: &str) -> Link {
-    Link {
-        name: name.to_owned(),
-        inertial: Inertial::default(),
-        visual: Vec::new(),
-        collision: Vec::new(),
-    }
+    Link { name: name.to_owned(), inertial: Inertial::default(), visual: Vec::new(), collision: Vec::new() }
 }
 
 fn read_link(link: Node<'_, '_>, name: &str, notes: &mut LoadReport) -> Read<Link> {
@@ -179,28 +169,16 @@ fn read_link(link: Node<'_, '_>, name: &str, notes: &mut LoadReport) -> Read<Lin
         })
     };
     let collisions = named(link, "collision").enumerate();
-    Ok(Link {
-        inertial,
-        collision: collisions.map(read).collect::<Read<_>>()?,
-        ..empty_link(name)
-    })
+    Ok(Link { inertial, collision: collisions.map(read).collect::<Read<_>>()?, ..empty_link(name) })
 }
 
 /// Reads the inertia of the link of this name. One without moments of inertia is that of a point mass.
 fn read_inertial(inertial: Node<'_, '_>, link: &str, notes: &mut LoadReport) -> Read<Inertial> {
     let origin = read_origin(inertial)?;
-    let mass = Mass {
-        value: number(required(inertial, "mass")?, "value")?,
-    };
+    let mass = Mass { value: number(required(inertial, "mass")?, "value")? };
     let Some(inertia) = child(inertial, "inertia")? else {
-        notes.push(LoadNote::PointMass {
-            link: link.to_owned(),
-        });
-        return Ok(Inertial {
-            origin,
-            mass,
-            ..Inertial::default()
-        });
+        notes.push(LoadNote::PointMass { link: link.to_owned() });
+        return Ok(Inertial { origin, mass, ..Inertial::default() });
     };
     let entry = |name| number(inertia, name);
     Ok(Inertial {
@@ -262,9 +240,7 @@ fn read_joint(joint: Node<'_, '_>, name: &str, notes: &mut LoadReport) -> Read<J
         read.axis.xyz = Vec3(numbers(axis, "xyz")?);
     }
     if axes.next().is_some() {
-        notes.push(LoadNote::SeveralAxes {
-            joint: name.to_owned(),
-        });
+        notes.push(LoadNote::SeveralAxes { joint: name.to_owned() });
     }
     if let Some(limit) = child(joint, "limit")? {
         let end = |name| optional(limit, name).map(|end| end.map_or(0.0, |[end]| end));
@@ -287,10 +263,8 @@ fn read_joint(joint: Node<'_, '_>, name: &str, notes: &mut LoadReport) -> Read<J
         });
     }
     if let Some(dynamics) = child(joint, "dynamics")? {
-        read.dynamics = Some(Dynamics {
-            damping: lenient(dynamics, "damping", 0.0),
-            friction: lenient(dynamics, "friction", 0.0),
-        });
+        read.dynamics =
+            Some(Dynamics { damping: lenient(dynamics, "damping", 0.0), friction: lenient(dynamics, "friction", 0.0) });
     }
     if let Some(safety) = child(joint, "safety_controller")? {
         read.safety_controller = Some(SafetyController {
@@ -318,10 +292,7 @@ pub(super) fn read_origin(node: Node<'_, '_>) -> Read<Pose> {
         return Err("quat_xyzw of its origin is not supported: rpy is needed".to_owned());
     }
     let part = |name| optional(origin, name).map(|part| Vec3(part.unwrap_or_default()));
-    Ok(Pose {
-        xyz: part("xyz")?,
-        rpy: part("rpy")?,
-    })
+    Ok(Pose { xyz: part("xyz")?, rpy: part("rpy")? })
 }
 
 /// Reads the geometry of a collision or visual element.
@@ -333,28 +304,16 @@ pub(super) fn read_geometry(node: Node<'_, '_>) -> Read<Geometry> {
         return Err("its geometry has several shapes".to_owned());
     }
     Ok(match shape.tag_name().name() {
-        "sphere" => Geometry::Sphere {
-            radius: number(shape, "radius")?,
-        },
-        "box" => Geometry::Box {
-            size: Vec3(numbers(shape, "size")?),
-        },
-        "cylinder" => Geometry::Cylinder {
-            radius: number(shape, "radius")?,
-            length: number(shape, "length")?,
-        },
-        "capsule" => Geometry::Capsule {
-            radius: number(shape, "radius")?,
-            length: number(shape, "length")?,
-        },
+        "sphere" => Geometry::Sphere { radius: number(shape, "radius")? },
+        "box" => Geometry::Box { size: Vec3(numbers(shape, "size")?) },
+        "cylinder" => Geometry::Cylinder { radius: number(shape, "radius")?, length: number(shape, "length")? },
+        "capsule" => Geometry::Capsule { radius: number(shape, "radius")?, length: number(shape, "length")? },
         "mesh" => Geometry::Mesh {
             filename: shape.attribute("filename").unwrap_or_default().to_owned(),
             scale: optional(shape, "scale")?.map(Vec3),
         },
         other => {
-            return Err(format!(
-                "its geometry is '{other}', none of sphere, box, cylinder, capsule and mesh"
-            ));
+            return Err(format!("its geometry is '{other}', none of sphere, box, cylinder, capsule and mesh"));
         }
     })
 }

@@ -60,18 +60,12 @@ pub(super) fn read_group(node: Node<'_, '_>) -> Read<Group> {
             "joint" => GroupMember::Joint(named("name")?),
             "link" => GroupMember::Link(named("name")?),
             "group" => GroupMember::Group(named("name")?),
-            "chain" => GroupMember::Chain {
-                base: named("base_link")?,
-                tip: named("tip_link")?,
-            },
+            "chain" => GroupMember::Chain { base: named("base_link")?, tip: named("tip_link")? },
             // Passive joints and comments of tools.
             _ => continue,
         });
     }
-    Ok(Group {
-        name: attribute(node, "name")?.to_owned(),
-        members,
-    })
+    Ok(Group { name: attribute(node, "name")?.to_owned(), members })
 }
 
 /// Reads an element `group_state`.
@@ -115,17 +109,10 @@ impl Srdf {
     ///
     /// # Errors
     /// There is no such group, it is a part of itself, or the robot lacks a joint or link of it.
-    pub fn names_of_group(
-        &self,
-        name: &str,
-        model: &Model,
-        file: &str,
-    ) -> Result<BTreeSet<String>> {
+    pub fn names_of_group(&self, name: &str, model: &Model, file: &str) -> Result<BTreeSet<String>> {
         let mut names = BTreeSet::new();
         self.add_group(name, model, &mut Vec::new(), &mut names)
-            .map_err(|(group, condition)| {
-                Error::input(file, format!("group '{group}'"), condition)
-            })?;
+            .map_err(|(group, condition)| Error::input(file, format!("group '{group}'"), condition))?;
         Ok(names)
     }
 
@@ -142,11 +129,7 @@ impl Srdf {
             return refuse("it is a part of itself".to_owned());
         }
         let Some(group) = self.groups.iter().find(|group| group.name == name) else {
-            let all: Vec<_> = self
-                .groups
-                .iter()
-                .map(|g| format!("'{}'", g.name))
-                .collect();
+            let all: Vec<_> = self.groups.iter().map(|g| format!("'{}'", g.name)).collect();
             return refuse(match all.as_slice() {
                 [] => "the SRDF has no groups".to_owned(),
                 all => format!("there is no such group, but {}", all.join(", ")),
@@ -159,12 +142,8 @@ impl Srdf {
                     self.add_group(inner, model, within, joints)?;
                     continue;
                 }
-                GroupMember::Joint(joint) => {
-                    self.joint(joint, model).map(|_| vec![joint.to_owned()])
-                }
-                GroupMember::Link(link) => {
-                    frame(link, model).map(|i| Vec::from_iter(carrier(i, model)))
-                }
+                GroupMember::Joint(joint) => self.joint(joint, model).map(|_| vec![joint.to_owned()]),
+                GroupMember::Link(link) => frame(link, model).map(|i| Vec::from_iter(carrier(i, model))),
                 GroupMember::Chain { base, tip } => chain(base, tip, model),
             };
             joints.extend(added.map_err(|condition| (name, condition))?);
@@ -194,12 +173,7 @@ impl Srdf {
     ///
     /// # Errors
     /// The robot lacks a joint of it, or the state has several numbers for one of its joints.
-    pub fn positions(
-        &self,
-        state: &GroupState,
-        model: &Model,
-        file: &str,
-    ) -> Result<Vec<(usize, f64)>> {
+    pub fn positions(&self, state: &GroupState, model: &Model, file: &str) -> Result<Vec<(usize, f64)>> {
         let refuse = |condition: String| {
             let element = format!("group_state '{}' of '{}'", state.name, state.group);
             Error::input(file, element, condition)
@@ -210,10 +184,7 @@ impl Srdf {
                 continue;
             };
             let [position] = positions.as_slice() else {
-                let condition = format!(
-                    "joint '{name}' has {} numbers, one is needed",
-                    positions.len()
-                );
+                let condition = format!("joint '{name}' has {} numbers, one is needed", positions.len());
                 return Err(refuse(condition));
             };
             found.push((i, *position));
@@ -241,10 +212,7 @@ fn chain(base: &str, tip: &str, model: &Model) -> Read<Vec<String>> {
         let mut joints = BTreeSet::new();
         while let Some(frame) = at {
             joints.extend(carrier(frame, model));
-            at = model.frames()[frame]
-                .carrier
-                .as_ref()
-                .and_then(|carrier| carrier.parent);
+            at = model.frames()[frame].carrier.as_ref().and_then(|carrier| carrier.parent);
         }
         Ok(joints)
     };

@@ -12,13 +12,7 @@ const NO_LIMIT: f64 = 1e10;
 
 /// The limits of a joint of this kind, with notes in `report`.
 pub(super) fn limits_of(joint: &Joint, kind: JointKind, report: &mut LoadReport) -> Read<Limits> {
-    let JointLimit {
-        lower,
-        upper,
-        velocity,
-        effort,
-        ..
-    } = joint.limit;
+    let JointLimit { lower, upper, velocity, effort, .. } = joint.limit;
     let name = || joint.name.clone();
     let all = [lower, upper, velocity, effort];
     if all.iter().all(|x| *x == 0.0) {
@@ -40,10 +34,7 @@ pub(super) fn limits_of(joint: &Joint, kind: JointKind, report: &mut LoadReport)
         if most > 0.0 {
             return most;
         }
-        report.push(LoadNote::ZeroLimit {
-            joint: name(),
-            attribute,
-        });
+        report.push(LoadNote::ZeroLimit { joint: name(), attribute });
         f64::INFINITY
     };
     let (velocity, effort) = (known("velocity", velocity), known("effort", effort));
@@ -53,27 +44,13 @@ pub(super) fn limits_of(joint: &Joint, kind: JointKind, report: &mut LoadReport)
     };
     let ends = [lower, upper].map(plain);
     if lower > upper {
-        return Err(format!(
-            "its lower limit {} is above its upper limit {}",
-            ends[0], ends[1]
-        ));
+        return Err(format!("its lower limit {} is above its upper limit {}", ends[0], ends[1]));
     }
     if lower == f64::INFINITY || upper == f64::NEG_INFINITY {
-        return Err(format!(
-            "no position is within its limits {} and {}",
-            ends[0], ends[1]
-        ));
+        return Err(format!("no position is within its limits {} and {}", ends[0], ends[1]));
     }
-    let (limits, huge) = endless(Limits {
-        lower,
-        upper,
-        velocity,
-        effort,
-    });
-    report.extend(huge.into_iter().map(|limit| LoadNote::HugeLimit {
-        joint: name(),
-        limit,
-    }));
+    let (limits, huge) = endless(Limits { lower, upper, velocity, effort });
+    report.extend(huge.into_iter().map(|limit| LoadNote::HugeLimit { joint: name(), limit }));
     report.extend(soft_limits(joint, &limits));
     Ok(limits)
 }

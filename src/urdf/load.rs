@@ -23,11 +23,7 @@ pub fn load_robot(name_or_path: &str) -> Result<(Model, LoadReport)> {
 ///
 /// # Errors
 /// Those of [`load_robot`].
-pub fn load_robot_with(
-    name_or_path: &str,
-    folder: &Path,
-    options: UrdfOptions,
-) -> Result<(Model, LoadReport)> {
+pub fn load_robot_with(name_or_path: &str, folder: &Path, options: UrdfOptions) -> Result<(Model, LoadReport)> {
     RobotSource::find(name_or_path, folder)?.parse(options)
 }
 
@@ -53,16 +49,10 @@ impl RobotSource {
     /// The file cannot be read or expanded.
     pub fn find(name_or_path: &str, folder: &Path) -> Result<Self> {
         if let Some(text) = builtin_robot_text(name_or_path) {
-            return Ok(Self {
-                text: Cow::Borrowed(text),
-                place: Place::BuiltIn(name_or_path.to_owned()),
-            });
+            return Ok(Self { text: Cow::Borrowed(text), place: Place::BuiltIn(name_or_path.to_owned()) });
         }
         let path = folder.join(name_or_path);
-        Ok(Self {
-            text: Cow::Owned(expand_xacro(read_named(&path, "robot")?, &path)?),
-            place: Place::File(path),
-        })
+        Ok(Self { text: Cow::Owned(expand_xacro(read_named(&path, "robot")?, &path)?), place: Place::File(path) })
     }
 
     /// The elements of the robot, in the types of `urdf-rs`, without the notes that [`parse`](Self::parse) has as well.

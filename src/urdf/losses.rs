@@ -42,19 +42,9 @@ pub struct Losses {
 
 impl Losses {
     /// The drives of joints with these `dynamics` elements; `file` names the robot in errors.
-    pub(super) fn drives(
-        &self,
-        joints: &[JointSpec<f64>],
-        written: &[Dynamics],
-        file: &str,
-    ) -> Result<Vec<Drive>> {
+    pub(super) fn drives(&self, joints: &[JointSpec<f64>], written: &[Dynamics], file: &str) -> Result<Vec<Drive>> {
         let keys = ["damping", "friction", "friction_velocity", "armature"];
-        let all = [
-            &self.damping,
-            &self.friction,
-            &self.friction_velocity,
-            &self.armature,
-        ];
+        let all = [&self.damping, &self.friction, &self.friction_velocity, &self.armature];
         for (key, numbers) in keys.iter().zip(all) {
             let PerJoint::Named(numbers) = numbers else {
                 continue;
@@ -63,11 +53,7 @@ impl Losses {
             if let Some(name) = numbers.keys().find(unknown) {
                 let names = instead(name, joints.iter().map(|joint| joint.name.as_str()));
                 let condition = format!("the robot has no such joint that moves{names}");
-                return Err(Error::input(
-                    file,
-                    format!("losses.{key}.{name}"),
-                    condition,
-                ));
+                return Err(Error::input(file, format!("losses.{key}.{name}"), condition));
             }
         }
         let drive = |(joint, written): (&JointSpec<f64>, &Dynamics)| {
@@ -91,12 +77,7 @@ impl Losses {
                 }
             }
             let [damping, friction, friction_velocity, armature] = found;
-            Ok(Drive {
-                damping,
-                friction,
-                friction_velocity,
-                armature,
-            })
+            Ok(Drive { damping, friction, friction_velocity, armature })
         };
         joints.iter().zip(written).map(drive).collect()
     }

@@ -35,12 +35,10 @@ pub fn load_mesh(file: &str, folder: &Path, scale: &Vector3<f64>) -> Result<Vec<
         "dae" => read_collada(&read_text(&path)?).map_err(refuse)?,
         "stl" => triangles(stl::from_slice(&stl_bytes(&path)?)).map_err(refuse)?,
         // Materials do not matter here: an empty file stands for each.
-        _ => triangles(obj::from_slice(
-            &read_bytes(&path)?,
-            Some(&path),
-            |_| -> io::Result<Vec<u8>> { Ok(Vec::new()) },
-        ))
-        .map_err(refuse)?,
+        _ => {
+            triangles(obj::from_slice(&read_bytes(&path)?, Some(&path), |_| -> io::Result<Vec<u8>> { Ok(Vec::new()) }))
+                .map_err(refuse)?
+        }
     };
     for corner in triangles.iter_mut().flatten() {
         corner.component_mul_assign(scale);
@@ -50,9 +48,7 @@ pub fn load_mesh(file: &str, folder: &Path, scale: &Vector3<f64>) -> Result<Vec<
         return Err(refuse("it has no triangles".to_owned()));
     }
     if !triangles.iter().all(finite) {
-        return Err(refuse(
-            "a coordinate of it is not a finite number".to_owned(),
-        ));
+        return Err(refuse("a coordinate of it is not a finite number".to_owned()));
     }
     Ok(triangles)
 }
@@ -62,11 +58,7 @@ pub fn load_mesh(file: &str, folder: &Path, scale: &Vector3<f64>) -> Result<Vec<
 ///
 /// # Errors
 /// The file does not exist.
-pub fn mesh_path(
-    file: &str,
-    folder: &Path,
-    packages: &BTreeMap<String, PathBuf>,
-) -> Result<PathBuf> {
+pub fn mesh_path(file: &str, folder: &Path, packages: &BTreeMap<String, PathBuf>) -> Result<PathBuf> {
     let path = in_package(file.trim(), packages).and_then(|file| find(&file, folder));
     path.map_err(|e| Error::input(file, "mesh", e))
 }
@@ -90,11 +82,7 @@ fn triangles(scene: io::Result<Scene>) -> Read<Vec<Triangle>> {
     let mut all = Vec::new();
     for mesh in scene.map_err(|e| e.to_string())?.meshes {
         for face in &mesh.faces {
-            let corner = |i: u32| {
-                mesh.vertices
-                    .get(i as usize)
-                    .map(|p| p.map(f64::from).into())
-            };
+            let corner = |i: u32| mesh.vertices.get(i as usize).map(|p| p.map(f64::from).into());
             let [Some(a), Some(b), Some(c)] = face.map(corner) else {
                 return Err("a face names a corner that is not there".to_owned());
             };
@@ -121,20 +109,13 @@ fn find(file: &str, folder: &Path) -> Read<PathBuf> {
                 format!("there is no such file, seen from '{}'", folder.display())
             }
         };
-        return if path.is_file() {
-            Ok(path)
-        } else {
-            Err(missing())
-        };
+        return if path.is_file() { Ok(path) } else { Err(missing()) };
     }
     let (package, path) = package_and_path(file).ok_or("it has no path")?;
     // The folder of a file without one in its path is empty.
     let absolute = std::path::absolute(folder.join(".")).map_err(|e| e.to_string())?;
     let of_variable = |name| env::var_os(name).unwrap_or_default();
-    let (ros, ament) = (
-        of_variable("ROS_PACKAGE_PATH"),
-        of_variable("AMENT_PREFIX_PATH"),
-    );
+    let (ros, ament) = (of_variable("ROS_PACKAGE_PATH"), of_variable("AMENT_PREFIX_PATH"));
     // A folder that is not there has no canonical path, and no file above it.
     let canonical = absolute.canonicalize().ok();
     let above = [Some(&absolute), canonical.as_ref()].into_iter().flatten();
@@ -145,11 +126,7 @@ fn find(file: &str, folder: &Path) -> Read<PathBuf> {
         let own = above.ends_with(package).then(|| above.join(path));
         [Some(above.join(package).join(path)), own]
     };
-    if let Some(path) = folders
-        .flat_map(within)
-        .flatten()
-        .find(|path| path.is_file())
-    {
+    if let Some(path) = folders.flat_map(within).flatten().find(|path| path.is_file()) {
         return Ok(path);
     }
     let found = rospack_find(package);
@@ -158,10 +135,8 @@ fn find(file: &str, folder: &Path) -> Read<PathBuf> {
     {
         return Ok(path);
     }
-    let by_ros = found.map_or_else(
-        |_| "which are not there or do not find it".to_owned(),
-        |found| format!("which name '{found}'"),
-    );
+    let by_ros = found
+        .map_or_else(|_| "which are not there or do not find it".to_owned(), |found| format!("which name '{found}'"));
     Err(format!(
         "there is no such file; --package {package}=FOLDER (in a scenario: \"packages\": {{\"{package}\": FOLDER}}, in \
          code: UrdfOptions::packages) says where the package is, as does the environment variable ROS_PACKAGE_PATH \

@@ -42,26 +42,17 @@ pub fn followers(robot: &Robot, model: &Model, file: &str) -> Result<Vec<Followe
             next = mimics.get(master);
             steps += 1;
             if steps > mimics.len() {
-                return Err(refuse(
-                    "it follows joints that follow each other".to_owned(),
-                ));
+                return Err(refuse("it follows joints that follow each other".to_owned()));
             }
         }
         if !(f64::is_finite(multiplier) && f64::is_finite(offset)) {
             let [multiplier, offset] = [multiplier, offset].map(plain);
-            return Err(refuse(format!(
-                "it mimics '{master}' with the factor {multiplier} and the offset {offset}"
-            )));
+            return Err(refuse(format!("it mimics '{master}' with the factor {multiplier} and the offset {offset}")));
         }
         let (Some(joint), Some(master)) = (number(name), number(master)) else {
             return Err(refuse(format!("it mimics '{master}', no joint that moves")));
         };
-        found.push(Follower {
-            joint,
-            master,
-            multiplier,
-            offset,
-        });
+        found.push(Follower { joint, master, multiplier, offset });
     }
     Ok(found)
 }

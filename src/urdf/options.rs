@@ -185,10 +185,7 @@ impl LoadNote {
     /// move correctly, and a declaration has no effect.
     #[must_use]
     pub fn bears_on_motion(&self) -> bool {
-        !matches!(
-            self,
-            Self::Massless { .. } | Self::Merged { .. } | Self::BeforeDeclaration
-        )
+        !matches!(self, Self::Massless { .. } | Self::Merged { .. } | Self::BeforeDeclaration)
     }
 
     /// The joint concerned.
@@ -256,19 +253,13 @@ impl LoadNote {
             Self::PointMass { .. } => {
                 "no inertia element beside the mass, counts as a point mass at its origin".to_owned()
             }
-            Self::NoExtent { .. } => {
-                "a collision shape has the radius 0, or no extent, and is left out".to_owned()
-            }
-            Self::UndeclaredPrefix { .. } => {
-                "not declared; elements and attributes with it are left out".to_owned()
-            }
+            Self::NoExtent { .. } => "a collision shape has the radius 0, or no extent, and is left out".to_owned(),
+            Self::UndeclaredPrefix { .. } => "not declared; elements and attributes with it are left out".to_owned(),
             Self::BeforeDeclaration => {
                 "blank lines or comments are before it, where it has no effect; it should be at the beginning"
                     .to_owned()
             }
-            Self::Missing { .. } => {
-                "the robot has none of this name, its position is not used".to_owned()
-            }
+            Self::Missing { .. } => "the robot has none of this name, its position is not used".to_owned(),
             Self::AtLimit { by, .. } => {
                 format!("its position is {by} beyond a limit, and was set to the limit")
             }
@@ -296,10 +287,8 @@ impl fmt::Display for LoadNote {
         match self {
             Self::ImpossibleInertia { condition, .. } => f.write_str(condition),
             Self::Merged { joint, into, .. } => {
-                let body = into.as_deref().map_or_else(
-                    || "the base".to_owned(),
-                    |into| format!("the body of joint '{into}'"),
-                );
+                let body =
+                    into.as_deref().map_or_else(|| "the base".to_owned(), |into| format!("the body of joint '{into}'"));
                 write!(f, "merged by fixed joint '{joint}' into {body}")
             }
             Self::Independent { mimics, .. } => write!(f, "mimics '{mimics}', independent here"),
@@ -312,10 +301,7 @@ impl fmt::Display for LoadNote {
                         "\"enforced_limits\": {{\"position\": {share}}} keeps within them, and all joints within this \
                          share of their ranges"
                     ),
-                    None => write!(
-                        f,
-                        "lower and upper of its limit element in the file would be"
-                    ),
+                    None => write!(f, "lower and upper of its limit element in the file would be"),
                 }
             }
             Self::NoExtent { shape, .. } => {
@@ -354,9 +340,7 @@ pub fn summarised(report: &[LoadNote]) -> Vec<String> {
         if let [note] = notes.as_slice() {
             return note.to_string();
         }
-        let names: Vec<_> = (notes.iter().take(NAMED))
-            .map(|note| format!("'{}'", note.element().1))
-            .collect();
+        let names: Vec<_> = (notes.iter().take(NAMED)).map(|note| format!("'{}'", note.element().1)).collect();
         let (element, names) = (notes[0].element().0, names.join(", "));
         match notes.len().saturating_sub(NAMED) {
             0 => format!("{element}s {names}: {kind}"),

@@ -48,11 +48,7 @@ pub fn parse_urdf(text: &str, file: &str) -> Result<(Model, LoadReport)> {
 ///
 /// # Errors
 /// Those of [`parse_urdf`].
-pub fn parse_urdf_with(
-    text: &str,
-    file: &str,
-    options: UrdfOptions,
-) -> Result<(Model, LoadReport)> {
+pub fn parse_urdf_with(text: &str, file: &str, options: UrdfOptions) -> Result<(Model, LoadReport)> {
     let (robot, mut notes) = Elements::read(text, file)?.whole()?;
     let (model, more) = build_model(&robot, file, options)?;
     notes.extend(more);
@@ -64,12 +60,8 @@ pub fn parse_urdf_with(
 /// # Errors
 /// There is no program `xacro`, or it fails.
 pub(super) fn expand_xacro(text: String, path: &Path) -> Result<String> {
-    if path
-        .extension()
-        .is_none_or(|extension| extension != "xacro")
-    {
+    if path.extension().is_none_or(|extension| extension != "xacro") {
         return Ok(text);
     }
-    convert_xacro_to_urdf(path)
-        .map_err(|e| Error::input(path.display().to_string(), "robot", e.to_string()))
+    convert_xacro_to_urdf(path).map_err(|e| Error::input(path.display().to_string(), "robot", e.to_string()))
 }

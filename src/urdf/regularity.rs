@@ -70,8 +70,7 @@ impl Model<f64> {
         let Generic { h, massless } = self.generic()?;
         let slides = |i: usize| self.joints()[i].kind() == JointKind::Prismatic;
         let rotor = |of: usize| {
-            let others =
-                (0..self.dof()).filter(|i| !massless.contains(i) && slides(*i) == slides(of));
+            let others = (0..self.dof()).filter(|i| !massless.contains(i) && slides(*i) == slides(of));
             let lightest = others.map(|i| h[(i, i)]).min_by(f64::total_cmp);
             lightest.unwrap_or(1.0)
         };
@@ -86,10 +85,7 @@ impl Model<f64> {
         crba(self, &mut Data::new(self), &q, &mut h)?;
         let totals = self.subtree_inertias(&q)?;
         let massless = (0..n).rev().filter(|i| !counts(h[(*i, *i)], totals[*i]));
-        Ok(Generic {
-            massless: massless.collect(),
-            h,
-        })
+        Ok(Generic { massless: massless.collect(), h })
     }
 
     /// Per joint, the mass of its subtree if it is prismatic, otherwise the trace of the rotational inertia of its
@@ -99,9 +95,7 @@ impl Model<f64> {
         let mut placements = vec![Placement::identity(); n];
         forward_kinematics(self, q, &mut placements)?;
         let mut sums: Vec<[f64; 2]> = (self.inertias().iter().zip(&placements))
-            .map(|(inertia, placement)| {
-                [inertia.mass, inertia.placed(placement).rotational.trace()]
-            })
+            .map(|(inertia, placement)| [inertia.mass, inertia.placed(placement).rotational.trace()])
             .collect();
         for (i, joint) in self.joints().iter().enumerate().rev() {
             if let Some(parent) = joint.parent() {

@@ -26,9 +26,8 @@ pub fn reroot(robot: &Robot, root: &str, file: &str) -> Result<Robot> {
     let mut all = robot.clone();
     let mut reversed = Vec::new();
     while let Some(joint) = visits[at].joint {
-        let origin = convert_pose(&joint.origin).map_err(|condition| {
-            Error::input(file, format!("joint '{}'", joint.name), condition)
-        })?;
+        let origin = convert_pose(&joint.origin)
+            .map_err(|condition| Error::input(file, format!("joint '{}'", joint.name), condition))?;
         let back = Joint {
             name: free_name([robot, &all], format!("{}_reversed", joint.name)),
             joint_type: JointType::Fixed,
@@ -43,16 +42,9 @@ pub fn reroot(robot: &Robot, root: &str, file: &str) -> Result<Robot> {
             safety_controller: None,
         };
         if joint.joint_type == JointType::Fixed {
-            reversed.push(Joint {
-                name: joint.name.clone(),
-                ..back
-            });
+            reversed.push(Joint { name: joint.name.clone(), ..back });
         } else {
-            let mut turned = Joint {
-                origin: Pose::default(),
-                parent: joint.child.clone(),
-                ..joint.clone()
-            };
+            let mut turned = Joint { origin: Pose::default(), parent: joint.child.clone(), ..joint.clone() };
             // Pinocchio has one list of names for links and joints.
             turned.child.link = free_name([robot, &all], format!("{}_link", back.name));
             for x in &mut turned.axis.xyz.0 {
@@ -91,8 +83,5 @@ fn inverse(of: &Placement<f64>) -> Placement<f64> {
 }
 
 fn pose_of(placement: &Placement<f64>) -> Pose {
-    Pose {
-        xyz: Vec3(placement.translation.into()),
-        rpy: Vec3(roll_pitch_yaw(&placement.rotation)),
-    }
+    Pose { xyz: Vec3(placement.translation.into()), rpy: Vec3(roll_pitch_yaw(&placement.rotation)) }
 }

@@ -11,18 +11,15 @@ use urdf_rs::Geometry;
 
 /// A collision element in messages: its name, or its position among those of the link, from 1 on.
 pub(super) fn collision_name(name: Option<&str>, index: usize) -> String {
-    name.map_or_else(
-        || format!("collision {}", index + 1),
-        |name| format!("collision '{name}'"),
-    )
+    name.map_or_else(|| format!("collision {}", index + 1), |name| format!("collision '{name}'"))
 }
 
 /// Returns true for a point or a line: a sphere, a cylinder or a capsule of radius zero, and a box of zeros.
 pub(super) fn has_no_extent(geometry: &Geometry) -> bool {
     match geometry {
-        Geometry::Sphere { radius }
-        | Geometry::Cylinder { radius, .. }
-        | Geometry::Capsule { radius, .. } => *radius == 0.0,
+        Geometry::Sphere { radius } | Geometry::Cylinder { radius, .. } | Geometry::Capsule { radius, .. } => {
+            *radius == 0.0
+        }
         Geometry::Box { size } => size.iter().all(|length| *length == 0.0),
         Geometry::Mesh { .. } => false,
     }
@@ -30,30 +27,21 @@ pub(super) fn has_no_extent(geometry: &Geometry) -> bool {
 
 /// Converts a geometry, the sizes of which must be positive and finite. `packages` are those of
 /// [`UrdfOptions`](super::UrdfOptions).
-pub(super) fn convert_shape(
-    geometry: &Geometry,
-    packages: &BTreeMap<String, PathBuf>,
-) -> Read<CollisionShape> {
+pub(super) fn convert_shape(geometry: &Geometry, packages: &BTreeMap<String, PathBuf>) -> Read<CollisionShape> {
     let positive = |element: &str, attribute: &str, value: f64| {
         if value.is_finite() && value > 0.0 {
             return Ok(value);
         }
         let value = plain(value);
-        Err(format!(
-            "{attribute} of its {element} has {value}, a positive number is needed"
-        ))
+        Err(format!("{attribute} of its {element} has {value}, a positive number is needed"))
     };
     Ok(CollisionShape::Solid(match geometry {
-        Geometry::Sphere { radius } => Shape::Sphere {
-            radius: positive("sphere", "radius", *radius)?,
-        },
+        Geometry::Sphere { radius } => Shape::Sphere { radius: positive("sphere", "radius", *radius)? },
         Geometry::Box { size } => {
             for length in size.iter() {
                 positive("box", "size", *length)?;
             }
-            Shape::Cuboid {
-                half_extents: Vector3::from(size.0) * 0.5,
-            }
+            Shape::Cuboid { half_extents: Vector3::from(size.0) * 0.5 }
         }
         Geometry::Cylinder { radius, length } => Shape::Cylinder {
             radius: positive("cylinder", "radius", *radius)?,
@@ -73,18 +61,14 @@ pub(super) fn convert_shape(
             if !scale.iter().all(|x| x.is_finite() && *x != 0.0) {
                 return Err("scale of its mesh has a number that is zero or not finite".to_owned());
             }
-            return Ok(CollisionShape::Mesh {
-                file: in_package(file, packages)?,
-                scale,
-            });
+            return Ok(CollisionShape::Mesh { file: in_package(file, packages)?, scale });
         }
     }))
 }
 
 /// The path of a file in a package whose folder is given, otherwise its name as the URDF has it.
 pub(super) fn in_package(file: &str, packages: &BTreeMap<String, PathBuf>) -> Read<String> {
-    let found =
-        package_and_path(file).and_then(|(package, path)| Some(packages.get(package)?.join(path)));
+    let found = package_and_path(file).and_then(|(package, path)| Some(packages.get(package)?.join(path)));
     Ok(match found {
         Some(path) => {
             let path = absolute(path).map_err(|e| e.to_string())?;

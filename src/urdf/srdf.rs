@@ -79,13 +79,10 @@ impl Srdf {
         for node in elements(root) {
             let kind = node.tag_name().name();
             let line = document.text_pos_at(node.range().start).row;
-            let named =
-                |condition: String| Error::input(file, format!("{kind} at line {line}"), condition);
+            let named = |condition: String| Error::input(file, format!("{kind} at line {line}"), condition);
             match kind {
                 "disable_collisions" => {
-                    if let Some(links) =
-                        srdf.known(node, ["link1", "link2"], model).map_err(named)?
-                    {
+                    if let Some(links) = srdf.known(node, ["link1", "link2"], model).map_err(named)? {
                         let reason = node.attribute("reason").unwrap_or_default().to_owned();
                         srdf.disabled.push(DisabledPair { links, reason });
                     }
@@ -136,15 +133,11 @@ impl Srdf {
     /// Disables the pairs of a link and each other one that are neither disabled yet nor enabled.
     fn disable_by_default(&mut self, link: &str, enabled: &[[String; 2]], model: &Model) {
         for other in model.frames().iter().map(|frame| frame.name.as_str()) {
-            let is_pair = |[a, b]: &[String; 2]| {
-                [a.as_str(), b] == [link, other] || [a.as_str(), b] == [other, link]
-            };
+            let is_pair = |[a, b]: &[String; 2]| [a.as_str(), b] == [link, other] || [a.as_str(), b] == [other, link];
             let disabled = self.disabled.iter().any(|pair| is_pair(&pair.links));
             if other != link && !disabled && !enabled.iter().any(is_pair) {
-                self.disabled.push(DisabledPair {
-                    links: [link, other].map(str::to_owned),
-                    reason: "by default".to_owned(),
-                });
+                self.disabled
+                    .push(DisabledPair { links: [link, other].map(str::to_owned), reason: "by default".to_owned() });
             }
         }
     }

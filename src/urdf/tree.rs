@@ -27,31 +27,20 @@ pub(super) fn walk<'a>(robot: &'a Robot, file: &str) -> Result<Vec<Visit<'a>>> {
     let (children, carried) = children(robot, &links, file)?;
     let root = root(robot, &carried).map_err(|condition| Error::input(file, "robot", condition))?;
     let mut visits = Vec::with_capacity(robot.links.len());
-    let mut pending = vec![Visit {
-        link: root,
-        joint: None,
-        parent: 0,
-    }];
+    let mut pending = vec![Visit { link: root, joint: None, parent: 0 }];
     while let Some(visit) = pending.pop() {
         let parent = visits.len();
         let below = children.get(visit.link.name.as_str());
         // The last one pushed is visited next, so the first by name is pushed last.
         for joint in below.into_iter().flatten().rev() {
-            pending.push(Visit {
-                link: links[joint.child.link.as_str()],
-                joint: Some(joint),
-                parent,
-            });
+            pending.push(Visit { link: links[joint.child.link.as_str()], joint: Some(joint), parent });
         }
         visits.push(visit);
     }
     let reached: BTreeSet<&str> = visits.iter().map(|v| v.link.name.as_str()).collect();
     let mut links = robot.links.iter();
     if let Some(link) = links.find(|l| !reached.contains(l.name.as_str())) {
-        return refuse(
-            format!("link '{}'", link.name),
-            "it cannot be reached from the root: the links form a loop",
-        );
+        return refuse(format!("link '{}'", link.name), "it cannot be reached from the root: the links form a loop");
     }
     Ok(visits)
 }
@@ -80,9 +69,7 @@ fn children<'a>(
             return refuse(&format!("there is no link '{unknown}'"));
         }
         if !carried.insert(child) {
-            return refuse(&format!(
-                "link '{child}' hangs on a second joint: the links form a loop"
-            ));
+            return refuse(&format!("link '{child}' hangs on a second joint: the links form a loop"));
         }
         children.entry(parent).or_default().push(joint);
     }
@@ -101,10 +88,9 @@ fn root<'a>(robot: &'a Robot, carried: &BTreeSet<&str>) -> std::result::Result<&
     let mut roots = roots.filter(|l| !carried.contains(l.name.as_str()));
     match (roots.next(), roots.next()) {
         (Some(root), None) => Ok(root),
-        (Some(first), Some(second)) => Err(format!(
-            "it has several root links: '{}' and '{}'",
-            first.name, second.name
-        )),
+        (Some(first), Some(second)) => {
+            Err(format!("it has several root links: '{}' and '{}'", first.name, second.name))
+        }
         (None, _) if robot.links.is_empty() => Err("it has no links".to_owned()),
         (None, _) => Err("it has no root link: the links form a loop".to_owned()),
     }

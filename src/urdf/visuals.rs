@@ -25,10 +25,7 @@ pub struct Visual {
 
 /// Reads the visual elements of all links in the text of a URDF, in their order, and returns the faults of omitted ones
 /// in words: no motion depends on them. `packages` are those of [`UrdfOptions`](super::UrdfOptions).
-pub fn read_visuals(
-    text: &str,
-    packages: &BTreeMap<String, PathBuf>,
-) -> (Vec<Visual>, Vec<String>) {
+pub fn read_visuals(text: &str, packages: &BTreeMap<String, PathBuf>) -> (Vec<Visual>, Vec<String>) {
     let (mut visuals, mut faults) = (Vec::new(), Vec::new());
     let (text, _) = mended(text);
     let Ok(document) = Document::parse(&text) else {

@@ -17,12 +17,7 @@ type PlacedShape<'a> = (Placement<f64>, &'a CollisionShape);
 
 /// The limits that a URDF has for an unlimited joint: other readers require the element for joints that are not
 /// continuous.
-const PLACEHOLDER: Limits = Limits {
-    lower: 0.0,
-    upper: 0.0,
-    velocity: 0.0,
-    effort: 0.0,
-};
+const PLACEHOLDER: Limits = Limits { lower: 0.0, upper: 0.0, velocity: 0.0, effort: 0.0 };
 
 pub(super) type Xml = Writer<Vec<u8>>;
 
@@ -112,9 +107,7 @@ impl Model<f64> {
         if !close(&a, &b) {
             return Some(("robot".to_owned(), "the inertia of its base"));
         }
-        let carrier = |model: &Self, joint: &Joint<f64>| {
-            joint.parent().map(|p| model.joints()[p].name().to_owned())
-        };
+        let carrier = |model: &Self, joint: &Joint<f64>| joint.parent().map(|p| model.joints()[p].name().to_owned());
         if !self.drives().is_empty() {
             return Some(("robot".to_owned(), "the drives of its joints"));
         }
@@ -147,9 +140,7 @@ impl Model<f64> {
             let shapes = self.shapes_of(frame);
             let differs = shapes.len() != read.len()
                 || shapes.iter().zip(&read).any(|((a, shape), (b, same))| {
-                    shape != same
-                        || !close(&a.rotation, &b.rotation)
-                        || !close(&a.translation, &b.translation)
+                    shape != same || !close(&a.rotation, &b.rotation) || !close(&a.translation, &b.translation)
                 });
             differs.then(|| (format!("link '{}'", frame.name), "a shape of it"))
         })
@@ -167,22 +158,11 @@ fn close<R: nalgebra::Dim, C: nalgebra::Dim, T: nalgebra::RawStorage<f64, R, C>>
 
 /// The placement of `p` relative to `frame`, both given in one body.
 fn relative(p: &Placement<f64>, frame: &Frame<f64>) -> Placement<f64> {
-    let Placement {
-        rotation,
-        translation,
-    } = &frame.placement;
-    Placement::new(
-        rotation.tr_mul(&p.rotation),
-        rotation.tr_mul(&(p.translation - translation)),
-    )
+    let Placement { rotation, translation } = &frame.placement;
+    Placement::new(rotation.tr_mul(&p.rotation), rotation.tr_mul(&(p.translation - translation)))
 }
 
-fn write_link(
-    xml: &mut Xml,
-    name: &str,
-    inertia: &Inertia<f64>,
-    shapes: &[PlacedShape<'_>],
-) -> io::Result<()> {
+fn write_link(xml: &mut Xml, name: &str, inertia: &Inertia<f64>, shapes: &[PlacedShape<'_>]) -> io::Result<()> {
     let link = xml.create_element("link").with_attribute(("name", name));
     let massless = *inertia == Inertia::zero();
     if massless && shapes.is_empty() {
@@ -200,29 +180,14 @@ fn write_link(
 
 fn write_inertial(xml: &mut Xml, inertia: &Inertia<f64>) -> io::Result<()> {
     let mass = inertia.mass;
-    let com = if mass == 0.0 {
-        Vector3::zeros()
-    } else {
-        inertia.first_moment / mass
-    };
+    let com = if mass == 0.0 { Vector3::zeros() } else { inertia.first_moment / mass };
     let cross = cross_matrix(&com);
     let i = inertia.rotational + cross * cross * mass;
     xml.create_element("inertial").write_inner_content(|xml| {
         empty(xml, "origin", &[("xyz", numbers(&com))])?;
         empty(xml, "mass", &[("value", numbers([&mass]))])?;
-        let moments = [
-            ("ixx", i.m11),
-            ("ixy", i.m12),
-            ("ixz", i.m13),
-            ("iyy", i.m22),
-            ("iyz", i.m23),
-            ("izz", i.m33),
-        ];
-        empty(
-            xml,
-            "inertia",
-            &moments.map(|(key, moment)| (key, numbers([&moment]))),
-        )
+        let moments = [("ixx", i.m11), ("ixy", i.m12), ("ixz", i.m13), ("iyy", i.m22), ("iyz", i.m23), ("izz", i.m33)];
+        empty(xml, "inertia", &moments.map(|(key, moment)| (key, numbers([&moment]))))
     })?;
     Ok(())
 }
@@ -236,34 +201,27 @@ fn write_joint(
     moving: Option<&Joint<f64>>,
 ) -> io::Result<()> {
     let joint = xml.create_element("joint").with_attribute(("name", name));
-    joint
-        .with_attribute(("type", kind))
-        .write_inner_content(|xml| {
-            let pose = [
-                ("xyz", numbers(&origin.translation)),
-                ("rpy", numbers(&roll_pitch_yaw(&origin.rotation))),
-            ];
-            empty(xml, "origin", &pose)?;
-            empty(xml, "parent", &[("link", parent.clone())])?;
-            empty(xml, "child", &[("link", child.clone())])?;
-            let Some(joint) = moving else { return Ok(()) };
-            empty(xml, "axis", &[("xyz", numbers(joint.axis()))])?;
-            let continuous = joint.kind() == JointKind::Continuous;
-            let limits = match joint.limits() {
-                limits if *limits != Limits::NONE => limits,
-                _ if continuous => return Ok(()),
-                _ => &PLACEHOLDER,
-            };
-            let mut attributes = vec![
-                ("effort", numbers([&or_zero(limits.effort)])),
-                ("velocity", numbers([&or_zero(limits.velocity)])),
-            ];
-            if !continuous {
-                attributes.push(("lower", numbers([&limits.lower])));
-                attributes.push(("upper", numbers([&limits.upper])));
-            }
-            empty(xml, "limit", &attributes)
-        })?;
+    joint.with_attribute(("type", kind)).write_inner_content(|xml| {
+        let pose = [("xyz", numbers(&origin.translation)), ("rpy", numbers(&roll_pitch_yaw(&origin.rotation)))];
+        empty(xml, "origin", &pose)?;
+        empty(xml, "parent", &[("link", parent.clone())])?;
+        empty(xml, "child", &[("link", child.clone())])?;
+        let Some(joint) = moving else { return Ok(()) };
+        empty(xml, "axis", &[("xyz", numbers(joint.axis()))])?;
+        let continuous = joint.kind() == JointKind::Continuous;
+        let limits = match joint.limits() {
+            limits if *limits != Limits::NONE => limits,
+            _ if continuous => return Ok(()),
+            _ => &PLACEHOLDER,
+        };
+        let mut attributes =
+            vec![("effort", numbers([&or_zero(limits.effort)])), ("velocity", numbers([&or_zero(limits.velocity)]))];
+        if !continuous {
+            attributes.push(("lower", numbers([&limits.lower])));
+            attributes.push(("upper", numbers([&limits.upper])));
+        }
+        empty(xml, "limit", &attributes)
+    })?;
     Ok(())
 }
 

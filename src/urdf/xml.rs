@@ -75,18 +75,13 @@ impl Prolog {
 }
 
 /// The elements within an element, without those with a prefix, which are for other programs.
-pub(super) fn elements<'a, 'input>(
-    node: Node<'a, 'input>,
-) -> impl Iterator<Item = Node<'a, 'input>> {
+pub(super) fn elements<'a, 'input>(node: Node<'a, 'input>) -> impl Iterator<Item = Node<'a, 'input>> {
     let own = |child: &Node<'_, '_>| child.is_element() && !has_prefix(*child);
     node.children().filter(own)
 }
 
 /// The elements of this name within an element, without those with a prefix.
-pub(super) fn named<'a, 'input>(
-    node: Node<'a, 'input>,
-    name: &str,
-) -> impl Iterator<Item = Node<'a, 'input>> {
+pub(super) fn named<'a, 'input>(node: Node<'a, 'input>, name: &str) -> impl Iterator<Item = Node<'a, 'input>> {
     elements(node).filter(move |child| child.has_tag_name(name))
 }
 
@@ -95,15 +90,11 @@ fn has_prefix(element: Node<'_, '_>) -> bool {
     let text = element.document().input_text();
     let name = text.get(element.range().start..).unwrap_or_default();
     let is_end = |c: char| c.is_whitespace() || matches!(c, '/' | '>' | ':');
-    name.find(is_end)
-        .is_some_and(|end| name[end..].starts_with(':'))
+    name.find(is_end).is_some_and(|end| name[end..].starts_with(':'))
 }
 
 /// The element of this name within an element, of which there may be one.
-pub(super) fn child<'a, 'input>(
-    node: Node<'a, 'input>,
-    name: &str,
-) -> Read<Option<Node<'a, 'input>>> {
+pub(super) fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Read<Option<Node<'a, 'input>>> {
     let mut found = named(node, name);
     let first = found.next();
     if found.next().is_some() {
@@ -122,31 +113,22 @@ pub(super) fn number(node: Node<'_, '_>, attribute: &str) -> Read<f64> {
 }
 
 /// Reads exactly `COUNT` numbers from an attribute that may be missing.
-pub(super) fn optional<const COUNT: usize>(
-    node: Node<'_, '_>,
-    attribute: &str,
-) -> Read<Option<[f64; COUNT]>> {
+pub(super) fn optional<const COUNT: usize>(node: Node<'_, '_>, attribute: &str) -> Read<Option<[f64; COUNT]>> {
     let given = node.has_attribute(attribute);
     given.then(|| numbers(node, attribute)).transpose()
 }
 
 /// Reads exactly `COUNT` numbers from an attribute.
-pub(super) fn numbers<const COUNT: usize>(
-    node: Node<'_, '_>,
-    attribute: &str,
-) -> Read<[f64; COUNT]> {
+pub(super) fn numbers<const COUNT: usize>(node: Node<'_, '_>, attribute: &str) -> Read<[f64; COUNT]> {
     let element = node.tag_name().name();
     let text = (node.attribute(attribute)).ok_or(format!("its {element} has no {attribute}"))?;
-    number_list(node, attribute)
-        .ok()
-        .and_then(|words| words.try_into().ok())
-        .ok_or_else(|| {
-            let wanted = match COUNT {
-                1 => "a number".to_owned(),
-                count => format!("{count} numbers"),
-            };
-            format!("{attribute} of its {element} is '{text}', not {wanted}")
-        })
+    number_list(node, attribute).ok().and_then(|words| words.try_into().ok()).ok_or_else(|| {
+        let wanted = match COUNT {
+            1 => "a number".to_owned(),
+            count => format!("{count} numbers"),
+        };
+        format!("{attribute} of its {element} is '{text}', not {wanted}")
+    })
 }
 
 /// Reads any number of numbers from an attribute.

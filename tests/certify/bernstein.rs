@@ -9,10 +9,7 @@ fn value(c: &[f64], s: f64) -> f64 {
 }
 
 fn polynomial(coefficients: Vec<f64>, radius: f64) -> Polynomial {
-    Polynomial {
-        coefficients,
-        radius,
-    }
+    Polynomial { coefficients, radius }
 }
 
 proptest! {
@@ -40,19 +37,12 @@ fn bounds_are_as_close_as_asked() {
     let c = vec![-1.0, 0.0, 18.0, 0.0, -48.0, 0.0, 32.0];
     let found = Bernstein::new(9).range(&polynomial(c, 0.0), 1e-10);
     assert!(found.upper >= 1.0 && found.upper < 1.0 + 1e-8, "{found:?}");
-    assert!(
-        found.lower <= -1.0 && found.lower > -1.0 - 1e-8,
-        "{found:?}"
-    );
+    assert!(found.lower <= -1.0 && found.lower > -1.0 - 1e-8, "{found:?}");
 }
 
 #[test]
 fn what_is_not_known_has_no_bounds() {
-    for (c, radius) in [
-        (vec![0.0, f64::NAN], 0.0),
-        (vec![1.0], f64::NAN),
-        (vec![1.0], f64::INFINITY),
-    ] {
+    for (c, radius) in [(vec![0.0, f64::NAN], 0.0), (vec![1.0], f64::NAN), (vec![1.0], f64::INFINITY)] {
         let found = Bernstein::new(3).range(&polynomial(c, radius), 1e-3);
         let is_known = found.upper < f64::MAX || found.lower > f64::MIN;
         assert!(!is_known, "{found:?}");

@@ -34,10 +34,7 @@ fn value(c: &[Double], x: Double) -> Double {
 fn enclosure(of: &Polynomial, s: f64) -> (Double, f64) {
     let s = Double::from(s);
     let terms = of.coefficients.iter().rev();
-    (
-        terms.fold(Double::zero(), |sum, c| sum * s + Double::from(*c)),
-        of.radius,
-    )
+    (terms.fold(Double::zero(), |sum, c| sum * s + Double::from(*c)), of.radius)
 }
 
 proptest! {
@@ -77,11 +74,7 @@ fn curve(joints: usize) -> Curve {
         let within = 0.5 * (1.0 - (std::f64::consts::PI * i as f64 / degree as f64).cos());
         let t = horizon / 3.0 * (e as f64 + within);
         let speed = 1.0 + 0.3 * (row % joints) as f64;
-        if row < joints {
-            (speed * t).sin()
-        } else {
-            speed * (speed * t).cos()
-        }
+        if row < joints { (speed * t).sin() } else { speed * (speed * t).cos() }
     });
     Curve::piecewise(horizon, segments, x).expect("it is continuous")
 }
@@ -92,10 +85,7 @@ fn torques_are_enclosed_and_close() {
     let n = model.dof();
     let curve = curve(n);
     let motion = Motion::of_curve(&curve).expect("one part");
-    assert_eq!(
-        (motion.segments(), motion.degree(), motion.horizon()),
-        (3, 12, 2.0)
-    );
+    assert_eq!((motion.segments(), motion.degree(), motion.horizon()), (3, 12, 2.0));
     let mut data = Data::<TaylorModel<ORDER>>::new(&model);
     let half = |part: Part, side: usize| part.split(part.middle)[side];
     let part = half(half(half(Part::whole(1), 1), 0), 1);
@@ -104,23 +94,12 @@ fn torques_are_enclosed_and_close() {
     let widest = torques.iter().map(TaylorModel::radius).fold(0.0, f64::max);
     assert!(widest < 1e-5, "{widest}");
     for s in [-1.0, -0.2, 0.9] {
-        let at =
-            |all: &[Polynomial]| -> Vec<Double> { all.iter().map(|p| enclosure(p, s).0).collect() };
+        let at = |all: &[Polynomial]| -> Vec<Double> { all.iter().map(|p| enclosure(p, s).0).collect() };
         let (mut exact, data) = (vec![Double::zero(); n], &mut Data::new(&model));
-        rnea(
-            &model,
-            data,
-            &at(&piece.q),
-            &at(&piece.v),
-            &at(&piece.a),
-            &mut exact,
-        )
-        .expect("lengths agree");
+        rnea(&model, data, &at(&piece.q), &at(&piece.v), &at(&piece.a), &mut exact).expect("lengths agree");
         for (torque, exact) in torques.iter().zip(&exact) {
             let c = torque.coefficients().iter().rev();
-            let middle = c.fold(Double::zero(), |sum, c| {
-                sum * Double::from(s) + Double::from(*c)
-            });
+            let middle = c.fold(Double::zero(), |sum, c| sum * Double::from(s) + Double::from(*c));
             assert!((middle - *exact).rounded().abs() <= torque.radius());
         }
         // The curve itself, as others evaluate it.
@@ -133,11 +112,7 @@ fn torques_are_enclosed_and_close() {
 
 #[test]
 fn halves_meet_and_ends_are_accurate() {
-    let part = Part {
-        segment: 2,
-        middle: 0.25,
-        half: 0.25,
-    };
+    let part = Part { segment: 2, middle: 0.25, half: 0.25 };
     let [left, right] = part.split(part.middle);
     assert_eq!((left.ends(), right.ends()), ([0.0, 0.25], [0.25, 0.5]));
     // Any place is rounded so that middles and halves stand for both ends exactly, down to short parts.
@@ -151,9 +126,7 @@ fn halves_meet_and_ends_are_accurate() {
     let motion = Motion::of_curve(&curve(2)).expect("one part");
     let end = motion.piece(Part::about(2, 1.0));
     let middle = end.v[1].middle();
-    assert!(
-        (middle.coefficients()[0] - 1.3 * 2.6_f64.cos()).abs() < 1e-9 && middle.radius() < 1e-11
-    );
+    assert!((middle.coefficients()[0] - 1.3 * 2.6_f64.cos()).abs() < 1e-9 && middle.radius() < 1e-11);
     let q = Double::from(end.q[0].coefficients[0]) - Double::from(2.0).sin_cos().0;
     assert!(q.rounded().abs() < 1e-9);
 }
@@ -176,13 +149,7 @@ fn coefficients_that_are_no_motion_are_refused() {
 /// A certificate is of one part: its intervals are shares of equal segments.
 #[test]
 fn a_curve_in_parts_is_refused() {
-    let x = DMatrix::from_fn(2, 6, |i, j| {
-        if i == 0 {
-            [0.0, 0.5, 1.0, 1.0, 1.5, 2.0][j]
-        } else {
-            1.0
-        }
-    });
+    let x = DMatrix::from_fn(2, 6, |i, j| if i == 0 { [0.0, 0.5, 1.0, 1.0, 1.5, 2.0][j] } else { 1.0 });
     let curve = Curve::in_parts(&[1.0, 2.0], 2, x).expect("it is continuous");
     let error = Motion::of_curve(&curve).expect_err("two parts").to_string();
     assert!(error.contains("it has 2 parts"), "{error}");

@@ -1,8 +1,6 @@
 //! Constraints of the tests.
 
-use aghf::constraint::{
-    CollisionSphere, Constraint, CoverClearance, PlacedState, RowKind, RowLabel,
-};
+use aghf::constraint::{CollisionSphere, Constraint, CoverClearance, PlacedState, RowKind, RowLabel};
 use aghf::geometry::{BallTree, Solid};
 use aghf::model::Model;
 use aghf::scalar::AlgebraOver;
@@ -17,21 +15,13 @@ impl Constraint for Held {
         1
     }
 
-    fn value<S: AlgebraOver<f64>>(
-        &self,
-        at: &PlacedState<'_, f64, S>,
-        g: &mut [S],
-    ) -> aghf::Result<()> {
+    fn value<S: AlgebraOver<f64>>(&self, at: &PlacedState<'_, f64, S>, g: &mut [S]) -> aghf::Result<()> {
         g[0] = at.x[0] - S::from_f64(self.0);
         Ok(())
     }
 
     fn label(&self, row: usize, model: &Model) -> RowLabel {
-        RowLabel {
-            name: format!("row {row} of {}", model.name()),
-            unit: "rad",
-            kind: RowKind::Position(0),
-        }
+        RowLabel { name: format!("row {row} of {}", model.name()), unit: "rad", kind: RowKind::Position(0) }
     }
 
     fn is_equality(&self, _: usize) -> bool {
@@ -48,11 +38,7 @@ impl Constraint for Slow {
         1
     }
 
-    fn value<S: AlgebraOver<f64>>(
-        &self,
-        at: &PlacedState<'_, f64, S>,
-        g: &mut [S],
-    ) -> aghf::Result<()> {
+    fn value<S: AlgebraOver<f64>>(&self, at: &PlacedState<'_, f64, S>, g: &mut [S]) -> aghf::Result<()> {
         g[0] = (at.v().iter()).fold(S::zero(), |sum, v| sum + *v * *v) - S::lift(self.0);
         Ok(())
     }
@@ -78,9 +64,7 @@ pub fn in_balls(model: &Model, solids: Vec<Solid>) -> CoverClearance {
         sets: (0..balls.len()).map(|k| k % 3).collect(),
         names: Vec::new(),
         solid_pairs: (0..model.dof()).flat_map(of).collect(),
-        pairs: (3..model.dof())
-            .flat_map(|j| (0..j - 2).map(move |i| [i, j]))
-            .collect(),
+        pairs: (3..model.dof()).flat_map(|j| (0..j - 2).map(move |i| [i, j])).collect(),
         margins: [0.0; 2],
         far: 0.1,
         solids,

@@ -6,18 +6,12 @@ use aghf::motion::Problem;
 
 /// The defaults with another degree.
 pub fn degree(p: usize) -> DirectSettings {
-    DirectSettings {
-        degree: p,
-        ..Default::default()
-    }
+    DirectSettings { degree: p, ..Default::default() }
 }
 
 /// The defaults with segments of this degree.
 pub fn size(segments: usize, p: usize) -> DirectSettings {
-    DirectSettings {
-        segments,
-        ..degree(p)
-    }
+    DirectSettings { segments, ..degree(p) }
 }
 
 /// The direct method of a valid problem.

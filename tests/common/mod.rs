@@ -24,9 +24,8 @@ fn beside() -> Box<dyn FailurePersistence> {
 
 /// The settings of a property test: seeded, with `AGHF_CASES` cases if that is set.
 pub fn config(cases: u32) -> Config {
-    let cases = std::env::var("AGHF_CASES")
-        .map(|n| n.parse().expect("AGHF_CASES is a number of cases"))
-        .unwrap_or(cases);
+    let cases =
+        std::env::var("AGHF_CASES").map(|n| n.parse().expect("AGHF_CASES is a number of cases")).unwrap_or(cases);
     let default = Config::default();
     Config {
         cases,
@@ -83,11 +82,7 @@ pub fn robots() -> Vec<Model> {
 /// A random tree, every second one with drives.
 pub fn tree(n: usize, seed: u64) -> Model {
     let tree = random_tree(n, seed).expect("n > 0");
-    if seed & 1 == 1 {
-        tree.with_random_drives(seed)
-    } else {
-        tree
-    }
+    if seed & 1 == 1 { tree.with_random_drives(seed) } else { tree }
 }
 
 /// A built-in robot or, more often, a random tree.
@@ -122,10 +117,7 @@ pub fn model_and_node() -> impl Strategy<Value = (Model, [Vec<f64>; 3])> {
 }
 
 /// The largest difference relative to the largest entry of `b`, or to one if that is larger.
-pub fn relative_error<'a>(
-    a: impl IntoIterator<Item = &'a f64>,
-    b: impl IntoIterator<Item = &'a f64>,
-) -> f64 {
+pub fn relative_error<'a>(a: impl IntoIterator<Item = &'a f64>, b: impl IntoIterator<Item = &'a f64>) -> f64 {
     let (a, b): (Vec<_>, Vec<_>) = (a.into_iter().collect(), b.into_iter().collect());
     assert_eq!(a.len(), b.len(), "different sizes");
     let largest = b.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
@@ -139,12 +131,7 @@ pub fn relative_error<'a>(
 macro_rules! assert_close {
     ($a:expr, $b:expr, $bound:expr) => {{
         let error = $crate::common::relative_error($a, $b);
-        assert!(
-            error <= $bound,
-            "{} and {} differ by {error:e}",
-            stringify!($a),
-            stringify!($b)
-        );
+        assert!(error <= $bound, "{} and {} differ by {error:e}", stringify!($a), stringify!($b));
     }};
 }
 
@@ -157,18 +144,12 @@ pub fn dual_jacobian(f: impl Fn(&[Dual64]) -> Vec<Dual64>, x: &[f64]) -> DMatrix
             f(&input).iter().map(|y| y.eps).collect()
         })
         .collect();
-    DMatrix::from_fn(columns.first().map_or(0, Vec::len), x.len(), |i, j| {
-        columns[j][i]
-    })
+    DMatrix::from_fn(columns.first().map_or(0, Vec::len), x.len(), |i, j| columns[j][i])
 }
 
 /// The derivative of `f` at `x` along `direction` by dual numbers.
 pub fn dual_rate(f: impl Fn(&[Dual64]) -> Vec<Dual64>, x: &[f64], direction: &[f64]) -> Vec<f64> {
-    let input: Vec<Dual64> = x
-        .iter()
-        .zip(direction)
-        .map(|(x, d)| Dual64::new(*x, *d))
-        .collect();
+    let input: Vec<Dual64> = x.iter().zip(direction).map(|(x, d)| Dual64::new(*x, *d)).collect();
     f(&input).iter().map(|y| y.eps).collect()
 }
 
@@ -179,12 +160,7 @@ pub fn constants(x: &[f64]) -> Vec<Dual64> {
 
 /// The arguments of the flow, from `x`, `xdot` and `xddot`.
 pub fn node(parts: &[Vec<f64>; 3]) -> Node<'_, f64> {
-    Node {
-        t: 0.0,
-        x: &parts[0],
-        xdot: &parts[1],
-        xddot: &parts[2],
-    }
+    Node { t: 0.0, x: &parts[0], xdot: &parts[1], xddot: &parts[2] }
 }
 
 /// Distinct nonzero numbers: $\sin(f)$, $\sin(2 f)$, and so on.
@@ -195,8 +171,7 @@ pub fn wave(count: usize, f: f64) -> Vec<f64> {
 /// The torques of a robot at a state without pattern.
 pub fn torques_somewhere(model: &Model) -> Vec<f64> {
     let n = model.dof();
-    let [q, v, a] =
-        [0.3, 1.7, 2.9].map(|c| Vec::from_iter((0..n).map(|i| 2.0 * (c + 1.3 * i as f64).sin())));
+    let [q, v, a] = [0.3, 1.7, 2.9].map(|c| Vec::from_iter((0..n).map(|i| 2.0 * (c + 1.3 * i as f64).sin())));
     let mut tau = vec![0.0; n];
     rnea(model, &mut Data::new(model), &q, &v, &a, &mut tau).expect("lengths agree");
     tau
@@ -204,12 +179,7 @@ pub fn torques_somewhere(model: &Model) -> Vec<f64> {
 
 /// A state of the checker from `x`, `xdot` and `xddot`.
 pub fn state([x, xdot, xddot]: [Vec<f64>; 3]) -> State {
-    State {
-        t: 0.0,
-        x,
-        xdot,
-        xddot,
-    }
+    State { t: 0.0, x, xdot, xddot }
 }
 
 /// Asserts that the checker compared something and found no error.

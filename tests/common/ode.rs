@@ -18,14 +18,7 @@ where
     F: FnMut(f64, &[f64], &mut [f64]),
     J: FnMut(f64, &[f64], &mut DMatrix<f64>),
 {
-    System {
-        dim,
-        rhs,
-        jacobian,
-        furthest: f64::NEG_INFINITY,
-        calls: 0,
-        jacobians: 0,
-    }
+    System { dim, rhs, jacobian, furthest: f64::NEG_INFINITY, calls: 0, jacobians: 0 }
 }
 
 impl<F, J> Ode for System<F, J>
@@ -64,10 +57,7 @@ pub fn oscillate_jacobian(_s: f64, _y: &[f64], jac: &mut DMatrix<f64>) {
 }
 
 pub fn both(tolerance: f64) -> Tolerance {
-    Tolerance {
-        relative: tolerance,
-        absolute: tolerance,
-    }
+    Tolerance { relative: tolerance, absolute: tolerance }
 }
 
 pub type Observed = Vec<(f64, Vec<f64>)>;

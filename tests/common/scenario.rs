@@ -19,15 +19,8 @@ impl Scenario {
     pub fn load(name: &str) -> Self {
         let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots");
         let folders = std::fs::read_dir(robots).expect("it is there");
-        let mut paths = folders.map(|folder| {
-            folder
-                .expect("readable")
-                .path()
-                .join(format!("{name}.json"))
-        });
-        let path = paths
-            .find(|path| path.exists())
-            .expect("a scenario of this name");
+        let mut paths = folders.map(|folder| folder.expect("readable").path().join(format!("{name}.json")));
+        let path = paths.find(|path| path.exists()).expect("a scenario of this name");
         let text = std::fs::read_to_string(path).expect("readable");
         let keys: Value = serde_json::from_str(&text).expect("JSON");
         let model = robot(keys["robot"].as_str().expect("a name"));
@@ -41,19 +34,12 @@ impl Scenario {
 
     /// The number under this JSON pointer.
     pub fn number(&self, pointer: &str) -> f64 {
-        self.keys
-            .pointer(pointer)
-            .and_then(Value::as_f64)
-            .expect("a number")
+        self.keys.pointer(pointer).and_then(Value::as_f64).expect("a number")
     }
 
     /// The boundary value problem.
     pub fn problem(&self) -> Problem<'_> {
-        let state = |keys: [&str; 2]| {
-            keys.iter()
-                .flat_map(|key| Self::numbers(&self.keys[key]))
-                .collect()
-        };
+        let state = |keys: [&str; 2]| keys.iter().flat_map(|key| Self::numbers(&self.keys[key])).collect();
         let (start, goal) = (state(["q_start", "v_start"]), state(["q_goal", "v_goal"]));
         Problem::new(&self.model, start, goal, self.number("/horizon_s")).expect("a good problem")
     }
@@ -62,15 +48,8 @@ impl Scenario {
     pub fn passive(&self) -> Vec<usize> {
         let names = self.keys["passive"].as_array().cloned().unwrap_or_default();
         let joints = self.model.joints();
-        let index = |name: &Value| {
-            joints
-                .iter()
-                .position(|joint| Some(joint.name()) == name.as_str())
-        };
-        names
-            .iter()
-            .map(|name| index(name).expect("a joint of the robot"))
-            .collect()
+        let index = |name: &Value| joints.iter().position(|joint| Some(joint.name()) == name.as_str());
+        names.iter().map(|name| index(name).expect("a joint of the robot")).collect()
     }
 
     /// The rows that keep the origins of the joint frames clear of the spheres.

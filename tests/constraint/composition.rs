@@ -3,47 +3,26 @@
 use crate::common::constraint::{Held, Slow};
 use crate::common::{robot, wave};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, DynConstraint, Evaluator, RowLabel,
-    Side, SolidClearance, Sphere, SphereClearance, Weights,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, DynConstraint, Evaluator, RowLabel, Side,
+    SolidClearance, Sphere, SphereClearance, Weights,
 };
 use aghf::geometry::Solid;
 use aghf::model::Model;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 /// Six different ones, with another number of rows each.
-type Parts = (
-    SphereClearance,
-    SolidClearance,
-    (Held, Slow),
-    Bounds,
-    Bounds,
-    Bounds,
-);
+type Parts = (SphereClearance, SolidClearance, (Held, Slow), Bounds, Bounds, Bounds);
 
 fn parts(model: &Model) -> Parts {
     let balls = CollisionSphere::joint_frames(model);
-    let sphere = |z| Sphere {
-        centre: Vector3::new(0.2, 0.1, z),
-        radius: 0.1,
-    };
+    let sphere = |z| Sphere { centre: Vector3::new(0.2, 0.1, z), radius: 0.1 };
     (
-        SphereClearance {
-            balls: balls.clone(),
-            spheres: vec![sphere(0.3), sphere(0.7)],
-        },
-        SolidClearance {
-            balls,
-            solids: vec![Solid::half_space(&Vector3::z(), 0.2)],
-            names: Vec::new(),
-        },
+        SphereClearance { balls: balls.clone(), spheres: vec![sphere(0.3), sphere(0.7)] },
+        SolidClearance { balls, solids: vec![Solid::half_space(&Vector3::z(), 0.2)], names: Vec::new() },
         (Held(0.09), Slow(0.5)),
         Bounds::velocities(model),
         Bounds::positions(model),
-        Bounds(vec![Bound {
-            entry: 3,
-            side: Side::Upper,
-            value: 0.4,
-        }]),
+        Bounds(vec![Bound { entry: 3, side: Side::Upper, value: 0.4 }]),
     )
 }
 
@@ -68,10 +47,7 @@ fn said(model: &Model, constraint: &impl Constraint, first: usize) -> Said {
     here.value(constraint, &mut values).expect("same robot");
     constraint.row_scales(&mut scales);
     let of = |f| wave(first + rows, f).split_off(first);
-    let weights = Weights {
-        first_order: &of(0.7),
-        gauss_newton: Some(&of(1.9)),
-    };
+    let weights = Weights { first_order: &of(0.7), gauss_newton: Some(&of(1.9)) };
     let derivatives = here.weighted_derivatives(constraint, weights);
     let derivatives = derivatives.expect("same robot");
     Said {
@@ -104,11 +80,7 @@ fn assert_is(model: &Model, whole: &impl Constraint, parts: &Said) {
     let whole = said(model, whole, 0);
     assert_close!(&whole.gradient, &parts.gradient, 1e-13);
     assert_close!(&whole.hessian, &parts.hessian, 1e-13);
-    let same_sums = Said {
-        gradient: whole.gradient.clone(),
-        hessian: whole.hessian.clone(),
-        ..parts.clone()
-    };
+    let same_sums = Said { gradient: whole.gradient.clone(), hessian: whole.hessian.clone(), ..parts.clone() };
     assert_eq!(whole, same_sums);
 }
 

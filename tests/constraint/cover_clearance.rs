@@ -3,9 +3,7 @@
 use crate::common::{any_model, config, numbers, robot, wave};
 use crate::derivatives::{ValueAlone, contracted};
 use crate::solid_clearance::sizes;
-use aghf::constraint::{
-    CollisionSphere, Constraint, CoverClearance, Evaluator, RowKind, RowList, Weights,
-};
+use aghf::constraint::{CollisionSphere, Constraint, CoverClearance, Evaluator, RowKind, RowList, Weights};
 use aghf::geometry::{BallTree, Solid, Sphere};
 use aghf::model::Model;
 use aghf::scalar::{LANES, Lanes, Wide};
@@ -36,10 +34,8 @@ pub fn covered(model: &Model, far: f64) -> CoverClearance {
         tree
     };
     let links: Vec<_> = bodies.enumerate().map(tree).collect();
-    let solids = sizes([0.3, 0.2, 0.5, 0.4]).map(|shape| Solid {
-        placement: Placement::new(Matrix3::identity(), Vector3::new(0.3, -0.4, 0.2)),
-        shape,
-    });
+    let solids = sizes([0.3, 0.2, 0.5, 0.4])
+        .map(|shape| Solid { placement: Placement::new(Matrix3::identity(), Vector3::new(0.3, -0.4, 0.2)), shape });
     let of = |i: usize, count: usize| (0..count).map(move |j| [i, j]);
     CoverClearance {
         solid_pairs: (0..links.len()).flat_map(|i| of(i, solids.len())).collect(),
@@ -48,9 +44,7 @@ pub fn covered(model: &Model, far: f64) -> CoverClearance {
         solids: solids.into(),
         margins: [0.02, 0.01],
         counts: (0..links.len()).map(|i| 1 + i % 3).collect(),
-        sets: (0..BALLS * links.len())
-            .map(|ball| ball % (1 + ball / BALLS % 3))
-            .collect(),
+        sets: (0..BALLS * links.len()).map(|ball| ball % (1 + ball / BALLS % 3)).collect(),
         links,
         far,
     }
@@ -65,16 +59,11 @@ fn by_balls(of: &CoverClearance, model: &Model, x: &[f64]) -> Vec<f64> {
         let leaves = tree.nodes.iter();
         let leaves = leaves.filter(move |node| node.leaf.is_some_and(|ball| of.sets[ball] == set));
         leaves.map(|node| Sphere {
-            centre: at
-                .state()
-                .point(tree.body, &node.bound.centre)
-                .expect("its bodies"),
+            centre: at.state().point(tree.body, &node.bound.centre).expect("its bodies"),
             radius: node.bound.radius,
         })
     };
-    let row = |margin: f64, gaps: &mut dyn Iterator<Item = f64>| {
-        margin - gaps.fold(margin + of.far, f64::min)
-    };
+    let row = |margin: f64, gaps: &mut dyn Iterator<Item = f64>| margin - gaps.fold(margin + of.far, f64::min);
     let mut rows = Vec::new();
     for [i, j] in &of.solid_pairs {
         for set in 0..of.counts[*i] {
@@ -194,20 +183,12 @@ fn rows_are_named_by_links_and_solids() {
     assert!(names.iter().all(|label| label.kind == RowKind::Clearance));
     assert!(names[0].name.ends_with("from 'crate'"), "{}", names[0].name);
     // The third shape of the second link, which has two sets.
-    assert!(
-        names[1].name.ends_with("from capsule 2"),
-        "{}",
-        names[1].name
-    );
+    assert!(names[1].name.ends_with("from capsule 2"), "{}", names[1].name);
     let last = "distance of the base";
     assert!(
-        names[2].name.starts_with("distance of link 'base_link'")
-            || names[2].name.starts_with(last),
+        names[2].name.starts_with("distance of link 'base_link'") || names[2].name.starts_with(last),
         "{}",
         names[2].name
     );
-    assert_eq!(
-        constraint.label(constraint.dim(), &model).kind,
-        RowKind::Other
-    );
+    assert_eq!(constraint.label(constraint.dim(), &model).kind, RowKind::Other);
 }

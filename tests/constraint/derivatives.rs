@@ -3,8 +3,8 @@
 use crate::common::{any_model, assert_refused, assert_right, config, numbers, robot, wave};
 use crate::solid_clearance::sizes;
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Evaluator, PlacedState,
-    SelfClearance, Side, SolidClearance, Sphere, SphereClearance, Weights,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Evaluator, PlacedState, SelfClearance, Side,
+    SolidClearance, Sphere, SphereClearance, Weights,
 };
 use aghf::dynamics::forward_kinematics;
 use aghf::geometry::{Capsule, Shape, Solid};
@@ -27,15 +27,8 @@ fn every_kind(model: &Model) -> Vec<AnyConstraint> {
             radius: 0.05 + offset,
         });
     }
-    balls.push(CollisionSphere {
-        body: None,
-        centre: Vector3::new(0.5, 0.5, 0.5),
-        radius: 0.1,
-    });
-    let sphere = |x, y, z, radius| Sphere {
-        centre: Vector3::new(x, y, z),
-        radius,
-    };
+    balls.push(CollisionSphere { body: None, centre: Vector3::new(0.5, 0.5, 0.5), radius: 0.1 });
+    let sphere = |x, y, z, radius| Sphere { centre: Vector3::new(x, y, z), radius };
     let solids = sizes([0.3, 0.2, 0.5, 0.4]).map(|shape| Solid {
         placement: Placement::new(
             Rotation3::new(Vector3::new(0.4, -0.9, 0.3)).into_inner(),
@@ -57,15 +50,8 @@ fn every_kind(model: &Model) -> Vec<AnyConstraint> {
             solids: vec![Solid::half_space(&Vector3::new(2.0, -1.0, 2.0), -0.4)],
             names: Vec::new(),
         }),
-        AnyConstraint::Solids(SolidClearance {
-            balls: balls.clone(),
-            solids: solids.into(),
-            names: Vec::new(),
-        }),
-        AnyConstraint::SelfCollision(SelfClearance {
-            pairs: pairs.collect(),
-            balls,
-        }),
+        AnyConstraint::Solids(SolidClearance { balls: balls.clone(), solids: solids.into(), names: Vec::new() }),
+        AnyConstraint::SelfCollision(SelfClearance { pairs: pairs.collect(), balls }),
         AnyConstraint::Bounds(Bounds(vec![
             bound(0, Side::Upper, 0.7),
             bound(m / 2 - 1, Side::Lower, -0.2),
@@ -85,11 +71,7 @@ impl<K: Constraint> Constraint for ValueAlone<K> {
         self.0.dim()
     }
 
-    fn value<S: AlgebraOver<f64>>(
-        &self,
-        at: &PlacedState<'_, f64, S>,
-        g: &mut [S],
-    ) -> aghf::Result<()> {
+    fn value<S: AlgebraOver<f64>>(&self, at: &PlacedState<'_, f64, S>, g: &mut [S]) -> aghf::Result<()> {
         self.0.value(at, g)
     }
 }
@@ -104,18 +86,11 @@ pub fn contracted(
     let mut evaluator = Evaluator::new(model);
     // Previous use of a workspace must not matter.
     let elsewhere: Vec<f64> = x.iter().map(|x| 0.5 - x).collect();
-    let all = Weights {
-        gauss_newton: Some(weights.first_order),
-        ..weights
-    };
+    let all = Weights { gauss_newton: Some(weights.first_order), ..weights };
     let mut there = evaluator.at(&elsewhere).expect("lengths agree");
-    there
-        .weighted_derivatives(constraint, all)
-        .expect("same robot");
+    there.weighted_derivatives(constraint, all).expect("same robot");
     let mut here = evaluator.at(x).expect("lengths agree");
-    let out = here
-        .weighted_derivatives(constraint, weights)
-        .expect("same robot");
+    let out = here.weighted_derivatives(constraint, weights).expect("same robot");
     (out.gradient().clone(), out.hessian().clone())
 }
 
@@ -153,34 +128,17 @@ proptest! {
 #[test]
 fn a_sphere_by_hand() {
     let model = robot("pendulum_1");
-    let balls = vec![CollisionSphere {
-        body: Some(0),
-        centre: Vector3::new(-1.0, 0.0, 0.0),
-        radius: 0.2,
-    }];
-    let sphere = Sphere {
-        centre: Vector3::new(0.0, 0.0, 2.0),
-        radius: 0.3,
-    };
-    let constraint = SphereClearance {
-        balls,
-        spheres: vec![sphere],
-    };
+    let balls = vec![CollisionSphere { body: Some(0), centre: Vector3::new(-1.0, 0.0, 0.0), radius: 0.2 }];
+    let sphere = Sphere { centre: Vector3::new(0.0, 0.0, 2.0), radius: 0.3 };
+    let constraint = SphereClearance { balls, spheres: vec![sphere] };
     // A turn by q about y takes the tip to (-cos q, 0, sin q): |p - c|^2 = 5 - 4 sin q.
     let q = 0.3_f64;
     let mut g = [0.0];
     let mut evaluator = Evaluator::new(&model);
     let x = [q, 0.0];
-    evaluator
-        .at(&x)
-        .expect("one joint")
-        .value(&constraint, &mut g)
-        .expect("one row");
+    evaluator.at(&x).expect("one joint").value(&constraint, &mut g).expect("one row");
     assert_close!(&g, &[0.25 - 5.0 + 4.0 * q.sin()], 1e-14);
-    let weights = Weights {
-        first_order: &[2.0],
-        gauss_newton: Some(&[3.0]),
-    };
+    let weights = Weights { first_order: &[2.0], gauss_newton: Some(&[3.0]) };
     let (gradient, hessian) = contracted(&model, &constraint, &x, weights);
     assert_close!(&gradient, &[8.0 * q.cos(), 0.0], 1e-14);
     let expected = -8.0 * q.sin() + 3.0 * 16.0 * q.cos().powi(2);
@@ -190,21 +148,10 @@ fn a_sphere_by_hand() {
 #[test]
 fn limits_become_rows() {
     let model = robot("kinova_gen3");
-    let finite = |f: fn(&aghf::model::Limits) -> f64| {
-        model
-            .joints()
-            .iter()
-            .filter(|j| f(j.limits()).is_finite())
-            .count()
-    };
-    assert_eq!(
-        Bounds::positions(&model).0.len(),
-        finite(|l| l.lower) + finite(|l| l.upper)
-    );
-    assert_eq!(
-        Bounds::velocities(&model).0.len(),
-        2 * finite(|l| l.velocity)
-    );
+    let finite =
+        |f: fn(&aghf::model::Limits) -> f64| model.joints().iter().filter(|j| f(j.limits()).is_finite()).count();
+    assert_eq!(Bounds::positions(&model).0.len(), finite(|l| l.lower) + finite(|l| l.upper));
+    assert_eq!(Bounds::velocities(&model).0.len(), 2 * finite(|l| l.velocity));
     assert!(finite(|l| l.velocity) > 0);
     let mut x = vec![0.0; 14];
     let speed = model.joints()[0].limits().velocity;
@@ -212,32 +159,22 @@ fn limits_become_rows() {
     let bounds = Bounds::velocities(&model);
     let mut g = vec![0.0; bounds.dim()];
     let mut evaluator = Evaluator::new(&model);
-    evaluator
-        .at(&x)
-        .expect("7 joints")
-        .value(&bounds, &mut g)
-        .expect("rows");
+    evaluator.at(&x).expect("7 joints").value(&bounds, &mut g).expect("rows");
     assert_close!(&g[..2], &[-2.0 * speed - 0.25, 0.25], 1e-14);
 }
 
 /// All points of a capsule are in one of the balls, which protrude no further than necessary.
 #[test]
 fn balls_cover_a_capsule() {
-    let capsule = Capsule {
-        body: Some(0),
-        ends: [Vector3::new(0.1, 0.2, -0.3), Vector3::new(0.5, -0.4, 0.6)],
-        radius: 0.1,
-    };
+    let capsule =
+        Capsule { body: Some(0), ends: [Vector3::new(0.1, 0.2, -0.3), Vector3::new(0.5, -0.4, 0.6)], radius: 0.1 };
     let [from, to] = capsule.ends;
     let along = (to - from).normalize();
     let across = along.cross(&Vector3::x()).normalize();
     let third = along.cross(&across);
     for spacing in [2.0, 0.3, 0.05] {
         let balls = capsule.balls(spacing).expect("positive");
-        assert_eq!(
-            balls.len(),
-            ((to - from).norm() / spacing).ceil() as usize + 1
-        );
+        assert_eq!(balls.len(), ((to - from).norm() / spacing).ceil() as usize + 1);
         for i in 0..=200 {
             for angle in 0..12 {
                 // The side, and both rounded ends.
@@ -270,26 +207,16 @@ fn the_whole_arm_is_swept() {
         let model = robot(name);
         let capsules = Capsule::along_links(&model, 0.05);
         for (i, joint) in model.joints().iter().enumerate() {
-            assert!(
-                capsules.iter().any(|c| c.body == Some(i)),
-                "{name}: body {i}"
-            );
+            assert!(capsules.iter().any(|c| c.body == Some(i)), "{name}: body {i}");
             let origin = joint.origin().translation;
             let carried = |c: &Capsule| c.body == joint.parent() && c.ends.contains(&origin);
-            assert!(
-                joint.parent().is_none() || capsules.iter().any(carried),
-                "{name}: joint {i}"
-            );
+            assert!(joint.parent().is_none() || capsules.iter().any(carried), "{name}: joint {i}");
         }
     }
     let model = robot("kinova_gen3");
     let capsules = Capsule::along_links(&model, 0.05);
     let tool = model.frames().last().expect("it has links");
-    assert!(
-        capsules
-            .iter()
-            .any(|c| c.body == tool.body && c.ends[1] == tool.placement.translation)
-    );
+    assert!(capsules.iter().any(|c| c.body == tool.body && c.ends[1] == tool.placement.translation));
 }
 
 /// The exact clearance is that of the nearest of many points, and that of the balls is never larger.
@@ -302,10 +229,8 @@ fn clearance_is_exact_and_balls_are_conservative() {
     for i in 0..20 {
         let at = wave(3, 0.31 * f64::from(i + 1));
         let centre = Vector3::from_column_slice(&at) * 0.8;
-        let sphere = Solid {
-            placement: Placement::new(Matrix3::identity(), centre),
-            shape: Shape::Sphere { radius: 0.1 },
-        };
+        let sphere =
+            Solid { placement: Placement::new(Matrix3::identity(), centre), shape: Shape::Sphere { radius: 0.1 } };
         for capsule in Capsule::along_links(&model, 0.06) {
             let nearest = capsule.nearest_ball(&placements, &sphere);
             let nearest = nearest.expect("same robot").expect("in closed form");
@@ -315,20 +240,13 @@ fn clearance_is_exact_and_balls_are_conservative() {
                 (body.rotation * p + body.translation - centre).norm()
             };
             let [from, to] = capsule.ends;
-            let sampled = (0..=10_000)
-                .map(|i| point(from + (to - from) * (f64::from(i) * 1e-4)))
-                .fold(f64::INFINITY, f64::min);
+            let sampled =
+                (0..=10_000).map(|i| point(from + (to - from) * (f64::from(i) * 1e-4))).fold(f64::INFINITY, f64::min);
             // The nearest of the samples is within 1e-4 of a link of at most half a metre.
             assert!((sampled - 0.16 - exact).abs() < 1e-4, "{exact}");
             let balls = capsule.balls(0.05).expect("positive");
-            let covered = balls
-                .iter()
-                .map(|b| point(b.centre) - b.radius - 0.1)
-                .fold(f64::INFINITY, f64::min);
-            assert!(
-                covered <= exact + 1e-12 && covered > exact - 0.006,
-                "{covered} for {exact}"
-            );
+            let covered = balls.iter().map(|b| point(b.centre) - b.radius - 0.1).fold(f64::INFINITY, f64::min);
+            assert!(covered <= exact + 1e-12 && covered > exact - 0.006, "{covered} for {exact}");
         }
     }
 }
@@ -338,41 +256,21 @@ fn links_are_found_by_name_and_other_robots_are_errors() {
     let model = robot("kinova_gen3");
     let frame = model.frames().last().expect("it has links");
     let ball = CollisionSphere::at_link(&model, &frame.name, 0.1).expect("it is there");
-    assert_eq!(
-        (ball.body, ball.centre),
-        (frame.body, frame.placement.translation)
-    );
+    assert_eq!((ball.body, ball.centre), (frame.body, frame.placement.translation));
     let error = CollisionSphere::at_link(&model, "tail", 0.1).expect_err("no such link");
-    assert!(
-        error
-            .to_string()
-            .contains("link 'tail': the robot has no link 'tail'"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("link 'tail': the robot has no link 'tail'"), "{error}");
 
     let small = robot("pendulum_2");
     let mut evaluator = Evaluator::<f64, f64>::new(&small);
     let x = [0.0; 4];
     let mut here = evaluator.at(&x).expect("two joints");
-    let constraint = SphereClearance {
-        balls: vec![ball],
-        spheres: vec![Sphere {
-            centre: Vector3::zeros(),
-            radius: 1.0,
-        }],
-    };
+    let constraint =
+        SphereClearance { balls: vec![ball], spheres: vec![Sphere { centre: Vector3::zeros(), radius: 1.0 }] };
     let no_body = "bodies of the robot of a constraint: expected 7 entries, found 2";
     assert_refused(here.value(&constraint, &mut [0.0]), no_body);
-    let weights = Weights {
-        first_order: &[1.0],
-        gauss_newton: Some(&[1.0]),
-    };
+    let weights = Weights { first_order: &[1.0], gauss_newton: Some(&[1.0]) };
     assert_refused(here.weighted_derivatives(&constraint, weights), no_body);
-    let fifth = Bounds(vec![Bound {
-        entry: 4,
-        side: Side::Upper,
-        value: 0.0,
-    }]);
+    let fifth = Bounds(vec![Bound { entry: 4, side: Side::Upper, value: 0.0 }]);
     let no_entry = "bounded numbers: expected 5 entries, found 4";
     assert_refused(here.weighted_derivatives(&fifth, weights), no_entry);
     let alone = ValueAlone(constraint);

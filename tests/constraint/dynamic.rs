@@ -4,8 +4,8 @@ use crate::common::constraint::Slow;
 use crate::common::direct::solved_within;
 use crate::common::scenario::Scenario;
 use aghf::constraint::{
-    AnyConstraint, Bounds, CollisionSphere, Constraint, Constraints, DynConstraint, Evaluator,
-    Sphere, SphereClearance, TorqueLimits, Weights,
+    AnyConstraint, Bounds, CollisionSphere, Constraint, Constraints, DynConstraint, Evaluator, Sphere, SphereClearance,
+    TorqueLimits, Weights,
 };
 use aghf::direct::DirectSettings;
 use aghf::flow::jacobian::JacobianKind;
@@ -17,10 +17,7 @@ use num_dual::HyperDual64;
 fn spheres(model: &Model) -> SphereClearance {
     SphereClearance {
         balls: CollisionSphere::joint_frames(model),
-        spheres: vec![Sphere {
-            centre: Vector3::new(0.4, 0.1, -0.7),
-            radius: 0.3,
-        }],
+        spheres: vec![Sphere { centre: Vector3::new(0.4, 0.1, -0.7), radius: 0.3 }],
     }
 }
 
@@ -37,10 +34,7 @@ fn everything(model: &Model, constraint: &impl Constraint, x: &[f64]) -> Vec<f64
     let mut here = evaluator.at(x).expect("lengths agree");
     here.value(constraint, &mut g).expect("same robot");
     constraint.row_scales(&mut scales);
-    let weights = Weights {
-        first_order: &w,
-        gauss_newton: Some(&c),
-    };
+    let weights = Weights { first_order: &w, gauss_newton: Some(&c) };
     let sums = here.weighted_derivatives(constraint, weights);
     let sums = sums.expect("same robot");
     g.extend(scales);
@@ -57,15 +51,8 @@ fn a_boxed_constraint_is_the_same() {
     let bounds = Bounds(vec![]);
     let x = wave(2 * model.dof(), 0.9);
     let bare = (spheres(&model), (Slow(0.5), bounds.clone()));
-    let boxed: Vec<Box<dyn DynConstraint>> = vec![
-        Box::new(spheres(&model)),
-        Box::new(Slow(0.5)),
-        Box::new(bounds),
-    ];
-    let listed = vec![
-        AnyConstraint::Spheres(spheres(&model)),
-        AnyConstraint::Other(Box::new(Slow(0.5))),
-    ];
+    let boxed: Vec<Box<dyn DynConstraint>> = vec![Box::new(spheres(&model)), Box::new(Slow(0.5)), Box::new(bounds)];
+    let listed = vec![AnyConstraint::Spheres(spheres(&model)), AnyConstraint::Other(Box::new(Slow(0.5)))];
     let truth = everything(&model, &bare, &x);
     assert!(truth.iter().filter(|x| **x != 0.0).count() > 20);
     assert_eq!(everything(&model, &boxed, &x), truth);
@@ -84,15 +71,8 @@ fn a_boxed_constraint_is_the_same() {
 
 fn penalised<K>(state: K, weights: PenaltyWeights) -> Penalised<K> {
     let torque = TorqueLimits(vec![]);
-    let constraints = Constraints {
-        state,
-        torque,
-        stage: Default::default(),
-    };
-    Penalised {
-        constraints,
-        weights,
-    }
+    let constraints = Constraints { state, torque, stage: Default::default() };
+    Penalised { constraints, weights }
 }
 
 /// The flow, with every Jacobian, and the direct method give the same results for boxed constraints as for unboxed
@@ -101,14 +81,8 @@ fn penalised<K>(state: K, weights: PenaltyWeights) -> Penalised<K> {
 fn flow_and_direct_take_boxed_constraints() {
     let scenario = Scenario::load("pendulum_1_swingup");
     let problem = scenario.problem();
-    let penalty = Penalty {
-        k_cons: 1e3,
-        c_cons: 50.0,
-    };
-    let weights = PenaltyWeights {
-        state: penalty,
-        torque: penalty,
-    };
+    let penalty = Penalty { k_cons: 1e3, c_cons: 50.0 };
+    let weights = PenaltyWeights { state: penalty, torque: penalty };
     let none = || TorqueLimits(vec![]);
     let list = |limit| vec![Box::new(Slow(limit)) as Box<dyn DynConstraint>];
     let curve = |settings: &FlowSettings, boxed: bool| {
@@ -123,31 +97,12 @@ fn flow_and_direct_take_boxed_constraints() {
         solution.curve
     };
     for (name, kind) in JacobianKind::by_name() {
-        let settings = FlowSettings {
-            jacobian: kind,
-            ..FlowSettings::new(9, 1e3, 1.0)
-        };
-        assert_eq!(
-            curve(&settings, true).x(),
-            curve(&settings, false).x(),
-            "{name}"
-        );
+        let settings = FlowSettings { jacobian: kind, ..FlowSettings::new(9, 1e3, 1.0) };
+        assert_eq!(curve(&settings, true).x(), curve(&settings, false).x(), "{name}");
     }
-    let settings = DirectSettings {
-        degree: 8,
-        starts: 1,
-        ..DirectSettings::constrained()
-    };
-    let boxed = Constraints {
-        state: list(30.0),
-        torque: none(),
-        stage: Default::default(),
-    };
-    let bare = Constraints {
-        state: Slow(30.0),
-        torque: none(),
-        stage: Default::default(),
-    };
+    let settings = DirectSettings { degree: 8, starts: 1, ..DirectSettings::constrained() };
+    let boxed = Constraints { state: list(30.0), torque: none(), stage: Default::default() };
+    let bare = Constraints { state: Slow(30.0), torque: none(), stage: Default::default() };
     let boxed = solved_within(&problem, &settings, &boxed);
     let bare = solved_within(&problem, &settings, &bare);
     assert_eq!(boxed.curve.x(), bare.curve.x());

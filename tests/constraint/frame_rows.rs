@@ -21,28 +21,16 @@ fn every_row([body, of]: [Option<usize>; 2]) -> FrameRows {
     let reference = placement([1.0, 0.2, -0.7], [-0.2, 0.4, 0.1]);
     let rows = FrameRows::new(&frame, Frame::new("goal", of, reference));
     let (axis, to) = (Vector3::new(1.0, -0.4, 0.2), Vector3::new(0.3, 0.5, -2.0));
-    let (lower, upper) = (
-        Vector3::new(-0.1, 0.2, f64::NEG_INFINITY),
-        Vector3::new(0.3, 0.2, 0.4),
-    );
+    let (lower, upper) = (Vector3::new(-0.1, 0.2, f64::NEG_INFINITY), Vector3::new(0.3, 0.2, 0.4));
     let rows = rows.at_origin().oriented().in_box(&lower, &upper);
-    let rows = rows.and_then(|rows| {
-        rows.within_distance(0.3)?
-            .within_angle(0.4)?
-            .axis_along(&axis, &to)
-    });
-    rows.and_then(|rows| rows.axis_within(&to, &axis, 0.2))
-        .expect("bounds and angles")
+    let rows = rows.and_then(|rows| rows.within_distance(0.3)?.within_angle(0.4)?.axis_along(&axis, &to));
+    rows.and_then(|rows| rows.axis_within(&to, &axis, 0.2)).expect("bounds and angles")
 }
 
 fn values(model: &Model, constraint: &FrameRows, x: &[f64]) -> Vec<f64> {
     let mut g = vec![0.0; constraint.dim()];
     let mut evaluator = Evaluator::new(model);
-    evaluator
-        .at(x)
-        .expect("its state")
-        .value(constraint, &mut g)
-        .expect("its rows");
+    evaluator.at(x).expect("its state").value(constraint, &mut g).expect("its rows");
     g
 }
 
@@ -71,9 +59,7 @@ fn excess(rows: impl Fn(FrameRows) -> aghf::Result<FrameRows>, there: Placement<
 
 fn unit() -> impl Strategy<Value = Vector3<f64>> {
     let vector = prop::array::uniform3(-1.0..1.0_f64).prop_map(Vector3::from);
-    vector
-        .prop_filter("it has a direction", |v| v.norm() > 0.1)
-        .prop_map(|v| v.normalize())
+    vector.prop_filter("it has a direction", |v| v.norm() > 0.1).prop_map(|v| v.normalize())
 }
 
 proptest! {
@@ -179,34 +165,18 @@ fn violations_grow_to_half_a_turn() {
 #[test]
 fn boxes_planes_and_lines() {
     let (inf, at) = (f64::INFINITY, placement([0.1, 0.2, 0.3], [0.5, -0.2, 0.1]));
-    let rows = |lower: [f64; 3], upper: [f64; 3]| {
-        scaled(|rows| rows.in_box(&lower.into(), &upper.into()), at)
-    };
-    assert_close!(
-        &rows([-1.0; 3], [0.3; 3]),
-        &[0.2, -1.5, -0.5, -0.8, -0.2, -1.1],
-        1e-15
-    );
+    let rows = |lower: [f64; 3], upper: [f64; 3]| scaled(|rows| rows.in_box(&lower.into(), &upper.into()), at);
+    assert_close!(&rows([-1.0; 3], [0.3; 3]), &[0.2, -1.5, -0.5, -0.8, -0.2, -1.1], 1e-15);
     assert_close!(&rows([-inf, -inf, 0.2], [inf, inf, 0.2]), &[-0.1], 1e-15);
-    assert_close!(
-        &rows([0.1, 0.2, -inf], [0.1, 0.2, 0.0]),
-        &[0.4, -0.4, 0.1],
-        1e-15
-    );
+    assert_close!(&rows([0.1, 0.2, -inf], [0.1, 0.2, 0.0]), &[0.4, -0.4, 0.1], 1e-15);
     let frame = Frame::new("tool", None, at);
     let none = FrameRows::new(&frame, Frame::new("goal", Some(0), at));
     let line = none.in_box(&Vector3::new(0.1, 0.2, -inf), &Vector3::new(0.1, 0.2, inf));
     let line = line.expect("a line");
-    assert_eq!(
-        [0, 1, 2].map(|row| line.is_equality(row)),
-        [true, true, false]
-    );
+    assert_eq!([0, 1, 2].map(|row| line.is_equality(row)), [true, true, false]);
     let model = robot("pendulum_1");
     let label = line.label(1, &model);
-    assert_eq!(
-        (&*label.name, label.unit),
-        ("position along y of frame 'tool' in frame 'goal'", "m")
-    );
+    assert_eq!((&*label.name, label.unit), ("position along y of frame 'tool' in frame 'goal'", "m"));
     assert_eq!(line.label(2, &model).name, "row 2 of the constraint");
 }
 
@@ -215,30 +185,15 @@ fn what_no_frame_keeps_is_refused() {
     let rows = || every_row([Some(0), None]);
     let (zero, z) = (Vector3::zeros(), Vector3::z());
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert_refused(
-            rows().within_distance(bad),
-            "frame 'tool': largest distance: it is",
-        );
+        assert_refused(rows().within_distance(bad), "frame 'tool': largest distance: it is");
     }
     for bad in [0.0, -1.0, PI, f64::NAN] {
-        assert_refused(
-            rows().within_angle(bad),
-            "frame 'tool': largest angle: it is",
-        );
-        assert_refused(
-            rows().axis_within(&z, &z, bad),
-            "an angle between 0 and pi is needed",
-        );
+        assert_refused(rows().within_angle(bad), "frame 'tool': largest angle: it is");
+        assert_refused(rows().axis_within(&z, &z, bad), "an angle between 0 and pi is needed");
     }
-    assert_refused(
-        rows().axis_along(&zero, &z),
-        "frame 'tool': axis: it is (0, 0, 0)",
-    );
+    assert_refused(rows().axis_along(&zero, &z), "frame 'tool': axis: it is (0, 0, 0)");
     let large = Vector3::new(f64::NAN, 0.0, 1.0);
-    assert_refused(
-        rows().axis_within(&z, &large, 0.1),
-        "frame 'tool': direction: it is (NaN, 0, 1)",
-    );
+    assert_refused(rows().axis_within(&z, &large, 0.1), "frame 'tool': direction: it is (NaN, 0, 1)");
     for (lower, upper) in [(1.0, 0.0), (f64::NAN, 1.0), (f64::INFINITY, f64::INFINITY)] {
         let found = rows().in_box(&Vector3::from_element(lower), &Vector3::from_element(upper));
         assert_refused(found, "frame 'tool': bounds of the position: they are");
@@ -247,8 +202,5 @@ fn what_no_frame_keeps_is_refused() {
     let mut evaluator = Evaluator::<f64>::new(&model);
     let here = evaluator.at(&[0.0; 4]).expect("two joints");
     let far = every_row([Some(5), None]);
-    assert_refused(
-        here.value(&far, &mut vec![0.0; far.dim()]),
-        "expected 6 entries, found 2",
-    );
+    assert_refused(here.value(&far, &mut vec![0.0; far.dim()]), "expected 6 entries, found 2");
 }

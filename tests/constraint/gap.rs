@@ -3,8 +3,8 @@
 use crate::common::constraint::Held;
 use crate::common::{robot, wave};
 use aghf::constraint::{
-    AnyConstraint, Bounds, CollisionSphere, Constraint, Evaluator, Gap, RowList, SelfClearance,
-    SolidClearance, Sphere, SphereClearance,
+    AnyConstraint, Bounds, CollisionSphere, Constraint, Evaluator, Gap, RowList, SelfClearance, SolidClearance, Sphere,
+    SphereClearance,
 };
 use aghf::geometry::{Shape, Solid};
 use aghf::model::Model;
@@ -22,24 +22,12 @@ fn parts(model: &Model) -> Parts {
         ball.centre += Vector3::new(0.02, -0.03, 0.01 * i as f64);
         ball.radius = 0.03 + 0.01 * i as f64;
     }
-    let on_base = CollisionSphere {
-        body: None,
-        centre: Vector3::zeros(),
-        radius: 0.1,
-    };
-    let spheres = [0.3, 0.7].map(|z| Sphere {
-        centre: Vector3::new(0.4, 0.1, z),
-        radius: 0.1,
-    });
-    let spheres = SphereClearance {
-        balls: balls.clone(),
-        spheres: spheres.to_vec(),
-    };
+    let on_base = CollisionSphere { body: None, centre: Vector3::zeros(), radius: 0.1 };
+    let spheres = [0.3, 0.7].map(|z| Sphere { centre: Vector3::new(0.4, 0.1, z), radius: 0.1 });
+    let spheres = SphereClearance { balls: balls.clone(), spheres: spheres.to_vec() };
     let cuboid = Solid {
         placement: Placement::new(Matrix3::identity(), Vector3::new(0.3, 0.5, 0.2)),
-        shape: Shape::Cuboid {
-            half_extents: Vector3::new(0.1, 0.2, 0.05),
-        },
+        shape: Shape::Cuboid { half_extents: Vector3::new(0.1, 0.2, 0.05) },
     };
     let solids = SolidClearance {
         balls: balls.clone(),
@@ -49,10 +37,7 @@ fn parts(model: &Model) -> Parts {
     let mut all = vec![on_base];
     all.extend(balls);
     let pairs = (1..all.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
-    let between = SelfClearance {
-        pairs: pairs.collect(),
-        balls: all,
-    };
+    let between = SelfClearance { pairs: pairs.collect(), balls: all };
     let list = vec![
         AnyConstraint::Bounds(Bounds::positions(model)),
         AnyConstraint::Solids(solids),
@@ -107,10 +92,7 @@ fn gaps_change_by_no_more_than_bodies_move() {
     assert_eq!(parts.gap(0), None);
     let first = parts.dim() - parts.1.1.dim();
     let squared = parts.gap(first).and_then(|gap: Gap| gap.squared);
-    assert!(
-        squared.is_some_and(|reach| (reach - 0.13).abs() < 1e-12),
-        "{squared:?}"
-    );
+    assert!(squared.is_some_and(|reach| (reach - 0.13).abs() < 1e-12), "{squared:?}");
     assert_eq!(parts.gap(parts.dim()), None);
 }
 

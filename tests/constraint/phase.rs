@@ -2,8 +2,7 @@
 
 use crate::common::assert_refused;
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, Constraints, Phase, Side, StageConstraints, StandingFoot,
-    TorqueLimits,
+    AnyConstraint, Bound, Bounds, Constraints, Phase, Side, StageConstraints, StandingFoot, TorqueLimits,
 };
 use aghf::model::Model;
 use aghf::spatial::Placement;
@@ -26,28 +25,15 @@ fn robot() -> Model {
 }
 
 fn phase() -> Phase {
-    Phase {
-        model: robot(),
-        order: vec![1, 0],
-        foot: foot(10.0),
-        rows: 1..2,
-    }
+    Phase { model: robot(), order: vec![1, 0], foot: foot(10.0), rows: 1..2 }
 }
 
 fn constraints(phases: Vec<Phase>, foot: Option<StandingFoot>) -> Constraints<Vec<AnyConstraint>> {
-    let bounds = [Side::Lower, Side::Upper].map(|side| Bound {
-        entry: 0,
-        side,
-        value: 1.0,
-    });
+    let bounds = [Side::Lower, Side::Upper].map(|side| Bound { entry: 0, side, value: 1.0 });
     Constraints {
         state: vec![AnyConstraint::Bounds(Bounds(bounds.to_vec()))],
         torque: TorqueLimits(Vec::new()),
-        stage: StageConstraints {
-            foot,
-            phases,
-            ..StageConstraints::default()
-        },
+        stage: StageConstraints { foot, phases, ..StageConstraints::default() },
     }
 }
 
@@ -58,44 +44,11 @@ fn phases_that_are_not_those_of_a_motion_are_refused() {
     let none = constraints(vec![phase()], None).check(&robot());
     assert_refused(none, "constraints: phases: no foot stands");
     for (of, words) in [
-        (
-            Phase {
-                order: vec![0, 0],
-                ..phase()
-            },
-            "its joints are not those of the motion",
-        ),
-        (
-            Phase {
-                order: vec![0],
-                ..phase()
-            },
-            "its joints are not those of the motion",
-        ),
-        (
-            Phase {
-                foot: StandingFoot {
-                    torsion: Some(0.1),
-                    ..foot(10.0)
-                },
-                ..phase()
-            },
-            "more or fewer bounds",
-        ),
-        (
-            Phase {
-                foot: foot(10.1),
-                ..phase()
-            },
-            "its robot weighs 10.1 N, the first one 10 N",
-        ),
-        (
-            Phase {
-                rows: 1..3,
-                ..phase()
-            },
-            "it has rows 1 to 3 of 2",
-        ),
+        (Phase { order: vec![0, 0], ..phase() }, "its joints are not those of the motion"),
+        (Phase { order: vec![0], ..phase() }, "its joints are not those of the motion"),
+        (Phase { foot: StandingFoot { torsion: Some(0.1), ..foot(10.0) }, ..phase() }, "more or fewer bounds"),
+        (Phase { foot: foot(10.1), ..phase() }, "its robot weighs 10.1 N, the first one 10 N"),
+        (Phase { rows: 1..3, ..phase() }, "it has rows 1 to 3 of 2"),
     ] {
         assert_refused(check(of), words);
     }
@@ -104,20 +57,8 @@ fn phases_that_are_not_those_of_a_motion_are_refused() {
 #[test]
 fn phases_are_equal_with_the_same_order_foot_and_rows() {
     assert_eq!(phase(), phase());
-    assert_ne!(
-        phase(),
-        Phase {
-            order: vec![0, 1],
-            ..phase()
-        }
-    );
-    assert_ne!(
-        phase(),
-        Phase {
-            rows: 0..1,
-            ..phase()
-        }
-    );
+    assert_ne!(phase(), Phase { order: vec![0, 1], ..phase() });
+    assert_ne!(phase(), Phase { rows: 0..1, ..phase() });
     let of = |phases| constraints(phases, Some(foot(10.0))).stage;
     assert_ne!(of(vec![phase()]), of(Vec::new()));
 }

@@ -3,8 +3,7 @@
 use crate::common::{config, numbers, robot, wave};
 use crate::cover_clearance::covered;
 use aghf::constraint::{
-    AnyConstraint, Bounds, Constraint, CoverClearance, Evaluator, Piece, Pieces, PlacedState,
-    RowList, Weights,
+    AnyConstraint, Bounds, Constraint, CoverClearance, Evaluator, Piece, Pieces, PlacedState, RowList, Weights,
 };
 use aghf::model::Model;
 use aghf::scalar::{LANES, Lanes, Wide};
@@ -33,10 +32,7 @@ fn beside<K: Constraint>(
     let mut g = vec![Wide::splat(f64::NAN); rows.dim()];
     let (mut pieces, mut evaluator) = (Vec::new(), Evaluator::<f64, Wide>::new(model));
     let placed = evaluator.at(x).expect("lengths agree");
-    let at = PlacedState {
-        pieces: known,
-        ..*placed.state()
-    };
+    let at = PlacedState { pieces: known, ..*placed.state() };
     let found = rows.value_and_pieces(&at, some, &mut g, &mut pieces);
     found.expect("rows");
     (g, pieces)
@@ -47,10 +43,7 @@ fn by_pieces<K: Constraint>(model: &Model, rows: &K, x: &[Wide], pieces: &[Piece
     let mut g = vec![Wide::splat(0.0); rows.dim()];
     let mut evaluator = Evaluator::<f64, Wide>::new(model);
     let placed = evaluator.at(x).expect("lengths agree");
-    let at = PlacedState {
-        pieces: Some(Pieces::new(pieces)),
-        ..*placed.state()
-    };
+    let at = PlacedState { pieces: Some(Pieces::new(pieces)), ..*placed.state() };
     rows.value(&at, &mut g).expect("rows");
     g
 }

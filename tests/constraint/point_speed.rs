@@ -10,22 +10,14 @@ use num_dual::Dual64;
 use proptest::prelude::*;
 
 fn limit(body: Option<usize>) -> PointSpeedLimit {
-    PointSpeedLimit {
-        body,
-        point: Vector3::new(0.3, -0.2, 0.4),
-        most: 0.8,
-        name: "tool".to_owned(),
-    }
+    PointSpeedLimit { body, point: Vector3::new(0.3, -0.2, 0.4), most: 0.8, name: "tool".to_owned() }
 }
 
 fn value(model: &Model, row: &PointSpeedLimit, x: &[f64]) -> f64 {
     let mut g = [0.0];
     let mut evaluator = Evaluator::<f64>::new(model);
     let row = AnyConstraint::Speed(row.clone());
-    evaluator
-        .at(x)
-        .and_then(|at| at.value(&row, &mut g))
-        .expect("its rows");
+    evaluator.at(x).and_then(|at| at.value(&row, &mut g)).expect("its rows");
     g[0]
 }
 

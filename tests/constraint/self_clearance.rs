@@ -9,11 +9,7 @@ use proptest::prelude::*;
 use std::collections::BTreeSet;
 
 fn ball(body: Option<usize>, at: [f64; 3]) -> CollisionSphere {
-    CollisionSphere {
-        body,
-        centre: Vector3::from(at),
-        radius: 0.1,
-    }
+    CollisionSphere { body, centre: Vector3::from(at), radius: 0.1 }
 }
 
 /// The joints that carry a body.
@@ -54,21 +50,13 @@ proptest! {
 #[test]
 fn branches_beside_each_other() {
     let model = random_tree(8, 3).expect("eight joints");
-    let balls: Vec<_> = (0..8)
-        .map(|i| ball(Some(i), [0.2, 0.1 * i as f64, -0.3]))
-        .collect();
+    let balls: Vec<_> = (0..8).map(|i| ball(Some(i), [0.2, 0.1 * i as f64, -0.3])).collect();
     let pairs: Vec<_> = (0..8).flat_map(|i| (0..8).map(move |j| [i, j])).collect();
     let x = wave(16, 0.9);
     let (w, c) = (wave(64, 0.7), wave(64, 1.9));
     let compare = |pairs: &[[usize; 2]]| {
-        let constraint = SelfClearance {
-            balls: balls.clone(),
-            pairs: pairs.to_vec(),
-        };
-        let weights = Weights {
-            first_order: &w[..pairs.len()],
-            gauss_newton: Some(&c[..pairs.len()]),
-        };
+        let constraint = SelfClearance { balls: balls.clone(), pairs: pairs.to_vec() };
+        let weights = Weights { first_order: &w[..pairs.len()], gauss_newton: Some(&c[..pairs.len()]) };
         let (gradient, hessian) = contracted(&model, &constraint, &x, weights);
         let (by_jets, by_jets2) = contracted(&model, &ValueAlone(constraint), &x, weights);
         assert_close!(&gradient, &by_jets, 1e-12);
@@ -89,10 +77,7 @@ fn branches_beside_each_other() {
 fn a_pendulum_by_hand() {
     let model = robot("pendulum_1");
     let balls = vec![ball(Some(0), [-1.0, 0.0, 0.0]), ball(None, [0.0, 0.0, 2.0])];
-    let constraint = SelfClearance {
-        balls,
-        pairs: vec![[0, 1]],
-    };
+    let constraint = SelfClearance { balls, pairs: vec![[0, 1]] };
     // As for a sphere: |p - c|^2 = 5 - 4 sin q.
     let q = 0.3_f64;
     let mut g = [0.0];
@@ -101,10 +86,7 @@ fn a_pendulum_by_hand() {
     let here = evaluator.at(&x).expect("one joint");
     here.value(&constraint, &mut g).expect("one row");
     assert_close!(&g, &[0.04 - 5.0 + 4.0 * q.sin()], 1e-14);
-    let weights = Weights {
-        first_order: &[2.0],
-        gauss_newton: Some(&[3.0]),
-    };
+    let weights = Weights { first_order: &[2.0], gauss_newton: Some(&[3.0]) };
     let (gradient, hessian) = contracted(&model, &constraint, &x, weights);
     assert_close!(&gradient, &[8.0 * q.cos(), 0.0], 1e-14);
     let expected = -8.0 * q.sin() + 3.0 * 16.0 * q.cos().powi(2);
@@ -119,50 +101,22 @@ fn labels_and_errors() {
     let model = robot("kinova_gen3");
     let tool = CollisionSphere::at_link(&model, "end_effector_link", 0.1).expect("it is there");
     let balls = vec![tool, ball(None, [0.0; 3]), ball(Some(9), [0.0; 3])];
-    let clearance = |pairs: &[[usize; 2]]| SelfClearance {
-        balls: balls.clone(),
-        pairs: pairs.to_vec(),
-    };
+    let clearance = |pairs: &[[usize; 2]]| SelfClearance { balls: balls.clone(), pairs: pairs.to_vec() };
     let label = clearance(&[[0, 1]]).label(0, &model);
-    assert!(
-        label.name.starts_with("distance of link '") && label.name.contains("' from link '"),
-        "{}",
-        label.name
-    );
+    assert!(label.name.starts_with("distance of link '") && label.name.contains("' from link '"), "{}", label.name);
     assert_eq!((label.unit, label.kind), ("m", RowKind::Clearance));
-    assert_eq!(
-        clearance(&[[0, 3]]).label(0, &model).name,
-        "row 0 of the constraint"
-    );
+    assert_eq!(clearance(&[[0, 3]]).label(0, &model).name, "row 0 of the constraint");
 
     let x = wave(14, 0.4);
     let mut evaluator = Evaluator::<f64>::new(&model);
     let mut here = evaluator.at(&x).expect("7 joints");
-    let weights = Weights {
-        first_order: &[1.0],
-        gauss_newton: Some(&[1.0]),
-    };
+    let weights = Weights { first_order: &[1.0], gauss_newton: Some(&[1.0]) };
     let no_body = "bodies of the robot of a constraint: expected 10 entries, found 7";
     assert_refused(here.value(&clearance(&[[0, 1]]), &mut [0.0]), no_body);
-    assert_refused(
-        here.weighted_derivatives(&clearance(&[[2, 0]]), weights),
-        no_body,
-    );
-    let two = SelfClearance {
-        balls: balls[..2].to_vec(),
-        pairs: vec![[0, 2]],
-    };
+    assert_refused(here.weighted_derivatives(&clearance(&[[2, 0]]), weights), no_body);
+    let two = SelfClearance { balls: balls[..2].to_vec(), pairs: vec![[0, 2]] };
     let no_ball = "balls of the pairs of a constraint: expected 3 entries, found 2";
     assert_refused(here.value(&two, &mut [0.0]), no_ball);
     assert_refused(here.weighted_derivatives(&two, weights), no_ball);
-    assert!(
-        here.weighted_derivatives(
-            &two,
-            Weights {
-                first_order: &[0.0],
-                gauss_newton: None
-            }
-        )
-        .is_ok()
-    );
+    assert!(here.weighted_derivatives(&two, Weights { first_order: &[0.0], gauss_newton: None }).is_ok());
 }

@@ -3,8 +3,7 @@
 use crate::common::{assert_refused, config, robot};
 use crate::derivatives::contracted;
 use aghf::constraint::{
-    CollisionSphere, Constraint, Evaluator, RowKind, SolidClearance, Sphere, SphereClearance,
-    Weights,
+    CollisionSphere, Constraint, Evaluator, RowKind, SolidClearance, Sphere, SphereClearance, Weights,
 };
 use aghf::geometry::{Distance, FLAT, Shape, Solid};
 use aghf::scalar::{AlgebraOver, Jet, Lanes};
@@ -16,17 +15,9 @@ use proptest::prelude::*;
 /// One of each shape.
 pub fn sizes([a, b, c, r]: [f64; 4]) -> [Shape; 4] {
     [
-        Shape::Cuboid {
-            half_extents: Vector3::new(a, b, c),
-        },
-        Shape::Cylinder {
-            radius: r,
-            half_length: c,
-        },
-        Shape::Capsule {
-            radius: r,
-            half_length: c,
-        },
+        Shape::Cuboid { half_extents: Vector3::new(a, b, c) },
+        Shape::Cylinder { radius: r, half_length: c },
+        Shape::Capsule { radius: r, half_length: c },
         Shape::Sphere { radius: r },
     ]
 }
@@ -37,14 +28,8 @@ fn beyond(shape: &Shape, p: &Vector3<f64>) -> f64 {
     match shape {
         Shape::Sphere { radius } => p.norm() - radius,
         Shape::Cuboid { half_extents } => (p.abs() - half_extents).max(),
-        Shape::Cylinder {
-            radius,
-            half_length,
-        } => (p.xy().norm() - radius).max(p.z.abs() - half_length),
-        Shape::Capsule {
-            radius,
-            half_length,
-        } => {
+        Shape::Cylinder { radius, half_length } => (p.xy().norm() - radius).max(p.z.abs() - half_length),
+        Shape::Capsule { radius, half_length } => {
             let on_axis = Vector3::new(0.0, 0.0, p.z.clamp(-half_length, *half_length));
             (p - on_axis).norm() - radius
         }
@@ -113,16 +98,11 @@ proptest! {
 }
 
 /// A distance and its derivatives by hyper-dual numbers of the value.
-fn by_duals(
-    distance: impl Fn(&Vector3<HyperDual64>) -> HyperDual64,
-    p: &Vector3<f64>,
-) -> Distance<f64> {
+fn by_duals(distance: impl Fn(&Vector3<HyperDual64>) -> HyperDual64, p: &Vector3<f64>) -> Distance<f64> {
     let entry = |i: usize, j: usize| {
         let unit = |k: usize| f64::from(u8::from(k == i));
         let other = |k: usize| f64::from(u8::from(k == j));
-        distance(&Vector3::from_fn(|k, _| {
-            HyperDual64::new(p[k], unit(k), other(k), 0.0)
-        }))
+        distance(&Vector3::from_fn(|k, _| HyperDual64::new(p[k], unit(k), other(k), 0.0)))
     };
     Distance {
         value: entry(0, 0).re,
@@ -144,19 +124,13 @@ fn nothing_is_undefined() {
             let duals = by_duals(|p| shape.distance(p), &p);
             let scale = 1.0 + ours.curvature.amax();
             assert!(ours.value.is_finite() && scale.is_finite(), "{shape:?} {p}");
-            assert!(
-                (ours.normal.norm() - 1.0).abs() < 1e-12,
-                "{shape:?} {p}: {ours:?}"
-            );
+            assert!((ours.normal.norm() - 1.0).abs() < 1e-12, "{shape:?} {p}: {ours:?}");
             assert!((ours.value - duals.value).abs() < 1e-15);
             assert!((ours.normal - duals.normal).amax() < 1e-12, "{shape:?} {p}");
             let off = (ours.curvature - duals.curvature).amax();
             assert!(off < 1e-12 * scale, "{shape:?} {p}: {off}");
             let by_gradient = shape.distance_derivatives(&p.map(|x| Dual64::new(x, 1.0)));
-            assert!(
-                by_gradient.curvature.iter().all(|x| x.eps.is_finite()),
-                "{shape:?} {p}"
-            );
+            assert!(by_gradient.curvature.iter().all(|x| x.eps.is_finite()), "{shape:?} {p}");
             let four = shape.distance(&p.map(|x| Lanes([x, 0.0, x, 5.0])));
             assert_eq!((four.0[0], four.0[2]), (ours.value, ours.value));
             assert!(four.0.iter().all(|x| x.is_finite()));
@@ -174,16 +148,8 @@ fn ties_and_the_flat_part() {
         let centre = shape.distance_derivatives(&Vector3::zeros());
         assert_eq!((centre.value, centre.normal), (-0.3, Vector3::x()));
         assert_eq!(centre.curvature, Matrix3::zeros());
-        for direction in [
-            Vector3::new(1.0, 2.0, 3.0),
-            Vector3::new(1.0, 0.0, 0.0),
-            Vector3::new(0.6, 0.6, 0.6),
-        ] {
-            for from in [
-                Vector3::zeros(),
-                Vector3::from_element(0.3),
-                Vector3::new(0.3, 0.0, 0.3),
-            ] {
+        for direction in [Vector3::new(1.0, 2.0, 3.0), Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.6, 0.6, 0.6)] {
+            for from in [Vector3::zeros(), Vector3::from_element(0.3), Vector3::new(0.3, 0.0, 0.3)] {
                 let at = |t: f64| shape.distance(&(from + direction * t));
                 let jump = (at(FLAT * 1.001) - at(FLAT * 0.1)).abs();
                 assert!(jump < 10.0 * FLAT, "{shape:?}: {jump}");
@@ -200,11 +166,7 @@ fn ties_and_the_flat_part() {
 /// It is $n \cdot p \le \delta$, and of a segment the lower end is nearest.
 #[test]
 fn a_half_space_ends_at_its_offset_along_its_normal() {
-    for normal in [
-        Vector3::new(2.0, -1.0, 2.0),
-        Vector3::z(),
-        Vector3::new(0.0, 0.0, -3.0),
-    ] {
+    for normal in [Vector3::new(2.0, -1.0, 2.0), Vector3::z(), Vector3::new(0.0, 0.0, -3.0)] {
         let solid = Solid::half_space(&normal, 0.4);
         let height = |p: &Vector3<f64>| normal.dot(p) / normal.norm() - 0.4;
         let ends = [Vector3::new(0.3, -0.7, 1.1), Vector3::new(-0.2, 0.5, 0.8)];
@@ -228,26 +190,15 @@ fn a_half_space_ends_at_its_offset_along_its_normal() {
 fn a_solid_ball_is_a_sphere() {
     let model = robot("kinova_gen3");
     let balls = CollisionSphere::joint_frames(&model);
-    let balls: Vec<_> = (balls.iter())
-        .map(|ball| CollisionSphere {
-            radius: 0.07,
-            ..*ball
-        })
-        .collect();
+    let balls: Vec<_> = (balls.iter()).map(|ball| CollisionSphere { radius: 0.07, ..*ball }).collect();
     let (centre, radius) = (Vector3::new(0.3, 0.2, 0.5), 0.2);
     let placement = Placement::new(Matrix3::identity(), centre);
     let solids = SolidClearance {
         balls: balls.clone(),
-        solids: vec![Solid {
-            placement,
-            shape: Shape::Sphere { radius },
-        }],
+        solids: vec![Solid { placement, shape: Shape::Sphere { radius } }],
         names: Vec::new(),
     };
-    let spheres = SphereClearance {
-        balls,
-        spheres: vec![Sphere { centre, radius }],
-    };
+    let spheres = SphereClearance { balls, spheres: vec![Sphere { centre, radius }] };
     let x = [0.4; 14];
     let mut evaluator = Evaluator::<f64>::new(&model);
     let here = evaluator.at(&x).expect("7 joints");
@@ -263,26 +214,16 @@ fn a_solid_ball_is_a_sphere() {
 fn labels_name_the_body_and_the_obstacle() {
     let model = robot("kinova_gen3");
     let ball = CollisionSphere::at_link(&model, "end_effector_link", 0.1).expect("it is there");
-    let at = |shape| Solid {
-        placement: Placement::identity(),
-        shape,
-    };
+    let at = |shape| Solid { placement: Placement::identity(), shape };
     let mut clearance = SolidClearance {
         balls: vec![CollisionSphere { body: None, ..ball }, ball],
         solids: sizes([0.1; 4]).map(at).into(),
         names: Vec::new(),
     };
     let name = |clearance: &SolidClearance, row| clearance.label(row, &model).name;
-    let body = name(&clearance, 4)
-        .split(" from ")
-        .next()
-        .map(str::to_owned)
-        .expect("a body");
+    let body = name(&clearance, 4).split(" from ").next().map(str::to_owned).expect("a body");
     assert!(body.starts_with("distance of link '"), "{body}");
-    for (row, shape) in ["box 0", "cylinder 1", "capsule 2", "sphere 3"]
-        .iter()
-        .enumerate()
-    {
+    for (row, shape) in ["box 0", "cylinder 1", "capsule 2", "sphere 3"].iter().enumerate() {
         assert_eq!(name(&clearance, 4 + row), format!("{body} from {shape}"));
     }
     assert_ne!(name(&clearance, 0), name(&clearance, 4));
@@ -302,20 +243,9 @@ const W: [f64; 12] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.5, 0.0, 0.0, 0.0, 0.0, 0.0
 
 /// Three balls, the last on a body that the robot does not have: without weights it is not placed.
 fn of_a_missing_body() -> SolidClearance {
-    let ball = |body| CollisionSphere {
-        body: Some(body),
-        centre: Vector3::new(0.2, 0.1, 0.0),
-        radius: 0.1,
-    };
-    let at = |shape| Solid {
-        placement: Placement::identity(),
-        shape,
-    };
-    SolidClearance {
-        balls: vec![ball(0), ball(2), ball(7)],
-        solids: sizes([0.1; 4]).map(at).into(),
-        names: Vec::new(),
-    }
+    let ball = |body| CollisionSphere { body: Some(body), centre: Vector3::new(0.2, 0.1, 0.0), radius: 0.1 };
+    let at = |shape| Solid { placement: Placement::identity(), shape };
+    SolidClearance { balls: vec![ball(0), ball(2), ball(7)], solids: sizes([0.1; 4]).map(at).into(), names: Vec::new() }
 }
 
 /// Rows are skipped only if both their weights and the weights of their products are zero.
@@ -325,10 +255,7 @@ fn only_weights_that_vanish_are_left_out() {
     let zero = [0.0; 12];
     let (mut w, mut c) = (W, zero);
     let weighted = |first_order, gauss_newton| {
-        let weights = Weights {
-            first_order,
-            gauss_newton: Some(gauss_newton),
-        };
+        let weights = Weights { first_order, gauss_newton: Some(gauss_newton) };
         contracted(&model, &clearance, &X, weights)
     };
     let (gradient, hessian) = weighted(&w, &zero);
@@ -339,29 +266,17 @@ fn only_weights_that_vanish_are_left_out() {
     w[11] = 1.0;
     let mut evaluator = Evaluator::<f64>::new(&model);
     let mut here = evaluator.at(&X).expect("3 joints");
-    let weights = Weights {
-        first_order: &w,
-        gauss_newton: None,
-    };
-    assert_refused(
-        here.weighted_derivatives(&clearance, weights),
-        "expected 8 entries, found 3",
-    );
+    let weights = Weights { first_order: &w, gauss_newton: None };
+    assert_refused(here.weighted_derivatives(&clearance, weights), "expected 8 entries, found 3");
 }
 
 /// A weight of value zero counts if its derivative is not zero.
 #[test]
 fn derivatives_of_weights_are_not_left_out() {
     let (model, clearance) = (robot("pendulum_3"), of_a_missing_body());
-    let weights = Weights {
-        first_order: &W,
-        gauss_newton: Some(&[0.0; 12]),
-    };
+    let weights = Weights { first_order: &W, gauss_newton: Some(&[0.0; 12]) };
     let (gradient, _) = contracted(&model, &clearance, &X, weights);
-    let of_two = SolidClearance {
-        balls: clearance.balls[..2].to_vec(),
-        ..clearance
-    };
+    let of_two = SolidClearance { balls: clearance.balls[..2].to_vec(), ..clearance };
     let duals = weighted(&of_two, &W.map(|w| Dual64::new(0.0, w))[..8]);
     let slopes: Vec<f64> = duals.iter().map(|g| g.eps).collect();
     assert_close!(&slopes, &gradient, 1e-14);
@@ -376,10 +291,7 @@ fn weighted<S: AlgebraOver<f64>>(clearance: &SolidClearance, w: &[S]) -> DVector
     let mut evaluator = Evaluator::<f64, S>::new(&model);
     let x = X.map(S::lift);
     let mut here = evaluator.at(&x).expect("3 joints");
-    let weights = Weights {
-        first_order: w,
-        gauss_newton: None,
-    };
+    let weights = Weights { first_order: w, gauss_newton: None };
     let sums = here.weighted_derivatives(clearance, weights);
     sums.expect("8 weights").gradient().clone()
 }

@@ -1,9 +1,7 @@
 //! Rows in $(t, q, v, a, u)$: their derivatives, names and checks.
 
 use crate::common::{robot, slider};
-use aghf::constraint::{
-    Constraints, RowKind, StageConstraint, StageConstraints, StageInput, StageRows, TorqueLimits,
-};
+use aghf::constraint::{Constraints, RowKind, StageConstraint, StageConstraints, StageInput, StageRows, TorqueLimits};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
@@ -18,13 +16,7 @@ fn rows() -> Arc<dyn StageConstraint> {
 #[test]
 fn derivatives_of_a_closure_are_those_by_hand() {
     let [q, v, a, u] = [[0.3, -0.8], [1.1, 0.2], [-0.4, 2.0], [5.0, -7.0]];
-    let at = StageInput {
-        t: 0.6,
-        q: &q,
-        v: &v,
-        a: &a,
-        u: &u,
-    };
+    let at = StageInput { t: 0.6, q: &q, v: &v, a: &a, u: &u };
     let rows = rows();
     let (mut g, mut rates) = ([0.0; 2], [0.0; 2]);
     rows.value(&at, &mut g).expect("two rows");
@@ -32,8 +24,7 @@ fn derivatives_of_a_closure_are_those_by_hand() {
     assert_eq!(g, [5.5 - 0.36 - 3.0, 0.3 * 4.0 + 7.0 * 0.8]);
     assert_eq!(rates, [-1.2, 0.0]);
     let (mut gradients, mut hessian) = (DMatrix::zeros(8, 2), DMatrix::zeros(8, 8));
-    rows.derivatives(&at, &[2.0, 3.0], &mut gradients, &mut hessian)
-        .expect("two rows");
+    rows.derivatives(&at, &[2.0, 3.0], &mut gradients, &mut hessian).expect("two rows");
     let mut expected = DMatrix::zeros(8, 2);
     (expected[(2, 0)], expected[(6, 0)]) = (u[0], v[0]);
     (expected[(0, 1)], expected[(1, 1)]) = (a[1] * a[1], u[1]);
@@ -59,11 +50,7 @@ fn rows_have_names_and_units() {
     };
     limits.check(&model).expect("valid");
     assert_eq!(limits.dim(), 6);
-    let all = Constraints {
-        state: (),
-        torque: TorqueLimits(vec![Some(1.0), None]),
-        stage: limits,
-    };
+    let all = Constraints { state: (), torque: TorqueLimits(vec![Some(1.0), None]), stage: limits };
     assert_eq!(all.dim(), 8);
     let label = |row| all.label(row, &model);
     let joint = |i: usize| model.joints()[i].name();
@@ -79,18 +66,12 @@ fn rows_have_names_and_units() {
 fn invalid_limits_are_refused_by_joint() {
     let model = slider(1.0);
     let refused = |acceleration: Vec<Option<f64>>| {
-        let limits = StageConstraints {
-            acceleration,
-            ..StageConstraints::default()
-        };
+        let limits = StageConstraints { acceleration, ..StageConstraints::default() };
         limits.check(&model).expect_err("invalid").to_string()
     };
     let name = model.joints()[0].name();
     let zero = refused(vec![Some(0.0)]);
-    assert!(
-        zero.contains(name) && zero.contains("acceleration limit: it is 0"),
-        "{zero}"
-    );
+    assert!(zero.contains(name) && zero.contains("acceleration limit: it is 0"), "{zero}");
     assert!(refused(vec![None, None]).contains('2'));
 }
 
@@ -102,10 +83,7 @@ fn a_scale_that_is_not_positive_is_refused() {
         let all = Constraints {
             state: (),
             torque: TorqueLimits(Vec::new()),
-            stage: StageConstraints {
-                others: vec![Arc::new(rows)],
-                ..StageConstraints::default()
-            },
+            stage: StageConstraints { others: vec![Arc::new(rows)], ..StageConstraints::default() },
         };
         let refused = all.check(&model).expect_err("a scale").to_string();
         let words = format!("scale of row 1 of power: it is {bad}, a positive number is needed");

@@ -12,9 +12,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 fn standing() -> Model {
     let base = Inertia::from_com(2.0, Vector3::new(0.1, 0.0, 0.0), Matrix3::identity());
     let model = point_mass(&[Vector3::x(), Vector3::y(), Vector3::z()]);
-    model
-        .with_gravity(Vector3::new(0.0, 0.0, -10.0))
-        .with_base_inertia(base)
+    model.with_gravity(Vector3::new(0.0, 0.0, -10.0)).with_base_inertia(base)
 }
 
 fn foot() -> StandingFoot {
@@ -44,9 +42,8 @@ fn rows_and_contact_are_those_by_hand() {
         + Vector3::new(0.1, 0.0, 0.0).cross(&Vector3::new(0.0, 0.0, 20.0));
     assert_close!(&wrench.angular, &moment, 1e-15);
     // Along the line of the force through each of the two, the pressure moves by the height of the mass above the sole.
-    let on_sole = |of_mass: f64, of_base: f64, push: f64| {
-        (15.0 * (of_mass - push / 15.0 * 1.1) + 20.0 * of_base) / 35.0
-    };
+    let on_sole =
+        |of_mass: f64, of_base: f64, push: f64| (15.0 * (of_mass - push / 15.0 * 1.1) + 20.0 * of_base) / 35.0;
     let (x, y) = (on_sole(0.7, 0.1, 6.0), on_sole(0.5, 0.0, -3.0));
     let contact = foot.contact(&wrench);
     // y of the base is along the sole, -x across it.
@@ -54,17 +51,12 @@ fn rows_and_contact_are_those_by_hand() {
     assert!((centre[0] - (y - 0.2)).abs() < 1e-12, "{centre:?}");
     assert!((centre[1] + (x - 0.3)).abs() < 1e-12, "{centre:?}");
     assert!((contact.friction - 6.0_f64.hypot(3.0) / 35.0).abs() < 1e-15);
-    assert_close!(
-        &Vector3::from(contact.force),
-        &Vector3::new(-3.0, -6.0, 35.0),
-        1e-12
-    );
+    assert_close!(&Vector3::from(contact.force), &Vector3::new(-3.0, -6.0, 35.0), 1e-12);
     let turning = (0.4 * -3.0 - 0.3 * 6.0) / 35.0;
     assert!((contact.torsion - turning).abs() < 1e-12, "{contact:?}");
 
     let mut g = [0.0; 8];
-    foot.value(&model, data, [&q, &still, &a], &mut g)
-        .expect("eight rows");
+    foot.value(&model, data, [&q, &still, &a], &mut g).expect("eight rows");
     let load = 35.0 / 30.0;
     let expected = [
         -load,
@@ -81,10 +73,7 @@ fn rows_and_contact_are_those_by_hand() {
     }
     // The torsion is the largest row of this foot, the friction that of a foot that slips.
     for friction in [foot.friction, 0.01] {
-        let foot = StandingFoot {
-            friction,
-            ..foot.clone()
-        };
+        let foot = StandingFoot { friction, ..foot.clone() };
         foot.rows(&wrench, &mut g).expect("eight rows");
         let largest = g.into_iter().fold(f64::NEG_INFINITY, f64::max);
         let excess = foot.contact(&wrench).excess;
@@ -116,16 +105,10 @@ fn rows_have_names_and_units() {
     assert_eq!(name(6), (of("right edge"), "m"));
     assert_eq!(name(8), (of("torsion"), "m"));
     assert_eq!(name(9), (of("friction"), ""));
-    let slippery = rows(StandingFoot {
-        torsion: None,
-        ..foot.clone()
-    });
+    let slippery = rows(StandingFoot { torsion: None, ..foot.clone() });
     assert_eq!(slippery.dim(), 8);
     assert_eq!(slippery.label(7, &model).name, of("friction"));
-    let refused = rows(StandingFoot {
-        friction: -0.5,
-        ..foot
-    });
+    let refused = rows(StandingFoot { friction: -0.5, ..foot });
     let words = "foot 'left': friction: it is -0.5, a positive number is needed";
     assert_refused(refused.check(&model), words);
 }

@@ -2,8 +2,7 @@
 
 use crate::common::tree;
 use aghf::cost::{
-    ControlEffort, CostThroughDynamics, HyperDual64, Point, PointCost, PointDerivatives,
-    StageInput, WeightedSquares,
+    ControlEffort, CostThroughDynamics, HyperDual64, Point, PointCost, PointDerivatives, StageInput, WeightedSquares,
 };
 use aghf::dynamics::{Data, rnea};
 use aghf::model::Model;
@@ -15,14 +14,7 @@ use rand_chacha::ChaCha8Rng;
 /// A point of a robot with `n` joints in `z`.
 fn point(z: &[f64]) -> Point<'_, f64> {
     let n = z.len() / 3;
-    Point {
-        index: 0,
-        phase: 0,
-        time: 0.7,
-        q: &z[..n],
-        v: &z[n..2 * n],
-        a: &z[2 * n..],
-    }
+    Point { index: 0, phase: 0, time: 0.7, q: &z[..n], v: &z[n..2 * n], a: &z[2 * n..] }
 }
 
 /// A random robot at a random point.
@@ -48,10 +40,7 @@ fn mixed(at: &StageInput<'_, HyperDual64>) -> HyperDual64 {
     (0..n).fold(at.t * at.t, |sum, i| {
         let j = (i + 1) % n;
         let power = at.u[i] * at.v[i];
-        sum + power * power
-            + at.q[i].sin() * at.u[j] * at.t
-            + at.a[i] * at.v[j] * at.q[j]
-            + at.a[i] * at.u[j] * 0.3
+        sum + power * power + at.q[i].sin() * at.u[j] * at.t + at.a[i] * at.v[j] * at.q[j] + at.a[i] * at.u[j] * 0.3
     })
 }
 
@@ -96,20 +85,16 @@ fn weighted_squares_are_those_of_duals_and_of_the_effort() {
             let all = x.iter().zip(weights(from));
             all.map(|(x, w)| *x * *x * w).sum::<HyperDual64>()
         };
-        let by_hand =
-            WeightedSquares::new(n, weights(0.5), weights(0.0), weights(0.2)).expect("good");
+        let by_hand = WeightedSquares::new(n, weights(0.5), weights(0.0), weights(0.2)).expect("good");
         let (value, left) = derivatives(&mut CostThroughDynamics::of(&model, by_hand), &z);
-        let by_duals = |at: &StageInput<'_, HyperDual64>| {
-            squares(at.u, 0.5) + squares(at.v, 0.0) + squares(at.a, 0.2)
-        };
+        let by_duals = |at: &StageInput<'_, HyperDual64>| squares(at.u, 0.5) + squares(at.v, 0.0) + squares(at.a, 0.2);
         let (again, right) = derivatives(&mut CostThroughDynamics::new(&model, by_duals), &z);
         assert!((value - again).abs() < 1e-12 * value);
         assert_close!(&left.gradient, &right.gradient, 1e-13);
         assert_close!(&left.hessian, &right.hessian, 1e-13);
         assert_close!(&left.metric, &right.metric, 1e-13);
 
-        let torques =
-            WeightedSquares::new(n, vec![1.0; n], vec![0.0; n], vec![0.0; n]).expect("good");
+        let torques = WeightedSquares::new(n, vec![1.0; n], vec![0.0; n], vec![0.0; n]).expect("good");
         let (value, left) = derivatives(&mut CostThroughDynamics::of(&model, torques), &z);
         let (again, right) = derivatives(&mut ControlEffort::<f64, f64>::new(&model), &z);
         assert!((value - again).abs() < 1e-12 * value);

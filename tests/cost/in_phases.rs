@@ -2,8 +2,8 @@
 
 use crate::common::assert_refused;
 use aghf::cost::{
-    ControlDerivatives, ControlEffort, CostWithControl, InPhases, PointCost, PointDerivatives,
-    Points, PointsDerivatives,
+    ControlDerivatives, ControlEffort, CostWithControl, InPhases, PointCost, PointDerivatives, Points,
+    PointsDerivatives,
 };
 use aghf::model::{Joint, Model};
 use aghf::urdf::{builtin_robot_text, read_robot, reroot};
@@ -47,27 +47,14 @@ fn a_phase_has_the_cost_and_the_derivatives_of_its_robot_in_the_order_of_the_fir
     assert_eq!(cost.phases(), 2);
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let states = DMatrix::from_fn(n, 3 * points, |_, _| rng.random_range(-1.0..1.0));
-    let here = Points {
-        first: 3,
-        phase: 1,
-        times: &[0.0; 5],
-        states: &states,
-        jerks: None,
-    };
+    let here = Points { first: 3, phase: 1, times: &[0.0; 5], states: &states, jerks: None };
     let mut out = PointsDerivatives::new(n, points);
-    cost.all_derivatives_with(here, &mut out, &mut term)
-        .expect("the same joints");
+    cost.all_derivatives_with(here, &mut out, &mut term).expect("the same joints");
     let (mut values, mut controls) = (vec![0.0; points], DMatrix::zeros(n, points));
-    cost.values_with_control(here, &mut values, &mut controls)
-        .expect("the same joints");
+    cost.values_with_control(here, &mut values, &mut controls).expect("the same joints");
     for g in 0..points {
         let sorted = states.columns(3 * g, 3).select_rows(&order);
-        let own = Points {
-            first: 3 + g,
-            times: &[0.0],
-            states: &sorted,
-            ..here
-        };
+        let own = Points { first: 3 + g, times: &[0.0], states: &sorted, ..here };
         let mut u = vec![0.0; n];
         let alone = effort(1).value_with_control(own.point(0), &mut u);
         assert_eq!(alone.expect("its joints"), values[g]);
@@ -112,20 +99,11 @@ fn an_order_that_is_no_permutation_and_a_phase_that_is_not_there_are_refused() {
     let (models, mut order) = feet();
     let effort = || ControlEffort::new(&models[1]);
     order[0] = order[1];
-    assert_refused(
-        InPhases::new(vec![(effort(), order)]),
-        "phases: cost: an order is no permutation of the joints",
-    );
+    assert_refused(InPhases::new(vec![(effort(), order)]), "phases: cost: an order is no permutation of the joints");
     let n = models[1].dof();
     let mut cost = InPhases::new(vec![(effort(), (0..n).collect())]).expect("one phase");
     let states = DMatrix::zeros(n, 3);
-    let here = Points {
-        first: 0,
-        phase: 1,
-        times: &[0.0],
-        states: &states,
-        jerks: None,
-    };
+    let here = Points { first: 0, phase: 1, times: &[0.0], states: &states, jerks: None };
     let refused = cost.values(here, &mut [0.0]);
     assert_refused(refused, "phases: cost: phase 1 of 1 was asked for");
 }

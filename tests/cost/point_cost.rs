@@ -2,10 +2,7 @@
 
 use crate::common::direct::degree;
 use crate::common::slider;
-use aghf::cost::{
-    ControlDerivatives, ControlEffort, ControlTerm, CostWithControl, Point, PointCost,
-    PointDerivatives,
-};
+use aghf::cost::{ControlDerivatives, ControlEffort, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives};
 use aghf::direct::{Direct, DirectSettings};
 use aghf::motion::Problem;
 use nalgebra::{DMatrix, DVector};
@@ -23,11 +20,7 @@ impl PointCost<f64> for WithVelocity<'_> {
         Ok(self.effort.value(point)? + self.weight * speed)
     }
 
-    fn derivatives(
-        &mut self,
-        point: Point<'_, f64>,
-        out: &mut PointDerivatives<f64>,
-    ) -> aghf::Result<f64> {
+    fn derivatives(&mut self, point: Point<'_, f64>, out: &mut PointDerivatives<f64>) -> aghf::Result<f64> {
         let value = self.effort.derivatives(point, out)?;
         Ok(value + self.add_velocity(point, out))
     }
@@ -72,11 +65,7 @@ impl PointCost<f64> for TwoWells {
         Ok((1.0 - point.q[0].powi(2)).powi(2) + 1e-3 * point.a[0].powi(2))
     }
 
-    fn derivatives(
-        &mut self,
-        point: Point<'_, f64>,
-        out: &mut PointDerivatives<f64>,
-    ) -> aghf::Result<f64> {
+    fn derivatives(&mut self, point: Point<'_, f64>, out: &mut PointDerivatives<f64>) -> aghf::Result<f64> {
         let (q, a) = (point.q[0], point.a[0]);
         let diagonal = |d: [f64; 3]| DMatrix::from_diagonal(&DVector::from_column_slice(&d));
         out.gradient = DVector::from_column_slice(&[4.0 * q * (q * q - 1.0), 0.0, 2e-3 * a]);
@@ -112,16 +101,10 @@ impl CostWithControl for TwoWells {
 fn a_saddle_is_left() {
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0; 2], vec![0.0; 2], 4.0).expect("valid");
-    let settings = DirectSettings {
-        starts: 1,
-        ..degree(12)
-    };
+    let settings = DirectSettings { starts: 1, ..degree(12) };
     let direct = Direct::new(&problem).cost(TwoWells).settings(settings);
     let solution = direct.solve().expect("valid");
-    assert!(
-        solution.converged && solution.smallest_curvature > 0.0,
-        "{solution:?}"
-    );
+    assert!(solution.converged && solution.smallest_curvature > 0.0, "{solution:?}");
     // The line costs one for each second.
     assert!(solution.cost < 2.0, "{}", solution.cost);
     assert!(solution.curve.at(2.0).0[0].abs() > 0.9);
@@ -132,10 +115,7 @@ fn a_saddle_is_left() {
 fn another_running_cost_has_its_own_optimum() {
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0, 0.0], vec![1.0, 0.0], 1.0).expect("valid");
-    let cost = WithVelocity {
-        effort: ControlEffort::new(&model),
-        weight: 25.0,
-    };
+    let cost = WithVelocity { effort: ControlEffort::new(&model), weight: 25.0 };
     let direct = Direct::new(&problem).cost(cost).settings(degree(16));
     let solution = direct.solve().expect("valid");
     assert!(solution.converged);

@@ -14,18 +14,13 @@ pub fn chebyshev(p: usize) -> Chebyshev {
 /// A smooth function that is no polynomial, with its first two derivatives.
 fn smooth(t: f64) -> [f64; 3] {
     let (value, inner) = ((2.0 * t).sin().exp(), 2.0 * (2.0 * t).cos());
-    [
-        value,
-        value * inner,
-        value * (inner * inner - 4.0 * (2.0 * t).sin()),
-    ]
+    [value, value * inner, value * (inner * inner - 4.0 * (2.0 * t).sin())]
 }
 
 /// Largest errors of `D`, `D^2`, interpolation and quadrature on `smooth`, relative to the sizes there.
 fn errors(p: usize) -> [f64; 4] {
     let c = chebyshev(p);
-    let at =
-        |order: usize| DVector::from_iterator(p + 1, c.times().iter().map(|t| smooth(*t)[order]));
+    let at = |order: usize| DVector::from_iterator(p + 1, c.times().iter().map(|t| smooth(*t)[order]));
     let mut weights = DVector::zeros(p + 1);
     let interpolation = (0..500).fold(0.0_f64, |worst, i| {
         let t = HORIZON * f64::from(i) / 499.0;
@@ -34,12 +29,7 @@ fn errors(p: usize) -> [f64; 4] {
     });
     // The integral by far more nodes than any degree here needs.
     let fine = chebyshev(Chebyshev::LARGEST_DEGREE);
-    let integral: f64 = fine
-        .weights()
-        .iter()
-        .zip(fine.times())
-        .map(|(w, t)| w * smooth(*t)[0])
-        .sum();
+    let integral: f64 = fine.weights().iter().zip(fine.times()).map(|(w, t)| w * smooth(*t)[0]).sum();
     [
         (c.d() * at(0) - at(1)).amax() / at(1).amax(),
         (c.d2() * at(0) - at(2)).amax() / at(2).amax(),
@@ -54,10 +44,7 @@ fn errors_fall_exponentially_with_the_degree() {
     println!("{ladder:?}");
     for kind in 0..4 {
         for step in ladder.windows(2).take(3) {
-            assert!(
-                step[1][kind] < 0.1 * step[0][kind] + 1e-11,
-                "kind {kind}: {ladder:?}"
-            );
+            assert!(step[1][kind] < 0.1 * step[0][kind] + 1e-11, "kind {kind}: {ladder:?}");
         }
         // Rounding grows with p^4 in D^2 and p^2 in D.
         let rounding = [1e-11, 1e-9, 1e-13, 1e-13][kind];
@@ -89,36 +76,21 @@ fn quadrature_is_exact_for_polynomials_of_its_degree() {
     for p in 2..12 {
         let c = chebyshev(p);
         for degree in 0..=i32::try_from(p).expect("small") {
-            let sum: f64 = c
-                .weights()
-                .iter()
-                .zip(c.times())
-                .map(|(w, t)| w * t.powi(degree))
-                .sum();
+            let sum: f64 = c.weights().iter().zip(c.times()).map(|(w, t)| w * t.powi(degree)).sum();
             let exact = HORIZON.powi(degree + 1) / f64::from(degree + 1);
-            assert!(
-                (sum - exact).abs() < 1e-12 * exact,
-                "p {p}, degree {degree}: {sum} {exact}"
-            );
+            assert!((sum - exact).abs() < 1e-12 * exact, "p {p}, degree {degree}: {sum} {exact}");
         }
     }
 }
 
 #[test]
 fn bad_settings_are_errors() {
-    for (p, horizon, element) in [
-        (1, 1.0, "degree:"),
-        (5, 0.0, "horizon"),
-        (5, f64::NAN, "horizon"),
-    ] {
+    for (p, horizon, element) in [(1, 1.0, "degree:"), (5, 0.0, "horizon"), (5, f64::NAN, "horizon")] {
         let error = Chebyshev::new(p, horizon).expect_err("bad");
         assert!(error.to_string().contains(element), "{error}");
     }
     let error = Curve::new(chebyshev(4), DMatrix::zeros(2, 4)).expect_err("a column is missing");
-    assert!(
-        error.to_string().contains("expected 5 entries, found 4"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("expected 5 entries, found 4"), "{error}");
 }
 
 proptest! {

@@ -8,20 +8,9 @@ fn gauss_legendre_is_exact_to_its_degree() {
         let (nodes, weights) = gauss_legendre(m);
         assert!(nodes.windows(2).all(|w| w[0] < w[1]) && weights.iter().all(|w| *w > 0.0));
         for power in [0, 1, m, 2 * m - 2, 2 * m - 1] {
-            let integral: f64 = nodes
-                .iter()
-                .zip(&weights)
-                .map(|(x, w)| w * x.powi(power as i32))
-                .sum();
-            let exact = if power % 2 == 0 {
-                2.0 / (power as f64 + 1.0)
-            } else {
-                0.0
-            };
-            assert!(
-                (integral - exact).abs() < 1e-14 * m as f64,
-                "{m} {power}: {integral} {exact}"
-            );
+            let integral: f64 = nodes.iter().zip(&weights).map(|(x, w)| w * x.powi(power as i32)).sum();
+            let exact = if power % 2 == 0 { 2.0 / (power as f64 + 1.0) } else { 0.0 };
+            assert!((integral - exact).abs() < 1e-14 * m as f64, "{m} {power}: {integral} {exact}");
         }
     }
 }
@@ -38,10 +27,7 @@ fn gauss_lobatto_is_exact_to_its_degree() {
             let integral: f64 = terms.map(|(x, w)| w * x.powi(power as i32)).sum();
             let even = f64::from(u8::from(power % 2 == 0));
             let exact = even * 2.0 / (power as f64 + 1.0);
-            assert!(
-                (integral - exact).abs() < 1e-14 * m as f64,
-                "{m} {power}: {integral} {exact}"
-            );
+            assert!((integral - exact).abs() < 1e-14 * m as f64, "{m} {power}: {integral} {exact}");
         }
     }
 }

@@ -93,10 +93,7 @@ fn the_coefficients_are_those_of_the_curve() {
     for segment in 0..3 {
         let coefficients = curve.coefficients(segment);
         assert_eq!(coefficients.shape(), (2, 5));
-        let (begin, end) = (
-            curve.breakpoints()[segment],
-            curve.breakpoints()[segment + 1],
-        );
+        let (begin, end) = (curve.breakpoints()[segment], curve.breakpoints()[segment + 1]);
         for i in 0..=20 {
             let share = f64::from(i) / 20.0;
             let s = 2.0 * share - 1.0;
@@ -140,12 +137,7 @@ fn parts_have_lengths_of_their_own() {
     let (state, rate) = slower.at(2.0);
     assert_close!(&state, &[0.5, 0.5], 1e-14);
     assert_close!(&rate, &[0.5, 0.25], 1e-12);
-    for (lengths, segments) in [
-        (&[][..], 4),
-        (&[1.0, 1.0, 1.0], 4),
-        (&[1.0, 1.0], 0),
-        (&[1.0, -1.0], 4),
-    ] {
+    for (lengths, segments) in [(&[][..], 4), (&[1.0, 1.0, 1.0], 4), (&[1.0, 1.0], 0), (&[1.0, -1.0], 4)] {
         assert!(Curve::in_parts(lengths, segments, x.clone()).is_err());
     }
 }

@@ -3,8 +3,8 @@
 use crate::common::direct::solved_within;
 use crate::common::robot;
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, DynConstraint,
-    PlacedState, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, DynConstraint, PlacedState, Side,
+    SolidClearance, Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::direct::{DirectSettings, DirectSolution};
 use aghf::geometry::Solid;
@@ -20,11 +20,7 @@ impl Constraint for Below {
         1
     }
 
-    fn value<S: AlgebraOver<f64>>(
-        &self,
-        at: &PlacedState<'_, f64, S>,
-        g: &mut [S],
-    ) -> aghf::Result<()> {
+    fn value<S: AlgebraOver<f64>>(&self, at: &PlacedState<'_, f64, S>, g: &mut [S]) -> aghf::Result<()> {
         g[0] = at.x[2] - S::from_f64(self.0);
         Ok(())
     }
@@ -36,48 +32,26 @@ impl Constraint for Below {
 fn what_holds_constraints_does_not_matter() {
     let model = robot("pendulum_2");
     let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.5, 0.0, 0.0], 1.0).expect("valid");
-    let tip = CollisionSphere {
-        body: Some(1),
-        centre: Vector3::zeros(),
-        radius: 0.0,
-    };
+    let tip = CollisionSphere { body: Some(1), centre: Vector3::zeros(), radius: 0.0 };
     let spheres = SphereClearance {
         balls: vec![tip],
-        spheres: vec![Sphere {
-            centre: Vector3::new(5.0, 0.0, 0.0),
-            radius: 0.1,
-        }],
+        spheres: vec![Sphere { centre: Vector3::new(5.0, 0.0, 0.0), radius: 0.1 }],
     };
-    let half_space = SolidClearance {
-        balls: vec![tip],
-        solids: vec![Solid::half_space(&Vector3::z(), -5.0)],
-        names: Vec::new(),
-    };
-    let upper = |entry, value| Bound {
-        entry,
-        side: Side::Upper,
-        value,
-    };
+    let half_space =
+        SolidClearance { balls: vec![tip], solids: vec![Solid::half_space(&Vector3::z(), -5.0)], names: Vec::new() };
+    let upper = |entry, value| Bound { entry, side: Side::Upper, value };
     let slow = Bounds(vec![upper(2, 1.6), upper(3, 1.2)]);
     let tuple = within(&problem, (&spheres, &half_space, &slow));
     assert!(tuple.converged && tuple.largest_violation <= DirectSettings::FEASIBLE);
     let free = within(&problem, ());
-    assert!(
-        tuple.cost > 1.01 * free.cost,
-        "{} {}",
-        tuple.cost,
-        free.cost
-    );
+    assert!(tuple.cost > 1.01 * free.cost, "{} {}", tuple.cost, free.cost);
     let any = vec![
         AnyConstraint::Spheres(spheres.clone()),
         AnyConstraint::Solids(half_space.clone()),
         AnyConstraint::Bounds(slow.clone()),
     ];
-    let boxed: [Box<dyn DynConstraint>; 3] = [
-        Box::new(spheres.clone()),
-        Box::new(half_space.clone()),
-        Box::new(slow.clone()),
-    ];
+    let boxed: [Box<dyn DynConstraint>; 3] =
+        [Box::new(spheres.clone()), Box::new(half_space.clone()), Box::new(slow.clone())];
     for list in [
         within(&problem, any.as_slice().iter().collect::<Vec<_>>()),
         within(&problem, any),
@@ -94,20 +68,7 @@ fn what_holds_constraints_does_not_matter() {
 }
 
 fn within<K: Constraint + Send + Sync>(problem: &Problem<'_>, state: K) -> DirectSolution {
-    let settings = DirectSettings {
-        degree: 9,
-        starts: 3,
-        threads: 2,
-        ..DirectSettings::constrained()
-    };
+    let settings = DirectSettings { degree: 9, starts: 3, threads: 2, ..DirectSettings::constrained() };
     let torque = TorqueLimits(Vec::new());
-    solved_within(
-        problem,
-        &settings,
-        &Constraints {
-            state,
-            torque,
-            stage: Default::default(),
-        },
-    )
+    solved_within(problem, &settings, &Constraints { state, torque, stage: Default::default() })
 }

@@ -3,8 +3,7 @@
 use crate::common::direct::{solved, solved_within};
 use crate::common::{assert_refused, constants, dual_jacobian, point_mass, robot};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, Constraint, Constraints, Evaluator, PlacedState, Side,
-    StageConstraints, TorqueLimits,
+    AnyConstraint, Bound, Bounds, Constraint, Constraints, Evaluator, PlacedState, Side, StageConstraints, TorqueLimits,
 };
 use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, GoalEnd, GoalSet};
 use aghf::error::Result;
@@ -63,9 +62,7 @@ impl Constraint for Tip {
     }
 }
 
-fn other(
-    constraint: impl Constraint + Clone + std::fmt::Debug + Send + Sync + 'static,
-) -> Vec<AnyConstraint> {
+fn other(constraint: impl Constraint + Clone + std::fmt::Debug + Send + Sync + 'static) -> Vec<AnyConstraint> {
     vec![AnyConstraint::Other(Box::new(constraint))]
 }
 
@@ -76,18 +73,11 @@ fn line(b: f64) -> Vec<AnyConstraint> {
 }
 
 fn end(q: &[f64], alternative: usize) -> GoalEnd {
-    GoalEnd {
-        q: q.to_vec(),
-        alternative,
-    }
+    GoalEnd { q: q.to_vec(), alternative }
 }
 
 fn with_goal(alternatives: Vec<Vec<AnyConstraint>>, ends: Vec<GoalEnd>) -> DirectSettings {
-    DirectSettings {
-        goal: Some(GoalSet { alternatives, ends }),
-        starts: 2,
-        ..DirectSettings::constrained()
-    }
+    DirectSettings { goal: Some(GoalSet { alternatives, ends }), starts: 2, ..DirectSettings::constrained() }
 }
 
 fn last(solution: &DirectSolution) -> Vec<f64> {
@@ -101,13 +91,7 @@ fn last(solution: &DirectSolution) -> Vec<f64> {
 fn a_mass_ends_at_the_nearest_point_of_a_line_or_a_half_plane() {
     let model = point_mass(&[Vector3::x(), Vector3::y()]);
     let problem = Problem::new(&model, vec![0.0; 4], vec![9.0, 9.0, 0.0, 0.0], 1.3).expect("valid");
-    let half = |a: [f64; 2], b, edge| {
-        other(Half {
-            a: a.to_vec(),
-            b,
-            edge,
-        })
-    };
+    let half = |a: [f64; 2], b, edge| other(Half { a: a.to_vec(), b, edge });
     for (rows, nearest) in [
         (half([1.0, 2.0], 1.0, true), [0.2, 0.4]),
         (half([-1.0, -2.0], -1.0, false), [0.2, 0.4]),
@@ -142,12 +126,7 @@ fn of_several_alternatives_the_motion_takes_the_cheapest() {
         let ends = vec![end(&[1.5, 0.0], 0), end(&[-0.9, 0.3], 1)];
         let solution = solved(&problem, &with_goal(alternatives, ends));
         assert_eq!((solution.alternative, far + near), (near, 1));
-        assert!(
-            (last(&solution)[0] + 1.0).abs() < 1e-6,
-            "{} {:e}",
-            solution.cost,
-            solution.largest_violation
-        );
+        assert!((last(&solution)[0] + 1.0).abs() < 1e-6, "{} {:e}", solution.cost, solution.largest_violation);
     }
 }
 
@@ -159,21 +138,10 @@ fn a_search_that_is_stopped_has_the_best_of_its_ends() {
     let problem = Problem::new(&model, vec![0.0; 4], vec![0.0; 4], 1.0).expect("valid");
     let ends = vec![end(&[2.0, 0.0], 0), end(&[-1.0, 0.0], 1)];
     let interrupt = Interrupt::default();
-    let settings = DirectSettings {
-        interrupt: interrupt.clone(),
-        ..with_goal([2.0, -1.0].map(line).to_vec(), ends)
-    };
-    let bound = |(side, value)| Bound {
-        entry: 2,
-        side,
-        value,
-    };
+    let settings = DirectSettings { interrupt: interrupt.clone(), ..with_goal([2.0, -1.0].map(line).to_vec(), ends) };
+    let bound = |(side, value)| Bound { entry: 2, side, value };
     let constraints = Constraints {
-        state: Bounds(
-            [(Side::Lower, -0.5), (Side::Upper, 0.5)]
-                .map(bound)
-                .to_vec(),
-        ),
+        state: Bounds([(Side::Lower, -0.5), (Side::Upper, 0.5)].map(bound).to_vec()),
         torque: TorqueLimits(Vec::new()),
         stage: StageConstraints::NONE,
     };
@@ -214,65 +182,33 @@ fn beside(model: &Model, tip: &Tip, q: &[f64], step: f64) -> Vec<f64> {
 #[test]
 fn no_end_nearby_that_keeps_the_goal_costs_less() {
     let model = robot("pendulum_3");
-    let tip = Tip {
-        in_body: Vector3::new(0.0, 0.0, -0.5),
-        target: Vector3::new(0.4, 0.0, -0.6),
-    };
+    let tip = Tip { in_body: Vector3::new(0.0, 0.0, -0.5), target: Vector3::new(0.4, 0.0, -0.6) };
     let start = vec![0.1, -0.2, 0.3, 0.0, 0.0, 0.0];
     let problem = Problem::new(&model, start, vec![0.0; 6], 1.5).expect("valid");
-    for (limit, free) in [
-        (None, false),
-        (None, true),
-        (Some(2.5), false),
-        (Some(2.5), true),
-    ] {
+    for (limit, free) in [(None, false), (None, true), (Some(2.5), false), (Some(2.5), true)] {
         let bound = |(entry, value): (usize, f64)| {
-            [(Side::Lower, -value), (Side::Upper, value)].map(|(side, value)| Bound {
-                entry,
-                side,
-                value,
-            })
+            [(Side::Lower, -value), (Side::Upper, value)].map(|(side, value)| Bound { entry, side, value })
         };
-        let limits = limit
-            .into_iter()
-            .flat_map(|v: f64| (3..6).map(move |entry| (entry, v)));
+        let limits = limit.into_iter().flat_map(|v: f64| (3..6).map(move |entry| (entry, v)));
         let constraints = Constraints {
             state: Bounds(limits.flat_map(bound).collect()),
             torque: TorqueLimits(Vec::new()),
             stage: StageConstraints::NONE,
         };
         let settings = DirectSettings {
-            free_horizon: free.then_some(FreeHorizon {
-                weight: 20.0,
-                shortest: 0.5,
-                longest: 5.0,
-            }),
+            free_horizon: free.then_some(FreeHorizon { weight: 20.0, shortest: 0.5, longest: 5.0 }),
             ..with_goal(vec![other(tip.clone())], vec![end(&[0.5, 0.5, 0.5], 0)])
         };
         let solution = solved_within(&problem, &settings, &constraints);
-        assert!(
-            solution.converged,
-            "{} {:e}",
-            solution.cost, solution.largest_violation
-        );
+        assert!(solution.converged, "{} {:e}", solution.cost, solution.largest_violation);
         let q = last(&solution)[..3].to_vec();
         let to = |q: &[f64]| {
             let goal = problem.with_final_position(q).expect("valid");
-            let settings = DirectSettings {
-                goal: None,
-                starts: 1,
-                start: Some(solution.curve.clone()),
-                ..settings.clone()
-            };
+            let settings =
+                DirectSettings { goal: None, starts: 1, start: Some(solution.curve.clone()), ..settings.clone() };
             let found = solved_within(&goal, &settings, &constraints);
-            assert!(
-                found.converged,
-                "{} {:e}",
-                found.cost, found.largest_violation
-            );
-            let time = settings
-                .free_horizon
-                .map_or(0.0, |free| free.weight * found.curve.horizon());
+            assert!(found.converged, "{} {:e}", found.cost, found.largest_violation);
+            let time = settings.free_horizon.map_or(0.0, |free| free.weight * found.curve.horizon());
             found.cost + time
         };
         let least = to(&q);

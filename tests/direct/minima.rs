@@ -20,10 +20,7 @@ fn the_optimum_of_a_double_integrator_is_the_cubic() {
     let problem = Problem::new(&model, vec![0.2, 0.0], vec![1.0, 0.0], horizon).expect("valid");
     let solution = solved(&problem, &degree(9));
     let exact = 12.0 * (mass * 0.8_f64).powi(2) / horizon.powi(3);
-    assert!(
-        solution.converged && (solution.cost - exact).abs() < 1e-12 * exact,
-        "{solution:?}"
-    );
+    assert!(solution.converged && (solution.cost - exact).abs() < 1e-12 * exact, "{solution:?}");
     assert!((solution.smallest_curvature - 1.0).abs() < 1e-9);
     let (x, _) = solution.curve.at(0.3 * horizon);
     let s = 0.3_f64;
@@ -32,17 +29,10 @@ fn the_optimum_of_a_double_integrator_is_the_cubic() {
     let problem = Problem::new(&model, vec![0.2, -1.0], vec![1.0, 2.0], horizon).expect("valid");
     let solution = solved(&problem, &degree(6));
     let (d, v0, v1) = (0.8, -1.0, 2.0);
-    let accelerations = [
-        6.0 * d / horizon - 4.0 * v0 - 2.0 * v1,
-        -6.0 * d / horizon + 2.0 * v0 + 4.0 * v1,
-    ];
+    let accelerations = [6.0 * d / horizon - 4.0 * v0 - 2.0 * v1, -6.0 * d / horizon + 2.0 * v0 + 4.0 * v1];
     let [a, b] = accelerations.map(|x| mass * x / horizon);
     let exact = horizon * (a * a + a * b + b * b) / 3.0;
-    assert!(
-        (solution.cost - exact).abs() < 1e-12 * exact,
-        "{} {exact}",
-        solution.cost
-    );
+    assert!((solution.cost - exact).abs() < 1e-12 * exact, "{} {exact}", solution.cost);
 }
 
 /// A robot that has nothing to do does nothing, and that is a minimum.
@@ -59,15 +49,9 @@ fn no_effort_is_a_minimum() {
 fn it_ends_at_a_minimum() {
     let scenario = Scenario::load("pendulum_3_swingup");
     let problem = scenario.problem();
-    let settings = DirectSettings {
-        tolerance: 1e-11,
-        ..degree(9)
-    };
+    let settings = DirectSettings { tolerance: 1e-11, ..degree(9) };
     let solution = solved(&problem, &settings);
-    assert!(
-        solution.converged && solution.gradient_norm <= 1e-11,
-        "{solution:?}"
-    );
+    assert!(solution.converged && solution.gradient_norm <= 1e-11, "{solution:?}");
     assert!(solution.smallest_curvature > 0.0);
     let x = solution.curve.x();
     assert_eq!(x.column(0).as_slice(), problem.start());
@@ -79,21 +63,11 @@ fn it_ends_at_a_minimum() {
     assert_eq!(again.iterations, solution.iterations);
 
     // Started from its own end it has nothing left to do, and from a coarser end little.
-    let warm = DirectSettings {
-        start: Some(solution.curve.clone()),
-        ..degree(9)
-    };
+    let warm = DirectSettings { start: Some(solution.curve.clone()), ..degree(9) };
     let warm = solved(&problem, &warm);
-    assert!(
-        warm.converged && warm.iterations.len() <= 2,
-        "{:?}",
-        warm.iterations
-    );
+    assert!(warm.converged && warm.iterations.len() <= 2, "{:?}", warm.iterations);
     assert_close!(warm.curve.x(), x, 1e-9);
-    let finer = DirectSettings {
-        start: Some(solution.curve.clone()),
-        ..degree(12)
-    };
+    let finer = DirectSettings { start: Some(solution.curve.clone()), ..degree(12) };
     let finer = solved(&problem, &finer);
     assert!(finer.converged && finer.cost <= solution.cost);
 }
@@ -103,22 +77,10 @@ fn it_ends_at_a_minimum() {
 fn more_starts_are_no_worse() {
     let scenario = Scenario::load("pendulum_2_swingup");
     let problem = scenario.problem();
-    let starts = |starts| {
-        solved(
-            &problem,
-            &DirectSettings {
-                starts,
-                ..degree(7)
-            },
-        )
-        .start_costs
-    };
+    let starts = |starts| solved(&problem, &DirectSettings { starts, ..degree(7) }).start_costs;
     let (one, five) = (starts(1), starts(5));
     assert_eq!((one.len(), five.len()), (1, 5));
-    assert!(
-        five.contains(&one[0]) && five[0] <= one[0],
-        "{one:?} {five:?}"
-    );
+    assert!(five.contains(&one[0]) && five[0] <= one[0], "{one:?} {five:?}");
     assert!(five.windows(2).all(|w| w[0] <= w[1]));
 }
 
@@ -129,14 +91,10 @@ fn more_starts_are_no_worse() {
 fn the_flow_of_the_optimum_vanishes_on_the_basis() {
     let scenario = Scenario::load("pendulum_2_swingup");
     let (model, problem) = (&scenario.model, scenario.problem());
-    let fine = DirectSettings {
-        quadrature_tolerance: 1e-9,
-        ..degree(12)
-    };
+    let fine = DirectSettings { quadrature_tolerance: 1e-9, ..degree(12) };
     let curve = solved(&problem, &fine).curve;
     let (chebyshev, k) = (curve.chebyshev(0), 10.0);
-    let xddot = Curve::new(chebyshev.clone(), curve.x() * chebyshev.d().transpose())
-        .expect("as many nodes");
+    let xddot = Curve::new(chebyshev.clone(), curve.x() * chebyshev.d().transpose()).expect("as many nodes");
     let (nodes, weights) = gauss_legendre(200);
     let mut h = DMatrix::zeros(2, 2);
     for power in 0..5 {
@@ -145,33 +103,19 @@ fn the_flow_of_the_optimum_vanishes_on_the_basis() {
             for (s, w) in nodes.iter().zip(&weights) {
                 let t = 0.5 * problem.horizon() * (1.0 + s);
                 let ((x, xdot), (_, xddot)) = (curve.at(t), xddot.at(t));
-                let node = Node {
-                    t,
-                    x: x.as_slice(),
-                    xdot: xdot.as_slice(),
-                    xddot: xddot.as_slice(),
-                };
+                let node = Node { t, x: x.as_slice(), xdot: xdot.as_slice(), xddot: xddot.as_slice() };
                 let mut omega = DVector::zeros(4);
-                ControlForm::new(model)
-                    .omega(node, k, omega.as_mut_slice())
-                    .expect("lengths agree");
-                crba(model, &mut Data::new(model), &x.as_slice()[..2], &mut h)
-                    .expect("lengths agree");
+                ControlForm::new(model).omega(node, k, omega.as_mut_slice()).expect("lengths agree");
+                crba(model, &mut Data::new(model), &x.as_slice()[..2], &mut h).expect("lengths agree");
                 let lower = &h * &h * omega.rows(2, 2);
                 let s = Dual64::from(*s).derivative();
                 let variation = (Dual64::from(1.0) - s * s).powi(2) * s.powi(power);
-                let parts = [
-                    variation.re * k * omega[joint],
-                    variation.eps * 2.0 / problem.horizon() * lower[joint],
-                ];
+                let parts = [variation.re * k * omega[joint], variation.eps * 2.0 / problem.horizon() * lower[joint]];
                 push += w * (parts[0] + parts[1]);
                 size += w * (parts[0].abs() + parts[1].abs());
             }
             // The minimiser's quadrature agrees with a finer one to 1e-9 in the cost, and to fewer digits in its slope.
-            assert!(
-                push.abs() < 1e-6 * size,
-                "{power} {joint}: {push:e} {size:e}"
-            );
+            assert!(push.abs() < 1e-6 * size, "{power} {joint}: {push:e} {size:e}");
         }
     }
 }
@@ -190,19 +134,10 @@ fn bad_settings_are_errors() {
     refused(degree(3), words);
     refused(degree(65), "settings: degree: it is 65");
     let changes: [(Change, &str); 7] = [
-        (
-            |s| s.tolerance = 0.0,
-            "tolerance: it is 0, a positive number",
-        ),
+        (|s| s.tolerance = 0.0, "tolerance: it is 0, a positive number"),
         (|s| s.tolerance = f64::NAN, "tolerance: it is NaN"),
-        (
-            |s| s.quadrature_tolerance = -1.0,
-            "quadrature_tolerance: it is -1",
-        ),
-        (
-            |s| s.start_amplitude = f64::INFINITY,
-            "start_amplitude: it is inf",
-        ),
+        (|s| s.quadrature_tolerance = -1.0, "quadrature_tolerance: it is -1"),
+        (|s| s.start_amplitude = f64::INFINITY, "start_amplitude: it is inf"),
         (|s| s.lowest_degree = 1, "lowest_degree: it is 1"),
         (|s| s.starts = 0, "starts: it is 0, at least 1"),
         (|s| s.iterations = 0, "iterations: it is 0"),
@@ -214,10 +149,7 @@ fn bad_settings_are_errors() {
     }
     let slider = slider(1.0);
     let other = Problem::new(&slider, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
-    let start = DirectSettings {
-        start: Some(solved(&other, &degree(5)).curve),
-        ..DirectSettings::default()
-    };
+    let start = DirectSettings { start: Some(solved(&other, &degree(5)).curve), ..DirectSettings::default() };
     refused(start, "start: expected 2 entries, found 1");
 }
 
@@ -225,11 +157,7 @@ fn bad_settings_are_errors() {
 #[test]
 fn too_few_iterations_are_told() {
     let scenario = Scenario::load("pendulum_2_swingup");
-    let settings = DirectSettings {
-        iterations: 1,
-        starts: 1,
-        ..degree(9)
-    };
+    let settings = DirectSettings { iterations: 1, starts: 1, ..degree(9) };
     let solution = solved(&scenario.problem(), &settings);
     assert!(!solution.converged && solution.gradient_norm > settings.tolerance);
 }

@@ -16,20 +16,12 @@ use proptest::prelude::*;
 type Kept = Constraints<Vec<AnyConstraint>>;
 
 fn torque(limits: Vec<Option<f64>>) -> Kept {
-    Constraints {
-        state: Vec::new(),
-        torque: TorqueLimits(limits),
-        stage: Default::default(),
-    }
+    Constraints { state: Vec::new(), torque: TorqueLimits(limits), stage: Default::default() }
 }
 
 /// Degree 9 with a quadrature that is good to eight digits.
 fn fine(settings: DirectSettings) -> DirectSettings {
-    DirectSettings {
-        degree: 9,
-        quadrature_tolerance: 1e-8,
-        ..settings
-    }
+    DirectSettings { degree: 9, quadrature_tolerance: 1e-8, ..settings }
 }
 
 /// The most that each joint needs of its torque.
@@ -46,10 +38,7 @@ fn more_starts_never_cost_more() {
         let scenario = Scenario::load(name);
         let problem = scenario.problem();
         let of = |starts| {
-            let settings = DirectSettings {
-                starts,
-                ..degree(9)
-            };
+            let settings = DirectSettings { starts, ..degree(9) };
             solved(&problem, &settings)
         };
         let found = [1, 2, 3, 5, 8, 13, 21].map(of);
@@ -79,27 +68,12 @@ fn any_number_of_threads_finds_the_same_bits() {
     let limits = torque(vec![Some(40.0), Some(20.0)]);
     for constrained in [false, true] {
         let of = |threads| {
-            let settings = DirectSettings {
-                threads,
-                starts: 11,
-                ..degree(9)
-            };
-            let settings = if constrained {
-                DirectSettings {
-                    tolerance: 1e-6,
-                    ..settings
-                }
-            } else {
-                settings
-            };
+            let settings = DirectSettings { threads, starts: 11, ..degree(9) };
+            let settings = if constrained { DirectSettings { tolerance: 1e-6, ..settings } } else { settings };
             let mut seen = Vec::new();
             let direct = Direct::new(&problem).settings(settings);
             let direct = direct.observe(|iteration| seen.push(*iteration));
-            let found = if constrained {
-                direct.constraints(&limits).solve()
-            } else {
-                direct.solve()
-            };
+            let found = if constrained { direct.constraints(&limits).solve() } else { direct.solve() };
             let found = found.unwrap_or_else(|e| panic!("{e}"));
             assert_eq!(seen, found.iterations);
             found
@@ -153,10 +127,7 @@ proptest! {
 }
 
 fn from(start: &DirectSolution, settings: DirectSettings) -> DirectSettings {
-    DirectSettings {
-        start: Some(start.curve.clone()),
-        ..fine(settings)
-    }
+    DirectSettings { start: Some(start.curve.clone()), ..fine(settings) }
 }
 
 /// From a minimum within limits it can only go down without them.
@@ -172,18 +143,9 @@ fn without_its_limits_a_motion_costs_less() {
         let within = solved_within(&problem, &near, &limits);
         assert!(within.converged, "{name}: {}", within.largest_violation);
         let kept = largest_torques(model, &within);
-        assert!(
-            kept.iter()
-                .zip(&most)
-                .all(|(u, most)| *u <= 0.95 * most + 1e-6)
-        );
+        assert!(kept.iter().zip(&most).all(|(u, most)| *u <= 0.95 * most + 1e-6));
         let off = solved(&problem, &from(&within, degree(9)));
-        assert!(
-            off.converged && off.cost < within.cost * (1.0 - 1e-4),
-            "{name}: {} {}",
-            off.cost,
-            within.cost
-        );
+        assert!(off.converged && off.cost < within.cost * (1.0 - 1e-4), "{name}: {} {}", off.cost, within.cost);
     }
 }
 
@@ -218,10 +180,7 @@ fn the_order_of_constraints_does_not_matter() {
     let mut state = scenario.clearance();
     state.push(AnyConstraint::Bounds(Bounds::positions(&scenario.model)));
     let torque = TorqueLimits::of(&scenario.model);
-    let settings = DirectSettings {
-        degree: 9,
-        ..DirectSettings::constrained()
-    };
+    let settings = DirectSettings { degree: 9, ..DirectSettings::constrained() };
     let reversed = |constraint: AnyConstraint| match constraint {
         AnyConstraint::Bounds(Bounds(mut bounds)) => {
             bounds.reverse();
@@ -237,11 +196,7 @@ fn the_order_of_constraints_does_not_matter() {
     let backwards: Vec<_> = state.iter().rev().cloned().map(reversed).collect();
     assert_ne!(format!("{state:?}"), format!("{backwards:?}"));
     let [one, other] = [state, backwards].map(|state| {
-        let kept = Constraints {
-            state,
-            torque: torque.clone(),
-            stage: Default::default(),
-        };
+        let kept = Constraints { state, torque: torque.clone(), stage: Default::default() };
         solved_within(&problem, &settings, &kept)
     });
     assert!(one.converged && other.converged);
@@ -262,11 +217,7 @@ fn a_passive_joint_is_without_torque_where_it_can_be() {
     goal[1] -= 0.3;
     let problem = Problem::new(model, start, goal, 2.0).expect("valid");
     for (p, segments) in [(9, 1), (8, 4)] {
-        let settings = DirectSettings {
-            degree: p,
-            segments,
-            ..DirectSettings::constrained()
-        };
+        let settings = DirectSettings { degree: p, segments, ..DirectSettings::constrained() };
         let driven = solved(&problem, &settings);
         assert!(largest_torques(model, &driven)[1] > 0.1, "{p}");
         let found = solved_within(&problem, &settings, &torque(vec![None, Some(0.0)]));
@@ -299,26 +250,15 @@ fn a_passive_joint_is_without_torque_where_it_can_be() {
 #[test]
 fn what_is_impossible_is_told() {
     let limited = |entry, value| Constraints {
-        state: vec![AnyConstraint::Bounds(Bounds(vec![Bound {
-            entry,
-            side: Side::Upper,
-            value,
-        }]))],
+        state: vec![AnyConstraint::Bounds(Bounds(vec![Bound { entry, side: Side::Upper, value }]))],
         torque: TorqueLimits(Vec::new()),
         stage: Default::default(),
     };
     let check = |problem: &Problem<'_>, kept: &Kept, excess: f64| {
-        let settings = DirectSettings {
-            degree: 9,
-            ..DirectSettings::constrained()
-        };
+        let settings = DirectSettings { degree: 9, ..DirectSettings::constrained() };
         let found = solved_within(problem, &settings, kept);
         assert!(!found.converged && found.minima.is_empty());
-        assert!(
-            found.largest_violation >= excess,
-            "{}",
-            found.largest_violation
-        );
+        assert!(found.largest_violation >= excess, "{}", found.largest_violation);
         assert!(found.cost.is_finite() && found.curve.x().iter().all(|x| x.is_finite()));
         // All starts that there may be.
         assert_eq!(found.start_costs.len(), 64);
@@ -330,9 +270,6 @@ fn what_is_impossible_is_told() {
     let scenario = Scenario::load("pendulum_2_swingup");
     let problem = scenario.problem();
     let mean = (problem.goal()[0] - problem.start()[0]) / problem.horizon();
-    let kept = Constraints {
-        torque: TorqueLimits(vec![Some(200.0); 2]),
-        ..limited(2, mean - 0.5)
-    };
+    let kept = Constraints { torque: TorqueLimits(vec![Some(200.0); 2]), ..limited(2, mean - 0.5) };
     check(&problem, &kept, 0.5);
 }

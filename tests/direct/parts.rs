@@ -16,29 +16,19 @@ fn mass() -> Model {
 /// A motion from rest to rest in two parts, which meet at `q`.
 fn through(q: &[f64], bounds: [[f64; 2]; 2], weight: f64) -> DirectSettings {
     DirectSettings {
-        waypoints: vec![Waypoint {
-            share: Some(0.5),
-            ..Waypoint::new(q.to_vec())
-        }],
+        waypoints: vec![Waypoint { share: Some(0.5), ..Waypoint::new(q.to_vec()) }],
         degree: 6,
         segments: 2,
         starts: 1,
         parts: bounds.to_vec(),
-        free_horizon: Some(FreeHorizon {
-            shortest: 0.1,
-            longest: 20.0,
-            weight,
-        }),
+        free_horizon: Some(FreeHorizon { shortest: 0.1, longest: 20.0, weight }),
         ..DirectSettings::constrained()
     }
 }
 
 /// The same with lengths that are as near as they may be to those of equal parts.
 fn fixed(settings: DirectSettings) -> DirectSettings {
-    DirectSettings {
-        free_horizon: None,
-        ..settings
-    }
+    DirectSettings { free_horizon: None, ..settings }
 }
 
 fn problem(model: &Model) -> Problem<'_> {
@@ -57,8 +47,7 @@ fn lengths(solution: &DirectSolution) -> [f64; 2] {
 fn effort(lengths: [f64; 2], [first, second]: [f64; 2]) -> f64 {
     let [t, s] = lengths;
     let best = 1.5 * (first / (t * t) + second / (s * s)) / (1.0 / t + 1.0 / s);
-    let cubic =
-        |d: f64, t: f64| 4.0 * (3.0 * d * d / t - 3.0 * d * best + best * best * t) / (t * t);
+    let cubic = |d: f64, t: f64| 4.0 * (3.0 * d * d / t - 3.0 * d * best + best * best * t) / (t * t);
     cubic(first, t) + cubic(second, s)
 }
 
@@ -67,19 +56,13 @@ fn effort(lengths: [f64; 2], [first, second]: [f64; 2]) -> f64 {
 fn given_lengths_are_kept() {
     let (model, far) = (mass(), 0.3);
     let expected = effort([0.4, 0.9], [far, 1.0 - far]);
-    for settings in [
-        through(&[far], [[0.4; 2], [0.9; 2]], 0.0),
-        fixed(through(&[far], [[0.1, 0.4], [0.9, 7.0]], 0.0)),
-    ] {
+    for settings in [through(&[far], [[0.4; 2], [0.9; 2]], 0.0), fixed(through(&[far], [[0.1, 0.4], [0.9, 7.0]], 0.0))]
+    {
         let solution = solved(&problem(&model), &settings);
         assert!(solution.converged);
         let [first, second] = lengths(&solution);
         assert!((first - 0.4).abs() + (second - 0.9).abs() < 1e-12);
-        assert!(
-            (solution.cost / expected - 1.0).abs() < 1e-6,
-            "{} {expected}",
-            solution.cost
-        );
+        assert!((solution.cost / expected - 1.0).abs() < 1e-6, "{} {expected}", solution.cost);
         let again = effort_of(&model, &solution.curve, 1.0).expect("its joints");
         assert!((again.control_effort / solution.cost - 1.0).abs() < 1e-9);
     }
@@ -92,28 +75,17 @@ fn free_lengths_are_the_best_ones() {
     let settings = through(&[far], [[0.1, 5.0]; 2], weight);
     let solution = solved(&problem(&model), &settings);
     assert!(solution.converged);
-    let all =
-        |lengths: [f64; 2]| effort(lengths, [far, 1.0 - far]) + weight * (lengths[0] + lengths[1]);
+    let all = |lengths: [f64; 2]| effort(lengths, [far, 1.0 - far]) + weight * (lengths[0] + lengths[1]);
     let own = lengths(&solution);
     let found = solution.cost + weight * solution.curve.horizon();
     assert!((found / all(own) - 1.0).abs() < 1e-6);
-    for change in [
-        [1e-3, 0.0],
-        [-1e-3, 0.0],
-        [0.0, 1e-3],
-        [0.0, -1e-3],
-        [1e-3, -1e-3],
-    ] {
+    for change in [[1e-3, 0.0], [-1e-3, 0.0], [0.0, 1e-3], [0.0, -1e-3], [1e-3, -1e-3]] {
         let moved = [own[0] + change[0], own[1] + change[1]];
         assert!(all(moved) > all(own), "{own:?} {change:?}");
     }
     assert!((own[0] - own[1]).abs() > 0.1, "{own:?}");
     // Newton's method: the last steps are quadratic.
-    assert!(
-        solution.iterations.len() < 60,
-        "{}",
-        solution.iterations.len()
-    );
+    assert!(solution.iterations.len() < 60, "{}", solution.iterations.len());
 }
 
 /// A length is at its bound where it would rather be shorter, and the other one as good as can be.
@@ -136,22 +108,13 @@ fn the_sum_of_lengths_has_bounds() {
     for (bound, weight) in [([1.6, 20.0], 30.0), ([0.1, 1.1], 1.0)] {
         let mut settings = through(&[far], [[0.1, 5.0]; 2], weight);
         let [shortest, longest] = bound;
-        settings.free_horizon = Some(FreeHorizon {
-            shortest,
-            longest,
-            weight,
-        });
-        let problem = problem(&model)
-            .with_horizon(bound[0].max(1.0))
-            .expect("positive");
+        settings.free_horizon = Some(FreeHorizon { shortest, longest, weight });
+        let problem = problem(&model).with_horizon(bound[0].max(1.0)).expect("positive");
         let solution = solved(&problem, &settings);
         assert!(solution.converged, "{bound:?}");
         let own = lengths(&solution);
         let whole = own[0] + own[1];
-        assert!(
-            (whole - shortest).abs().min((whole - longest).abs()) < 1e-5,
-            "{own:?}"
-        );
+        assert!((whole - shortest).abs().min((whole - longest).abs()) < 1e-5, "{own:?}");
         let all = |first: f64| effort([first, whole - first], [far, 1.0 - far]);
         assert!(all(own[0]) < all(own[0] + 1e-3) && all(own[0]) < all(own[0] - 1e-3));
     }
@@ -165,11 +128,7 @@ fn a_motion_in_parts_is_a_start() {
     let settings = through(&[0.2], [[0.1, 5.0]; 2], 30.0);
     let first = solved(&problem, &settings);
     for segments in [2, 4] {
-        let again = DirectSettings {
-            start: Some(first.curve.clone()),
-            segments,
-            ..settings.clone()
-        };
+        let again = DirectSettings { start: Some(first.curve.clone()), segments, ..settings.clone() };
         let again = solved(&problem, &again);
         assert!(again.converged);
         assert!((again.first_guess.horizon() - first.curve.horizon()).abs() < 1e-12);
@@ -178,10 +137,7 @@ fn a_motion_in_parts_is_a_start() {
             assert!((a - b).amax() < 1e-9, "{segments} {time}");
         }
         assert!((again.cost / first.cost - 1.0).abs() < 1e-6);
-        let slower = first
-            .curve
-            .stretched(2.0 * first.curve.horizon())
-            .expect("positive");
+        let slower = first.curve.stretched(2.0 * first.curve.horizon()).expect("positive");
         let [a, b] = [slower.at(0.5).0, first.curve.at(0.25).0];
         assert!((a[0] - b[0]).abs() + (2.0 * a[1] - b[1]).abs() < 1e-12);
     }
@@ -191,15 +147,9 @@ fn a_motion_in_parts_is_a_start() {
 #[test]
 fn robots_have_parts_too() {
     let model = tree(3, 4);
-    let (start, goal) = (
-        vec![0.1, -0.2, 0.3, 0.4, 0.0, -0.3],
-        vec![0.8, 0.5, -0.4, 0.0, 0.0, 0.0],
-    );
+    let (start, goal) = (vec![0.1, -0.2, 0.3, 0.4, 0.0, -0.3], vec![0.8, 0.5, -0.4, 0.0, 0.0, 0.0]);
     let problem = Problem::new(&model, start, goal, 1.0).expect("valid");
-    let settings = |bounds: [[f64; 2]; 2]| DirectSettings {
-        segments: 4,
-        ..through(&[0.4, 0.3, 0.2], bounds, 5.0)
-    };
+    let settings = |bounds: [[f64; 2]; 2]| DirectSettings { segments: 4, ..through(&[0.4, 0.3, 0.2], bounds, 5.0) };
     let free = solved(&problem, &settings([[0.2, 3.0]; 2]));
     assert!(free.converged);
     let breakpoints = free.curve.breakpoints();
@@ -215,9 +165,7 @@ fn robots_have_parts_too() {
     let largest = largest_torques(&model, &free.curve, 50).expect("its joints");
     let samples = sample(&model, &free.curve, 4000).expect("its joints");
     for (joint, largest) in largest.iter().enumerate() {
-        let dense = samples
-            .iter()
-            .fold(0.0, |most: f64, at| most.max(at.u[joint].abs()));
+        let dense = samples.iter().fold(0.0, |most: f64, at| most.max(at.u[joint].abs()));
         // At a breakpoint samples are those of the later segment.
         let ratio = largest / dense;
         assert!((1.0 - 1e-6..1.001).contains(&ratio), "{joint}: {ratio}");
@@ -231,33 +179,15 @@ fn parts_that_cannot_be_meant_are_refused() {
     let model = mass();
     let problem = problem(&model);
     let good = || through(&[0.2], [[0.1, 5.0]; 2], 1.0);
-    let bounds = |parts: &[[f64; 2]]| DirectSettings {
-        parts: parts.to_vec(),
-        ..good()
-    };
+    let bounds = |parts: &[[f64; 2]]| DirectSettings { parts: parts.to_vec(), ..good() };
     for (settings, words) in [
-        (
-            bounds(&[[0.1, 1.0]; 3]),
-            "parts: there are 3 for 2 segments",
-        ),
+        (bounds(&[[0.1, 1.0]; 3]), "parts: there are 3 for 2 segments"),
         (bounds(&[[0.1, 1.0]]), "parts: there are 1 for 2 segments"),
-        (
-            bounds(&[[0.1, 1.0], [2.0, 1.0]]),
-            "parts[1]: the shortest length 2 is above the longest one 1",
-        ),
+        (bounds(&[[0.1, 1.0], [2.0, 1.0]]), "parts[1]: the shortest length 2 is above the longest one 1"),
         (bounds(&[[0.0, 1.0]; 2]), "parts[0]: it is 0"),
+        (DirectSettings { continuous_acceleration: true, ..good() }, "parts: accelerations jump"),
         (
-            DirectSettings {
-                continuous_acceleration: true,
-                ..good()
-            },
-            "parts: accelerations jump",
-        ),
-        (
-            DirectSettings {
-                waypoints: vec![Waypoint::new(vec![0.2])],
-                ..good()
-            },
+            DirectSettings { waypoints: vec![Waypoint::new(vec![0.2])], ..good() },
             "parts: a waypoint has an unknown time",
         ),
     ] {
@@ -270,21 +200,14 @@ fn parts_that_cannot_be_meant_are_refused() {
 #[test]
 fn limits_are_kept_in_parts() {
     let model = mass();
-    let limits = |side, value| Bound {
-        entry: 1,
-        side,
-        value,
-    };
+    let limits = |side, value| Bound { entry: 1, side, value };
     let constraints = Constraints {
         state: Bounds(vec![limits(Side::Upper, 0.5), limits(Side::Lower, -0.5)]),
         torque: TorqueLimits(Vec::new()),
         stage: StageConstraints::NONE,
     };
     let problem = Problem::new(&model, vec![0.0; 2], vec![3.0, 0.0], 6.0).expect("valid");
-    let settings = DirectSettings {
-        segments: 4,
-        ..through(&[0.1], [[0.2, 20.0]; 2], 3.0)
-    };
+    let settings = DirectSettings { segments: 4, ..through(&[0.1], [[0.2, 20.0]; 2], 3.0) };
     let found = solved_within(&problem, &settings, &constraints);
     assert!(found.converged, "{}", found.gradient_norm);
     let breakpoints = found.curve.breakpoints();

@@ -13,20 +13,14 @@ fn masses() -> Model {
 
 /// A waypoint halfway.
 fn halfway(q: &[f64]) -> Waypoint {
-    Waypoint {
-        share: Some(0.5),
-        ..Waypoint::new(q.to_vec())
-    }
+    Waypoint { share: Some(0.5), ..Waypoint::new(q.to_vec()) }
 }
 
 /// Two segments that meet at the waypoint, and the relation between the ends.
 fn periodic(joints: &[usize], signs: &[f64], q: &[f64]) -> DirectSettings {
     DirectSettings {
         waypoints: vec![halfway(q)],
-        period: Some(Period {
-            joints: joints.to_vec(),
-            signs: signs.to_vec(),
-        }),
+        period: Some(Period { joints: joints.to_vec(), signs: signs.to_vec() }),
         degree: 6,
         segments: 2,
         starts: 1,
@@ -52,8 +46,7 @@ fn assert_close(a: &[f64], b: &[f64], within: f64) {
 fn a_swing_of_a_mass_is_a_cubic() {
     let model = masses();
     let horizon = 1.5;
-    let problem =
-        Problem::new(&model, vec![0.1, 0.2, 0.3, 0.4], vec![0.0; 4], horizon).expect("valid");
+    let problem = Problem::new(&model, vec![0.1, 0.2, 0.3, 0.4], vec![0.0; 4], horizon).expect("valid");
     let q = [1.0, -0.5];
     let solution = solved(&problem, &periodic(&[0, 1], &[-1.0; 2], &q));
     assert!(solution.converged);
@@ -65,10 +58,7 @@ fn a_swing_of_a_mass_is_a_cubic() {
     // The mass of the model by a motion between rests, of effort 12 m^2 d^2 / T^3.
     let rest = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.0, 0.0, 0.0], 1.0).expect("valid");
     let expected = (solved(&rest, &DirectSettings::constrained()).cost / 12.0).sqrt();
-    assert!(
-        (mass / expected - 1.0).abs() < 1e-7,
-        "{mass} and {expected}"
-    );
+    assert!((mass / expected - 1.0).abs() < 1e-7, "{mass} and {expected}");
 }
 
 /// The weight `w` of time is that of the horizon at which $w T = 3 \cdot 48 m^2 q^2 / T^3$.
@@ -79,11 +69,7 @@ fn the_horizon_of_a_swing_may_be_free() {
     let settings = periodic(&[0, 1], &[-1.0; 2], &[1.0, 0.0]);
     let density = solved(&problem, &settings).cost;
     let free = DirectSettings {
-        free_horizon: Some(FreeHorizon {
-            shortest: 0.2,
-            longest: 10.0,
-            weight: 3.0 * density / 16.0,
-        }),
+        free_horizon: Some(FreeHorizon { shortest: 0.2, longest: 10.0, weight: 3.0 * density / 16.0 }),
         ..settings
     };
     let solution = solved(&problem, &free);
@@ -95,19 +81,12 @@ fn the_horizon_of_a_swing_may_be_free() {
 #[test]
 fn half_of_a_motion_with_exchanged_joints_is_half_of_the_whole() {
     let model = masses();
-    let problem =
-        |horizon| Problem::new(&model, vec![0.0; 4], vec![0.0; 4], horizon).expect("valid");
+    let problem = |horizon| Problem::new(&model, vec![0.0; 4], vec![0.0; 4], horizon).expect("valid");
     let half = solved(&problem(1.0), &periodic(&[1, 0], &[1.0; 2], &[1.0, 0.2]));
     let whole = DirectSettings {
         waypoints: vec![
-            Waypoint {
-                share: Some(0.25),
-                ..Waypoint::new(vec![1.0, 0.2])
-            },
-            Waypoint {
-                share: Some(0.75),
-                ..Waypoint::new(vec![0.2, 1.0])
-            },
+            Waypoint { share: Some(0.25), ..Waypoint::new(vec![1.0, 0.2]) },
+            Waypoint { share: Some(0.75), ..Waypoint::new(vec![0.2, 1.0]) },
         ],
         segments: 4,
         ..periodic(&[0, 1], &[1.0; 2], &[0.0; 2])
@@ -134,10 +113,7 @@ fn no_other_ends_of_a_swing_cost_less() {
     let between = |start: &[f64]| {
         let end = start.iter().map(|x| -x).collect();
         let problem = Problem::new(&model, start.to_vec(), end, 1.0).expect("valid");
-        let fixed = DirectSettings {
-            period: None,
-            ..settings.clone()
-        };
+        let fixed = DirectSettings { period: None, ..settings.clone() };
         let found = solved(&problem, &fixed);
         assert!(found.converged);
         found.cost / best.cost - 1.0
@@ -153,10 +129,7 @@ fn no_other_ends_of_a_swing_cost_less() {
         });
         assert!(less > 0.0 && more > 0.0, "{less:e} {more:e}");
         // A slope would be seen in the difference.
-        assert!(
-            (more - less).abs() < 0.2 * (more + less),
-            "{less:e} {more:e}"
-        );
+        assert!((more - less).abs() < 0.2 * (more + less), "{less:e} {more:e}");
     }
 }
 
@@ -172,21 +145,12 @@ fn relations_that_are_none_are_refused() {
     refused(periodic(&[0, 0], &[1.0; 2], &q), "not a permutation");
     refused(periodic(&[0], &[1.0; 2], &q), "joints of the period");
     refused(periodic(&[0, 1], &[1.0, 0.5], &q), "neither 1 nor -1");
-    let free = DirectSettings {
-        free_final_velocity: true,
-        ..periodic(&[0, 1], &[1.0; 2], &q)
-    };
+    let free = DirectSettings { free_final_velocity: true, ..periodic(&[0, 1], &[1.0; 2], &q) };
     refused(free, "the end follows from the start");
-    let smooth = DirectSettings {
-        continuous_acceleration: true,
-        ..periodic(&[0, 1], &[1.0; 2], &q)
-    };
+    let smooth = DirectSettings { continuous_acceleration: true, ..periodic(&[0, 1], &[1.0; 2], &q) };
     refused(smooth, "accelerations jump");
     let at_the_end = |period| DirectSettings {
-        waypoints: vec![Waypoint {
-            share: Some(1.0),
-            ..Waypoint::new(vec![0.0; 2])
-        }],
+        waypoints: vec![Waypoint { share: Some(1.0), ..Waypoint::new(vec![0.0; 2]) }],
         period,
         ..periodic(&[0, 1], &[1.0; 2], &q)
     };

@@ -9,11 +9,7 @@ use aghf::direct::{Direct, DirectSettings, DirectSolution};
 use aghf::motion::Problem;
 use num_dual::DualNum;
 
-fn solved<P: CostWithControl>(
-    problem: &Problem<'_>,
-    settings: &DirectSettings,
-    cost: &P,
-) -> DirectSolution {
+fn solved<P: CostWithControl>(problem: &Problem<'_>, settings: &DirectSettings, cost: &P) -> DirectSolution {
     let direct = Direct::new(problem).cost(cost.clone());
     let found = direct.settings(settings.clone()).solve();
     found.unwrap_or_else(|e| panic!("{e}"))
@@ -39,8 +35,7 @@ fn squared_velocity_alone_is_a_cost() {
 #[test]
 fn a_joint_may_cost_nothing() {
     let scenario = Scenario::load("pendulum_2_swingup");
-    let weighted =
-        WeightedSquares::new(2, vec![1.0, 0.0], vec![0.0; 2], vec![0.0; 2]).expect("good");
+    let weighted = WeightedSquares::new(2, vec![1.0, 0.0], vec![0.0; 2], vec![0.0; 2]).expect("good");
     let cost = CostThroughDynamics::of(&scenario.model, weighted);
     let problem = scenario.problem();
     let solution = solved(&problem, &degree(9), &cost);
@@ -61,14 +56,8 @@ fn least_power_is_not_least_effort() {
     let settings = degree(12);
     let by_power = solved(&problem, &settings, &power);
     let by_effort = of_least_effort(&problem, &settings);
-    assert!(
-        by_power.converged && by_power.smallest_curvature > 0.0,
-        "{by_power:?}"
-    );
-    let from_there = DirectSettings {
-        start: Some(by_effort.curve.clone()),
-        ..settings.clone()
-    };
+    assert!(by_power.converged && by_power.smallest_curvature > 0.0, "{by_power:?}");
+    let from_there = DirectSettings { start: Some(by_effort.curve.clone()), ..settings.clone() };
     let from_there = solved(&problem, &from_there, &power);
     let before = from_there.iterations[0].cost;
     assert!(by_power.cost < 0.9 * before, "{} {before}", by_power.cost);
@@ -83,25 +72,13 @@ fn least_power_is_not_least_effort() {
 fn another_cost_keeps_constraints() {
     let scenario = Scenario::load("pendulum_2_swingup");
     let (model, problem) = (&scenario.model, scenario.problem());
-    let settings = DirectSettings {
-        degree: 9,
-        ..DirectSettings::constrained()
-    };
+    let settings = DirectSettings { degree: 9, ..DirectSettings::constrained() };
     let free = of_least_effort(&problem, &settings);
-    let settings = DirectSettings {
-        start: Some(free.curve.clone()),
-        ..settings
-    };
+    let settings = DirectSettings { start: Some(free.curve.clone()), ..settings };
     let samples = aghf::motion::sample(model, &free.curve, 200).expect("the same robot");
-    let most = samples
-        .iter()
-        .flat_map(|s| &s.u)
-        .fold(0.0_f64, |m, u| m.max(u.abs()));
-    let kept: Constraints<Vec<AnyConstraint>> = Constraints {
-        state: Vec::new(),
-        torque: TorqueLimits(vec![Some(0.8 * most); 2]),
-        stage: Default::default(),
-    };
+    let most = samples.iter().flat_map(|s| &s.u).fold(0.0_f64, |m, u| m.max(u.abs()));
+    let kept: Constraints<Vec<AnyConstraint>> =
+        Constraints { state: Vec::new(), torque: TorqueLimits(vec![Some(0.8 * most); 2]), stage: Default::default() };
     let effort = solved_within(&problem, &settings, &kept);
     let run = |cost: &CostThroughDynamics<'_, WeightedSquares>| {
         let direct = Direct::new(&problem).cost(cost.clone());
@@ -117,15 +94,10 @@ fn another_cost_keeps_constraints() {
     assert!((twice.cost - 2.0 * effort.cost).abs() < 1e-5 * twice.cost);
     assert!(effort.cost > free.cost);
     let slow = run(&weighted(1.0, 20.0));
-    assert!(
-        slow.converged && slow.largest_violation <= DirectSettings::FEASIBLE,
-        "{slow:?}"
-    );
+    assert!(slow.converged && slow.largest_violation <= DirectSettings::FEASIBLE, "{slow:?}");
     let fastest = |solution: &DirectSolution| {
         let times = (0..=100).map(|i| 0.01 * f64::from(i) * problem.horizon());
-        times.fold(0.0_f64, |m, t| {
-            m.max(solution.curve.at(t).0.rows(2, 2).amax())
-        })
+        times.fold(0.0_f64, |m, t| m.max(solution.curve.at(t).0.rows(2, 2).amax()))
     };
     assert!(fastest(&slow) < fastest(&effort));
 }
@@ -138,27 +110,15 @@ fn what_makes_no_sense_is_refused() {
     let cost = CostThroughDynamics::new(&model, below);
     let direct = Direct::new(&problem).cost(cost).settings(degree(6));
     let error = direct.solve().expect_err("it is negative").to_string();
-    assert!(
-        error.starts_with("running cost: integral: it is -9.88"),
-        "{error}"
-    );
+    assert!(error.starts_with("running cost: integral: it is -9.88"), "{error}");
     // A constant makes it good, and does not move the optimum.
     let cost = CostThroughDynamics::new(&model, |at| at.u[0] * at.u[0] + 1e3);
     let solution = solved(&problem, &degree(6), &cost);
     assert!(solution.converged && (solution.cost - 1012.0).abs() < 1e-6);
     for (weights, words) in [
-        (
-            [vec![1.0, 1.0], vec![0.0], vec![0.0]],
-            "torque: the robot has 1 joints, but 2",
-        ),
-        (
-            [vec![1.0], vec![-0.5], vec![0.0]],
-            "velocity: it is -0.5, a weight is not",
-        ),
-        (
-            [vec![1.0], vec![0.0], vec![f64::NAN]],
-            "acceleration: it is NaN",
-        ),
+        ([vec![1.0, 1.0], vec![0.0], vec![0.0]], "torque: the robot has 1 joints, but 2"),
+        ([vec![1.0], vec![-0.5], vec![0.0]], "velocity: it is -0.5, a weight is not"),
+        ([vec![1.0], vec![0.0], vec![f64::NAN]], "acceleration: it is NaN"),
     ] {
         let [torque, velocity, acceleration] = weights;
         let error = WeightedSquares::new(1, torque, velocity, acceleration).expect_err(words);

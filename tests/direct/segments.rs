@@ -91,10 +91,7 @@ fn the_cubic_is_found_on_pieces() {
     for (segments, p) in [(3, 5), (2, 4), (7, 4), (6, 9)] {
         let solution = solved(&problem, &size(segments, p));
         assert!(solution.converged && (solution.cost - exact).abs() < 1e-11 * exact);
-        assert_eq!(
-            (solution.curve.segments(), solution.unknowns),
-            (segments, segments * (p - 1) - 2)
-        );
+        assert_eq!((solution.curve.segments(), solution.unknowns), (segments, segments * (p - 1) - 2));
         for s in [0.0, 0.1, 0.5, 0.7, 1.0_f64] {
             let (x, xdot) = solution.curve.at(s * horizon);
             assert!((x[0] - (0.2 + 0.8 * s * s * (3.0 - 2.0 * s))).abs() < 1e-11);
@@ -113,11 +110,8 @@ fn finer_pieces_cost_no_more() {
     let scenario = Scenario::load("pendulum_2_swingup");
     let problem = scenario.problem();
     let from = |start: &DirectSolution, segments, p| {
-        let settings = DirectSettings {
-            start: Some(start.curve.clone()),
-            quadrature_tolerance: 1e-7,
-            ..size(segments, p)
-        };
+        let settings =
+            DirectSettings { start: Some(start.curve.clone()), quadrature_tolerance: 1e-7, ..size(segments, p) };
         let solution = solved(&problem, &settings);
         assert!(solution.converged, "{segments} {p}");
         solution
@@ -126,13 +120,7 @@ fn finer_pieces_cost_no_more() {
     let [two, three] = [2, 3].map(|segments| from(&first, segments, 9));
     let [four, six, higher] = [(4, 9), (6, 9), (2, 12)].map(|(n, p)| from(&two, n, p));
     // As well as the quadratures agree.
-    for (finer, coarser) in [
-        (&two, &first),
-        (&three, &first),
-        (&four, &two),
-        (&six, &two),
-        (&higher, &two),
-    ] {
+    for (finer, coarser) in [(&two, &first), (&three, &first), (&four, &two), (&six, &two), (&higher, &two)] {
         assert!(finer.cost <= coarser.cost * (1.0 + 1e-6));
     }
     assert!(two.cost < 0.99 * first.cost && four.cost < two.cost);
@@ -151,22 +139,14 @@ fn finer_pieces_cost_no_more() {
 fn limited(segments: usize, requirements: &Constraints<Vec<AnyConstraint>>) -> DirectSolution {
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
-    let settings = DirectSettings {
-        degree: 6,
-        segments,
-        ..DirectSettings::constrained()
-    };
+    let settings = DirectSettings { degree: 6, segments, ..DirectSettings::constrained() };
     solved_within(&problem, &settings, requirements)
 }
 
 /// The velocity rises as a parabola for a quarter, stays at the limit and falls: exactly so on four segments.
 #[test]
 fn limits_are_kept_on_pieces() {
-    let bound = Bound {
-        entry: 1,
-        side: Side::Upper,
-        value: 1.2,
-    };
+    let bound = Bound { entry: 1, side: Side::Upper, value: 1.2 };
     let velocity = Constraints {
         state: vec![AnyConstraint::Bounds(Bounds(vec![bound]))],
         torque: TorqueLimits(Vec::new()),
@@ -174,27 +154,17 @@ fn limits_are_kept_on_pieces() {
     };
     let exact = 8.0 * 1.44 / 3.0 / 0.25;
     let solution = limited(4, &velocity);
-    assert!(
-        solution.converged && solution.largest_violation <= 1e-6,
-        "{solution:?}"
-    );
+    assert!(solution.converged && solution.largest_violation <= 1e-6, "{solution:?}");
     let excess = solution.cost / exact - 1.0;
     // What the reserve of the rows costs.
     assert!((-1e-6..1e-5).contains(&excess), "{excess:e}");
     assert!(solution.start_costs.is_sorted());
 
     // The control jumps where segments meet: its limit holds on both sides.
-    let torque = Constraints {
-        state: Vec::new(),
-        torque: TorqueLimits(vec![Some(4.6)]),
-        stage: Default::default(),
-    };
+    let torque = Constraints { state: Vec::new(), torque: TorqueLimits(vec![Some(4.6)]), stage: Default::default() };
     for segments in [2, 3, 5] {
         let solution = limited(segments, &torque);
-        assert!(
-            solution.converged && solution.largest_violation <= 1e-6,
-            "{solution:?}"
-        );
+        assert!(solution.converged && solution.largest_violation <= 1e-6, "{solution:?}");
         let curve = &solution.curve;
         for (part, ends) in curve.breakpoints().windows(2).enumerate() {
             for i in 0..=1000 {
@@ -210,10 +180,7 @@ fn limits_are_kept_on_pieces() {
 fn an_adaptive_degree_ends_where_it_is_enough() {
     let scenario = Scenario::load("pendulum_1_swingup");
     let problem = scenario.problem();
-    let settings = DirectSettings {
-        degree_tolerance: Some(0.01),
-        ..size(1, 9)
-    };
+    let settings = DirectSettings { degree_tolerance: Some(0.01), ..size(1, 9) };
     let solution = solved(&problem, &settings);
     let adapted = solution.adapted.expect("it was asked for");
     assert!(adapted.converged && solution.converged && adapted.tolerance == 0.01);
@@ -221,9 +188,7 @@ fn an_adaptive_degree_ends_where_it_is_enough() {
     assert!(adapted.degrees.first() == Some(&9) && adapted.degrees.last() == Some(&reached));
     assert!((16..64).contains(&reached), "{adapted:?}");
     assert_eq!(adapted.costs.last(), Some(&solution.cost));
-    let changes: Vec<f64> = (adapted.costs.windows(2))
-        .map(|w| (w[0] - w[1]) / w[1])
-        .collect();
+    let changes: Vec<f64> = (adapted.costs.windows(2)).map(|w| (w[0] - w[1]) / w[1]).collect();
     let (last, before) = changes.split_last().expect("two degrees at least");
     assert!(*last <= 0.01 && before.iter().all(|c| *c > 0.01));
     assert!(solved(&problem, &size(1, 9)).adapted.is_none());
@@ -234,34 +199,20 @@ fn a_degree_that_is_not_enough_is_told() {
     let scenario = Scenario::load("pendulum_2_swingup");
     let problem = scenario.problem();
     for (segments, p, degrees) in [(1, 48, vec![48, 64]), (8, 24, vec![24, 32])] {
-        let settings = DirectSettings {
-            degree_tolerance: Some(1e-9),
-            ..size(segments, p)
-        };
+        let settings = DirectSettings { degree_tolerance: Some(1e-9), ..size(segments, p) };
         let solution = solved(&problem, &settings);
         let adapted = solution.adapted.expect("it was asked for");
-        assert!(
-            !adapted.converged && adapted.degrees == degrees,
-            "{adapted:?}"
-        );
+        assert!(!adapted.converged && adapted.degrees == degrees, "{adapted:?}");
     }
     // A degree at which the search does not converge says nothing about the next.
-    let settings = DirectSettings {
-        degree_tolerance: Some(0.01),
-        iterations: 1,
-        ..size(1, 9)
-    };
+    let settings = DirectSettings { degree_tolerance: Some(0.01), iterations: 1, ..size(1, 9) };
     let adapted = solved(&problem, &settings).adapted.expect("asked for");
     assert_eq!((adapted.converged, adapted.degrees), (false, vec![9]));
 }
 
 #[test]
 fn an_adaptive_degree_keeps_constraints() {
-    let bound = Bound {
-        entry: 1,
-        side: Side::Upper,
-        value: 1.2,
-    };
+    let bound = Bound { entry: 1, side: Side::Upper, value: 1.2 };
     let kept = Constraints {
         state: vec![AnyConstraint::Bounds(Bounds(vec![bound]))],
         torque: TorqueLimits(Vec::new()),
@@ -269,11 +220,7 @@ fn an_adaptive_degree_keeps_constraints() {
     };
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
-    let settings = DirectSettings {
-        degree: 9,
-        degree_tolerance: Some(0.01),
-        ..DirectSettings::constrained()
-    };
+    let settings = DirectSettings { degree: 9, degree_tolerance: Some(0.01), ..DirectSettings::constrained() };
     let solution = solved_within(&problem, &settings, &kept);
     let adapted = solution.adapted.expect("it was asked for");
     assert!(solution.converged && adapted.converged, "{adapted:?}");
@@ -329,10 +276,7 @@ fn the_error_of_an_interval_by_nodes() {
     let error = replay_error(&model, &curve, &[]).expect("same robot");
     let error = error.expect("it ends");
     // The integrator of the library keeps 1e-8 a step.
-    assert!(
-        (error - worst).abs() < 1e-6 && worst > 1e-4,
-        "{error} {worst}"
-    );
+    assert!((error - worst).abs() < 1e-6 && worst > 1e-4, "{error} {worst}");
 
     // Where the control is a polynomial of that degree there is none.
     let model = slider(2.0);
@@ -346,22 +290,13 @@ fn the_error_of_an_interval_by_nodes() {
 fn bad_sizes_are_errors() {
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
-    let degree_tolerance = |tolerance| DirectSettings {
-        degree_tolerance: Some(tolerance),
-        ..Default::default()
-    };
+    let degree_tolerance = |tolerance| DirectSettings { degree_tolerance: Some(tolerance), ..Default::default() };
     for (settings, words) in [
         (size(0, 9), "segments: it is 0, at least 1"),
-        (
-            size(29, 9),
-            "segments: it is 29, at least 1 and for degree 9 at most 28",
-        ),
+        (size(29, 9), "segments: it is 29, at least 1 and for degree 9 at most 28"),
         (size(usize::MAX, 9), "segments: it is 18446744073709551615"),
         (size(2, 3), "degree: it is 3, at least 4"),
-        (
-            degree_tolerance(0.0),
-            "degree_tolerance: it is 0, a positive number",
-        ),
+        (degree_tolerance(0.0), "degree_tolerance: it is 0, a positive number"),
         (degree_tolerance(-0.1), "degree_tolerance: it is -0.1"),
         (degree_tolerance(f64::NAN), "degree_tolerance: it is NaN"),
     ] {

@@ -13,82 +13,44 @@ use std::sync::Arc;
 
 /// The settings within constraints, with continuous accelerations.
 fn smooth(segments: usize, degree: usize) -> DirectSettings {
-    DirectSettings {
-        segments,
-        degree,
-        continuous_acceleration: true,
-        ..DirectSettings::constrained()
-    }
+    DirectSettings { segments, degree, continuous_acceleration: true, ..DirectSettings::constrained() }
 }
 
 fn within(stage: StageConstraints) -> Constraints<()> {
-    Constraints {
-        state: (),
-        torque: TorqueLimits(Vec::new()),
-        stage,
-    }
+    Constraints { state: (), torque: TorqueLimits(Vec::new()), stage }
 }
 
 /// Accelerations on both sides of all breakpoints and at the ends.
 fn accelerations(curve: &Curve) -> Vec<[Vec<f64>; 2]> {
     let (n, last) = (curve.dof(), curve.segments() - 1);
-    let at =
-        |segment: usize, time: f64| curve.at_in(segment, time).1.rows(n, n).as_slice().to_vec();
+    let at = |segment: usize, time: f64| curve.at_in(segment, time).1.rows(n, n).as_slice().to_vec();
     let sides = curve.breakpoints().iter().enumerate();
-    sides
-        .map(|(i, t)| [at(i.saturating_sub(1), *t), at(i.min(last), *t)])
-        .collect()
+    sides.map(|(i, t)| [at(i.saturating_sub(1), *t), at(i.min(last), *t)]).collect()
 }
 
 #[test]
 fn continuous_accelerations_are_zero_at_rest() {
     let model = robot("pendulum_2");
     let rest = Problem::new(&model, vec![0.0; 4], vec![1.0, -0.7, 0.0, 0.0], 1.5).expect("valid");
-    let jumping = solved(
-        &rest,
-        &DirectSettings {
-            continuous_acceleration: false,
-            ..smooth(6, 8)
-        },
-    );
+    let jumping = solved(&rest, &DirectSettings { continuous_acceleration: false, ..smooth(6, 8) });
     let found = solved(&rest, &smooth(3, 8));
     assert!(found.converged && jumping.converged);
     assert!(found.cost > jumping.cost, "{} {}", found.cost, jumping.cost);
     let ends = accelerations(&found.curve);
     for [before, after] in &ends {
-        assert!(
-            before.iter().zip(after).all(|(a, b)| (a - b).abs() < 1e-8),
-            "{before:?} {after:?}"
-        );
+        assert!(before.iter().zip(after).all(|(a, b)| (a - b).abs() < 1e-8), "{before:?} {after:?}");
     }
     for end in [&ends[0], &ends[3]] {
         assert!(end.iter().flatten().all(|a| a.abs() < 1e-9), "{end:?}");
     }
-    assert!(
-        accelerations(&jumping.curve)[0][0]
-            .iter()
-            .any(|a| a.abs() > 0.1)
-    );
+    assert!(accelerations(&jumping.curve)[0][0].iter().any(|a| a.abs() > 0.1));
     // A start that moves may accelerate, and more segments come closer to the least effort.
-    let moving = Problem::new(
-        &model,
-        vec![0.0, 0.0, 0.5, 0.0],
-        vec![1.0, -0.7, 0.0, 0.0],
-        1.5,
-    );
+    let moving = Problem::new(&model, vec![0.0, 0.0, 0.5, 0.0], vec![1.0, -0.7, 0.0, 0.0], 1.5);
     let moving = solved(&moving.expect("valid"), &smooth(3, 8));
-    assert!(
-        accelerations(&moving.curve)[0][0]
-            .iter()
-            .any(|a| a.abs() > 0.1)
-    );
+    assert!(accelerations(&moving.curve)[0][0].iter().any(|a| a.abs() > 0.1));
     let finer = solved(&rest, &smooth(6, 8));
     let costs = [jumping.cost, finer.cost, found.cost];
-    assert!(
-        finer.converged && costs.is_sorted(),
-        "{} {costs:?}",
-        finer.converged
-    );
+    assert!(finer.converged && costs.is_sorted(), "{} {costs:?}", finer.converged);
 }
 
 /// From rest to rest over `d` in `T` with $|a| \le \bar a$: the acceleration is at its limit up to
@@ -98,23 +60,13 @@ fn an_acceleration_limit_gives_the_known_optimum() {
     let (mass, d, horizon, limit) = (2.0, 1.0, 1.0_f64, 4.5);
     let model = slider(mass);
     let problem = Problem::new(&model, vec![0.0, 0.0], vec![d, 0.0], horizon).expect("valid");
-    let limits = within(StageConstraints {
-        acceleration: vec![Some(limit)],
-        ..StageConstraints::default()
-    });
-    let settings = DirectSettings {
-        continuous_acceleration: false,
-        ..smooth(16, 6)
-    };
+    let limits = within(StageConstraints { acceleration: vec![Some(limit)], ..StageConstraints::default() });
+    let settings = DirectSettings { continuous_acceleration: false, ..smooth(16, 6) };
     let found = solved_within(&problem, &settings, &limits);
     let w = (3.0 * (horizon * horizon / 4.0 - d / limit)).sqrt();
     let exact = 2.0 * mass * mass * limit * limit * (horizon / 2.0 - w + w / 3.0);
     assert!(found.converged, "{found:?}");
-    assert!(
-        (found.cost - exact).abs() < 1e-3 * exact,
-        "{} {exact}",
-        found.cost
-    );
+    assert!((found.cost - exact).abs() < 1e-3 * exact, "{} {exact}", found.cost);
     let worst = violations(&model, &found.curve, &limits, 200).expect("the same robot");
     assert!(worst.iter().all(|row| row.by <= 1e-6), "{worst:?}");
     assert!(worst.iter().any(|row| row.by > -1e-3), "{worst:?}");
@@ -126,19 +78,12 @@ fn a_jerk_limit_bounds_the_time() {
     let (d, limit) = (1.0, 20.0);
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0, 0.0], vec![d, 0.0], 2.0).expect("valid");
-    let limits = within(StageConstraints {
-        jerk: vec![Some(limit)],
-        ..StageConstraints::default()
-    });
+    let limits = within(StageConstraints { jerk: vec![Some(limit)], ..StageConstraints::default() });
     let least = (32.0 * d / limit).cbrt();
     // A single polynomial cannot follow the jumps of the jerk as closely.
     for (segments, degree, share) in [(8, 6, 0.03), (1, 16, 0.2)] {
         let settings = DirectSettings {
-            free_horizon: Some(FreeHorizon {
-                shortest: 0.1,
-                longest: 5.0,
-                weight: 1e4,
-            }),
+            free_horizon: Some(FreeHorizon { shortest: 0.1, longest: 5.0, weight: 1e4 }),
             ..smooth(segments, degree)
         };
         let found: DirectSolution = solved_within(&problem, &settings, &limits);
@@ -155,24 +100,16 @@ fn a_jerk_limit_bounds_the_time() {
 #[test]
 fn a_closure_limits_the_power() {
     let model = robot("pendulum_2");
-    let problem =
-        Problem::new(&model, vec![0.0; 4], vec![1.0, -0.7, 0.0, 0.0], 1.0).expect("valid");
+    let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, -0.7, 0.0, 0.0], 1.0).expect("valid");
     let settings = DirectSettings {
-        free_horizon: Some(FreeHorizon {
-            shortest: 0.3,
-            longest: 4.0,
-            weight: 200.0,
-        }),
+        free_horizon: Some(FreeHorizon { shortest: 0.3, longest: 4.0, weight: 200.0 }),
         ..smooth(1, 16)
     };
     let power = |most: f64| {
         let rows = StageRows::new("power", vec![most], move |at, g| {
             g[0] = at.u[0] * at.v[0] - most - at.t;
         });
-        within(StageConstraints {
-            others: vec![Arc::new(rows)],
-            ..StageConstraints::default()
-        })
+        within(StageConstraints { others: vec![Arc::new(rows)], ..StageConstraints::default() })
     };
     let free = solved(&problem, &settings);
     let beyond = |found: &DirectSolution, most: f64| {
@@ -192,12 +129,8 @@ fn a_closure_limits_the_power() {
 #[test]
 fn flows_refuse_limits_of_acceleration() {
     let model = robot("pendulum_2");
-    let problem =
-        Problem::new(&model, vec![0.0; 4], vec![1.0, -0.7, 0.0, 0.0], 1.0).expect("valid");
-    let limits = within(StageConstraints {
-        acceleration: vec![Some(5.0); 2],
-        ..StageConstraints::default()
-    });
+    let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, -0.7, 0.0, 0.0], 1.0).expect("valid");
+    let limits = within(StageConstraints { acceleration: vec![Some(5.0); 2], ..StageConstraints::default() });
     let refused = FlowToRest::new(&problem, 1e3).constraints(&limits).run();
     assert_refused(refused, "acceleration");
 }
@@ -208,10 +141,7 @@ fn flows_refuse_limits_of_acceleration() {
 fn a_foot_bounds_the_acceleration_by_its_edges() {
     let (model, half) = (slider(2.0), 0.25);
     let problem = Problem::new(&model, vec![-0.1, 0.0], vec![0.1, 0.0], 0.8).expect("valid");
-    let settings = DirectSettings {
-        continuous_acceleration: false,
-        ..smooth(4, 8)
-    };
+    let settings = DirectSettings { continuous_acceleration: false, ..smooth(4, 8) };
     let stand = within(StageConstraints {
         foot: Some(StandingFoot {
             name: "foot".to_owned(),
@@ -226,10 +156,7 @@ fn a_foot_bounds_the_acceleration_by_its_edges() {
     });
     let free = solved(&problem, &settings);
     let found = solved_within(&problem, &settings, &stand);
-    assert!(
-        found.converged && found.cost > 1.01 * free.cost,
-        "{found:?}"
-    );
+    assert!(found.converged && found.cost > 1.01 * free.cost, "{found:?}");
     let worst = violations(&model, &found.curve, &stand, 400).expect("the same robot");
     assert!(worst.iter().all(|row| row.by <= 1e-6), "{worst:?}");
     let samples = aghf::motion::sample(&model, &found.curve, 400).expect("the same robot");

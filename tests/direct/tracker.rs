@@ -2,8 +2,8 @@
 
 use crate::common::{assert_refused, robot};
 use aghf::constraint::{
-    AnyConstraint, Bounds, CollisionSphere, Constraints, CoverClearance, RowKind, SelfClearance,
-    SolidClearance, Sphere, SphereClearance, TorqueLimits,
+    AnyConstraint, Bounds, CollisionSphere, Constraints, CoverClearance, RowKind, SelfClearance, SolidClearance,
+    Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::cost::ControlEffort;
 use aghf::direct::{Direct, DirectSettings, FreeHorizon, Outcome, Safety, Tracker, TrackerOptions};
@@ -27,10 +27,7 @@ type Own<'a> = Tracker<'a, Vec<AnyConstraint>, ControlEffort<'a, f64, f64>>;
 fn kept(model: &Model, ball: [f64; 3]) -> Kept {
     let clearance = SphereClearance {
         balls: CollisionSphere::joint_frames(model),
-        spheres: vec![Sphere {
-            centre: Vector3::from(ball),
-            radius: 0.1,
-        }],
+        spheres: vec![Sphere { centre: Vector3::from(ball), radius: 0.1 }],
     };
     Constraints {
         state: vec![
@@ -46,13 +43,7 @@ fn kept(model: &Model, ball: [f64; 3]) -> Kept {
 const FAR: [f64; 3] = [9.0, 9.0, 9.0];
 
 fn options(degree: usize) -> TrackerOptions {
-    TrackerOptions {
-        settings: DirectSettings {
-            degree,
-            ..DirectSettings::constrained()
-        },
-        ..TrackerOptions::default()
-    }
+    TrackerOptions { settings: DirectSettings { degree, ..DirectSettings::constrained() }, ..TrackerOptions::default() }
 }
 
 fn tracker<'a>(problem: &Problem<'a>, kept: Kept, options: TrackerOptions) -> Own<'a> {
@@ -80,9 +71,7 @@ fn moved(model: &Model, x: &[f64], u: &[f64], time: f64) -> Vec<f64> {
         aba(model, &mut data, &x[..n], &x[n..], u, &mut a).expect("lengths agree");
         [&x[n..], &a].concat()
     };
-    let along = |x: &[f64], k: &[f64], h: f64| -> Vec<f64> {
-        x.iter().zip(k).map(|(x, k)| x + h * k).collect()
-    };
+    let along = |x: &[f64], k: &[f64], h: f64| -> Vec<f64> { x.iter().zip(k).map(|(x, k)| x + h * k).collect() };
     let (mut x, h) = (x.to_vec(), time / 2.0);
     for _ in 0..2 {
         let k1 = rate(&x);
@@ -265,11 +254,7 @@ fn a_goal_after_the_end_is_reached() {
     let problem = reach(&model);
     for free in [false, true] {
         let mut options = options(10);
-        options.settings.free_horizon = free.then_some(FreeHorizon {
-            shortest: 0.3,
-            longest: 5.0,
-            weight: 300.0,
-        });
+        options.settings.free_horizon = free.then_some(FreeHorizon { shortest: 0.3, longest: 5.0, weight: 300.0 });
         let mut tracker = tracker(&problem, kept(&model, FAR), options);
         let goal = [1.1, 0.7, 0.1, 1.3, 0.1, 0.7, 0.2];
         let mut set = false;
@@ -305,19 +290,10 @@ fn what_cannot_be_tracked_is_refused() {
     let free = || kept(&model, FAR);
     let moving = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.5, 0.0, 1.0], 2.0).expect("valid");
     assert_refused(new(&moving, free(), &|_| {}), "joint 1 is not at rest");
-    assert_refused(
-        new(&problem, free(), &|o| o.settings.segments = 2),
-        "segments",
-    );
+    assert_refused(new(&problem, free(), &|o| o.settings.segments = 2), "segments");
     assert_refused(new(&problem, free(), &|o| o.bandwidth = -1.0), "bandwidth");
-    assert_refused(
-        new(&problem, free(), &|o| o.iterations_per_step = 0),
-        "iterations_per_step",
-    );
-    assert_refused(
-        new(&problem, free(), &|o| o.shortest_horizon = 3.0),
-        "horizon",
-    );
+    assert_refused(new(&problem, free(), &|o| o.iterations_per_step = 0), "iterations_per_step");
+    assert_refused(new(&problem, free(), &|o| o.shortest_horizon = 3.0), "horizon");
     let mut passive = free();
     passive.torque = TorqueLimits(vec![None, Some(0.0)]);
     assert_refused(new(&problem, passive.clone(), &|_| {}), "passive");
@@ -329,8 +305,5 @@ fn what_cannot_be_tracked_is_refused() {
     assert_refused(tracker.step(&[0.0; 3], 0.0).map(|_| ()), "state");
     assert_refused(tracker.step(&[f64::NAN; 4], 0.0).map(|_| ()), "finite");
     tracker.step(&[0.0; 4], 1.0).expect("valid");
-    assert_refused(
-        tracker.step(&[0.0; 4], 0.9).map(|_| ()),
-        "before the last step",
-    );
+    assert_refused(tracker.step(&[0.0; 4], 0.9).map(|_| ()), "before the last step");
 }

@@ -2,9 +2,7 @@
 
 use crate::common::direct::{solved, solved_within};
 use crate::common::{assert_refused, point_mass, robot};
-use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, Constraints, FrameRows, Side, StageConstraints, TorqueLimits,
-};
+use aghf::constraint::{AnyConstraint, Bound, Bounds, Constraints, FrameRows, Side, StageConstraints, TorqueLimits};
 use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, Waypoint};
 use aghf::dynamics::{forward_kinematics, frame_placement};
 use aghf::model::{Frame, Model};
@@ -13,18 +11,11 @@ use aghf::spatial::Placement;
 use nalgebra::{Matrix3, Vector3};
 
 fn through(waypoints: Vec<Waypoint>) -> DirectSettings {
-    DirectSettings {
-        waypoints,
-        starts: 2,
-        ..DirectSettings::constrained()
-    }
+    DirectSettings { waypoints, starts: 2, ..DirectSettings::constrained() }
 }
 
 fn stop(q: Vec<f64>) -> Waypoint {
-    Waypoint {
-        stop: true,
-        ..Waypoint::new(q)
-    }
+    Waypoint { stop: true, ..Waypoint::new(q) }
 }
 
 /// Asserts that the motion converged, is at its waypoints within 1e-6, and has a zero velocity where it stops.
@@ -58,10 +49,7 @@ fn a_point_on_the_way_changes_nothing() {
     let free = solved(&problem, &through(Vec::new()));
     let share = |tau: f64| 3.0 * tau * tau - 2.0 * tau * tau * tau;
     let at = [0.3, 0.8];
-    let waypoints: Vec<_> = at
-        .iter()
-        .map(|tau| Waypoint::new(vec![2.0 * share(*tau), share(*tau)]))
-        .collect();
+    let waypoints: Vec<_> = at.iter().map(|tau| Waypoint::new(vec![2.0 * share(*tau), share(*tau)])).collect();
     let solution = solved(&problem, &through(waypoints.clone()));
     assert_passes(&solution, &waypoints);
     assert!((solution.cost / free.cost - 1.0).abs() < 1e-7);
@@ -76,13 +64,9 @@ fn a_point_on_the_way_changes_nothing() {
 fn a_stop_halfway_makes_two_motions() {
     let model = masses();
     let rest = |q: [f64; 2]| vec![q[0], q[1], 0.0, 0.0];
-    let problem =
-        |to, horizon| Problem::new(&model, vec![0.0; 4], rest(to), horizon).expect("valid");
+    let problem = |to, horizon| Problem::new(&model, vec![0.0; 4], rest(to), horizon).expect("valid");
     let waypoints = vec![stop(vec![1.0, 0.5])];
-    let settings = DirectSettings {
-        degree: 32,
-        ..through(waypoints.clone())
-    };
+    let settings = DirectSettings { degree: 32, ..through(waypoints.clone()) };
     let solution = solved(&problem([2.0, 0.0], 2.0), &settings);
     assert_passes(&solution, &waypoints);
     assert!((solution.waypoint_times[0] - 1.0).abs() < 1e-4);
@@ -96,22 +80,13 @@ fn a_stop_halfway_makes_two_motions() {
 #[test]
 fn the_time_is_the_best_one() {
     let model = robot("pendulum_2");
-    let problem = Problem::new(
-        &model,
-        vec![0.1, 0.0, 0.4, -0.2],
-        vec![1.0, 0.5, 0.0, 0.0],
-        1.5,
-    )
-    .expect("valid");
+    let problem = Problem::new(&model, vec![0.1, 0.0, 0.4, -0.2], vec![1.0, 0.5, 0.0, 0.0], 1.5).expect("valid");
     let waypoint = Waypoint::new(vec![-0.3, 0.9]);
     let free = solved(&problem, &through(vec![waypoint.clone()]));
     assert_passes(&free, std::slice::from_ref(&waypoint));
     let best = free.waypoint_times[0];
     let at = |time: f64| {
-        let waypoint = Waypoint {
-            share: Some(time / problem.horizon()),
-            ..waypoint.clone()
-        };
+        let waypoint = Waypoint { share: Some(time / problem.horizon()), ..waypoint.clone() };
         let solution = solved(&problem, &through(vec![waypoint.clone()]));
         assert_passes(&solution, &[waypoint]);
         assert_eq!(solution.waypoint_times, [time]);
@@ -127,38 +102,19 @@ fn the_time_is_the_best_one() {
 #[test]
 fn the_horizon_is_the_best_one_too() {
     let model = robot("pendulum_2");
-    let problem = Problem::new(
-        &model,
-        vec![0.1, 0.0, 0.4, -0.2],
-        vec![1.0, 0.5, 0.3, 0.0],
-        1.5,
-    )
-    .expect("valid");
-    let waypoints = vec![
-        Waypoint::new(vec![0.2, 0.9]),
-        Waypoint::new(vec![0.4, -0.3]),
-    ];
+    let problem = Problem::new(&model, vec![0.1, 0.0, 0.4, -0.2], vec![1.0, 0.5, 0.3, 0.0], 1.5).expect("valid");
+    let waypoints = vec![Waypoint::new(vec![0.2, 0.9]), Waypoint::new(vec![0.4, -0.3])];
     let weight = 20.0;
     let settings = DirectSettings {
-        free_horizon: Some(FreeHorizon {
-            shortest: 0.2,
-            longest: 6.0,
-            weight,
-        }),
+        free_horizon: Some(FreeHorizon { shortest: 0.2, longest: 6.0, weight }),
         ..through(waypoints.clone())
     };
     let free = solved(&problem, &settings);
     assert_passes(&free, &waypoints);
-    let (horizon, total) = (
-        free.curve.horizon(),
-        free.cost + weight * free.curve.horizon(),
-    );
+    let (horizon, total) = (free.curve.horizon(), free.cost + weight * free.curve.horizon());
     for (factor, least) in [(1.0, -1e-6), (0.95, 1e-5), (1.05, 1e-5)] {
         let own = problem.with_horizon(factor * horizon).expect("valid");
-        let settings = DirectSettings {
-            start: Some(free.curve.clone()),
-            ..through(waypoints.clone())
-        };
+        let settings = DirectSettings { start: Some(free.curve.clone()), ..through(waypoints.clone()) };
         let fixed = solved(&own, &settings);
         assert_passes(&fixed, &waypoints);
         let more = (fixed.cost + weight * factor * horizon) / total - 1.0;
@@ -171,22 +127,13 @@ fn the_horizon_is_the_best_one_too() {
 fn a_set_is_touched_at_its_best_point() {
     let model = masses();
     let problem = Problem::new(&model, vec![0.0; 4], vec![2.0, 0.0, 0.0, 0.0], 2.0).expect("valid");
-    let bound = Bound {
-        entry: 1,
-        side: Side::Lower,
-        value: 0.5,
-    };
-    let waypoint = Waypoint {
-        constraints: vec![AnyConstraint::Bounds(Bounds(vec![bound]))],
-        ..Waypoint::new(vec![0.3, 0.7])
-    };
+    let bound = Bound { entry: 1, side: Side::Lower, value: 0.5 };
+    let waypoint =
+        Waypoint { constraints: vec![AnyConstraint::Bounds(Bounds(vec![bound]))], ..Waypoint::new(vec![0.3, 0.7]) };
     let solution = solved(&problem, &through(vec![waypoint]));
     assert!(solution.converged);
     let (x, _) = solution.curve.at(solution.waypoint_times[0]);
-    assert!(
-        (solution.waypoint_times[0] - 1.0).abs() < 1e-3 && (x[1] - 0.5).abs() < 1e-6,
-        "{x}"
-    );
+    assert!((solution.waypoint_times[0] - 1.0).abs() < 1e-3 && (x[1] - 0.5).abs() < 1e-6, "{x}");
 }
 
 /// A foot that lands has no speed at its share of the horizon, though the joints have: here the tip of an arm, which
@@ -196,13 +143,7 @@ fn a_frame_lands_without_speed() {
     let model = robot("pendulum_3");
     let tip = model.frames().last().expect("it has links");
     let (start, goal) = ([0.2, 0.3, 0.4], [1.0, 0.2, 0.1]);
-    let problem = Problem::new(
-        &model,
-        [start, [0.0; 3]].concat(),
-        [goal, [0.0; 3]].concat(),
-        1.5,
-    )
-    .expect("valid");
+    let problem = Problem::new(&model, [start, [0.0; 3]].concat(), [goal, [0.0; 3]].concat(), 1.5).expect("valid");
     let between = [0.6, 0.4, 0.2];
     let place = |q: &[f64]| {
         let mut bodies = vec![Placement::identity(); 3];
@@ -218,10 +159,7 @@ fn a_frame_lands_without_speed() {
         ..Waypoint::new(between.to_vec())
     };
     let speeds = [false, true].map(|lands| {
-        let settings = DirectSettings {
-            waypoints: vec![through(lands)],
-            ..DirectSettings::constrained()
-        };
+        let settings = DirectSettings { waypoints: vec![through(lands)], ..DirectSettings::constrained() };
         let solution = solved(&problem, &settings);
         assert!(solution.converged, "{:e}", solution.gradient_norm);
         assert_eq!(solution.waypoint_times, [0.75]);
@@ -243,20 +181,13 @@ fn the_order_is_kept() {
     let problem = Problem::new(&model, rest.clone(), rest, 3.0).expect("valid");
     let [a, b] = [vec![0.5, -0.4, 0.2], vec![-0.5, 0.3, 0.6]];
     let waypoints: Vec<_> = [&a, &b, &a].map(|q| Waypoint::new(q.clone())).to_vec();
-    let bounds = (0..3).map(|i| Bound {
-        entry: 3 + i,
-        side: Side::Upper,
-        value: 2.5,
-    });
+    let bounds = (0..3).map(|i| Bound { entry: 3 + i, side: Side::Upper, value: 2.5 });
     let constraints = Constraints {
         state: Bounds(bounds.collect()),
         torque: TorqueLimits(Vec::new()),
         stage: StageConstraints::NONE,
     };
-    let settings = DirectSettings {
-        segments: 4,
-        ..through(waypoints.clone())
-    };
+    let settings = DirectSettings { segments: 4, ..through(waypoints.clone()) };
     let solution = solved_within(&problem, &settings, &constraints);
     assert_passes(&solution, &waypoints);
 }
@@ -268,24 +199,15 @@ fn refuses_what_cannot_be() {
     let problem = Problem::new(&model, vec![0.0; 4], vec![2.0, 0.0, 0.0, 0.0], 2.0).expect("valid");
     let with = |waypoints| Direct::new(&problem).settings(through(waypoints)).solve();
     let point = Waypoint::new(vec![1.0, 0.0]);
-    let timed = |share| Waypoint {
-        share: Some(share),
-        ..point.clone()
-    };
-    let several = Waypoint {
-        guesses: vec![vec![0.0; 2]; 2],
-        ..point.clone()
-    };
+    let timed = |share| Waypoint { share: Some(share), ..point.clone() };
+    let several = Waypoint { guesses: vec![vec![0.0; 2]; 2], ..point.clone() };
     assert_refused(with(vec![Waypoint::new(vec![1.0])]), "waypoint");
     assert_refused(
         with(vec![point.clone(), Waypoint::new(vec![f64::NAN, 0.0])]),
         "waypoints[1]: a number is not finite",
     );
     assert_refused(with(vec![several]), "waypoints[0]: it has several");
-    assert_refused(
-        with(vec![timed(0.5), timed(0.25)]),
-        "waypoints[1]: it has the share 0.25 of the horizon",
-    );
+    assert_refused(with(vec![timed(0.5), timed(0.25)]), "waypoints[1]: it has the share 0.25 of the horizon");
     assert_refused(with(vec![timed(1.0)]), "less than 1 is needed");
     assert_refused(with(vec![point.clone(); 40]), "they fix 40 positions");
 }

@@ -2,9 +2,8 @@
 
 use crate::common::{assert_refused, config, constants, dual_jacobian, dual_rate, model_and_state};
 use aghf::dynamics::{
-    Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba, aba_derivatives, bias, crba,
-    forward_kinematics, frame_jacobian, frame_placement, kinetic_energy, mass_matrix_and_rate,
-    potential_energy, rnea, rnea_derivatives,
+    Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba, aba_derivatives, bias, crba, forward_kinematics,
+    frame_jacobian, frame_placement, kinetic_energy, mass_matrix_and_rate, potential_energy, rnea, rnea_derivatives,
 };
 use aghf::model::{Frame, Model};
 use aghf::scalar::AlgebraOver;
@@ -31,12 +30,7 @@ fn crba_of<S: AlgebraOver<f64>>(model: &Model, q: &[S]) -> DMatrix<S> {
     h
 }
 
-fn id_derivatives(
-    model: &Model,
-    q: &[f64],
-    v: &[f64],
-    a: &[f64],
-) -> InverseDynamicsDerivatives<f64> {
+fn id_derivatives(model: &Model, q: &[f64], v: &[f64], a: &[f64]) -> InverseDynamicsDerivatives<f64> {
     let mut id = InverseDynamicsDerivatives::new(model.dof());
     rnea_derivatives(model, &mut Data::new(model), q, v, a, &mut id).expect("lengths agree");
     id
@@ -221,15 +215,7 @@ fn a_cast_model_differentiates_in_a_mass() {
     heavier.inertias_mut()[1].rotational[(2, 2)].eps = 0.25;
     let zero = [Dual64::from(0.0); 2];
     let mut tau = zero;
-    rnea(
-        &heavier,
-        &mut Data::new(&heavier),
-        &zero,
-        &zero,
-        &zero,
-        &mut tau,
-    )
-    .expect("lengths agree");
+    rnea(&heavier, &mut Data::new(&heavier), &zero, &zero, &zero, &mut tau).expect("lengths agree");
     // The second mass is at x = -1.5 and -0.5 from the two axes; turning about +y lifts it.
     assert!((tau[0].eps - 1.5 * 9.81).abs() < 1e-13, "{}", tau[0]);
     assert!((tau[1].eps - 0.5 * 9.81).abs() < 1e-13, "{}", tau[1]);
@@ -239,12 +225,7 @@ fn a_cast_model_differentiates_in_a_mass() {
 #[test]
 fn a_double_pendulum_by_hand() {
     let model = crate::common::robot("pendulum_2");
-    let tau = rnea_of(
-        &model,
-        &[0.0, -std::f64::consts::FRAC_PI_2],
-        &[0.0; 2],
-        &[0.0; 2],
-    );
+    let tau = rnea_of(&model, &[0.0, -std::f64::consts::FRAC_PI_2], &[0.0; 2], &[0.0; 2]);
     // Masses at x = -0.5 and x = -1, which turning about +y lifts.
     assert!((tau[0] - 1.5 * 9.81).abs() < 1e-13, "{}", tau[0]);
     assert!(tau[1].abs() < 1e-13, "{}", tau[1]);
@@ -256,11 +237,7 @@ fn wrong_lengths_are_errors_not_panics() {
     let mut data = Data::new(&model);
     let (good, bad) = ([0.0; 3], [0.0; 2]);
     let (mut tau, short) = ([0.0; 3], "expected 3 entries, found 2");
-    for (q, v, a) in [
-        (&bad[..], &good[..], &good[..]),
-        (&good, &bad, &good),
-        (&good, &good, &bad),
-    ] {
+    for (q, v, a) in [(&bad[..], &good[..], &good[..]), (&good, &bad, &good), (&good, &good, &bad)] {
         assert_refused(rnea(&model, &mut data, q, v, a, &mut tau), short);
         assert_refused(aba(&model, &mut data, q, v, a, &mut tau), short);
     }
@@ -275,10 +252,7 @@ fn wrong_lengths_are_errors_not_panics() {
     of_frame(&good, &nowhere, (6, 3), "expected 4 entries, found 3");
     of_frame(&bad, tip, (6, 3), short);
     of_frame(&good, tip, (3, 6), "expected 6 entries, found 3");
-    let (other, h) = (
-        crate::common::robot("pendulum_2"),
-        &mut DMatrix::zeros(2, 2),
-    );
+    let (other, h) = (crate::common::robot("pendulum_2"), &mut DMatrix::zeros(2, 2));
     let of_other = crba(&other, &mut data, &bad, h);
     assert_refused(of_other, "data: expected 2 entries, found 3");
 }

@@ -3,8 +3,8 @@
 
 use crate::common::{assert_refused, config, model_and_state, robot};
 use aghf::dynamics::{
-    Data, InverseDynamicsDerivatives, RneaVjp, RneaWeightedHessian, mass_matrix_product_derivative,
-    rnea_derivatives, rnea_second_order, rnea_vjp, rnea_weighted_hessian,
+    Data, InverseDynamicsDerivatives, RneaVjp, RneaWeightedHessian, mass_matrix_product_derivative, rnea_derivatives,
+    rnea_second_order, rnea_vjp, rnea_weighted_hessian,
 };
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;

@@ -3,8 +3,7 @@
 
 use crate::common::{assert_refused, config, model_and_state, robot};
 use aghf::dynamics::{
-    Data, RneaWeightedHessian, RootWrenchDerivatives, forward_kinematics, root_wrench,
-    root_wrench_second_order,
+    Data, RneaWeightedHessian, RootWrenchDerivatives, forward_kinematics, root_wrench, root_wrench_second_order,
 };
 use aghf::scalar::Wide;
 use aghf::spatial::{Force, Inertia, Motion, Placement};
@@ -53,13 +52,6 @@ fn wrong_lengths_are_errors() {
     assert_refused(short, "v: expected 2 entries, found 1");
     let (mut first, mut second) = (RootWrenchDerivatives::new(1), RneaWeightedHessian::new(2));
     let still = |_: &Force<f64>| Motion::zero();
-    let small = root_wrench_second_order(
-        &model,
-        data,
-        [&x; 3].map(|x| &x[..]),
-        still,
-        &mut first,
-        &mut second,
-    );
+    let small = root_wrench_second_order(&model, data, [&x; 3].map(|x| &x[..]), still, &mut first, &mut second);
     assert_refused(small, "columns of jacobian: expected 6 entries, found 3");
 }

@@ -4,9 +4,8 @@
 use crate::common::{assert_refused, config, model_and_state, relative_error, robot};
 use aghf::dynamics::{
     BiasRateDerivatives, Data, ForwardDynamicsDerivatives, ForwardDynamicsSecondDerivatives,
-    InverseDynamicsSecondDerivatives, MassMatrixDerivatives, aba_second_derivatives, bias,
-    bias_rate_derivatives, crba, crba_second_derivatives, mass_matrix_and_rate,
-    mass_matrix_rate_derivatives, rnea_second_derivatives,
+    InverseDynamicsSecondDerivatives, MassMatrixDerivatives, aba_second_derivatives, bias, bias_rate_derivatives, crba,
+    crba_second_derivatives, mass_matrix_and_rate, mass_matrix_rate_derivatives, rnea_second_derivatives,
 };
 use aghf::linalg::Tensor3;
 use aghf::model::{Model, random_chain};
@@ -18,15 +17,8 @@ use proptest::prelude::*;
 const BOUND: f64 = 1e-9;
 
 /// The mixed second derivative of `f` at `x` along two directions.
-fn mixed(
-    f: &impl Fn(&[HyperDual64]) -> Vec<HyperDual64>,
-    x: &[f64],
-    one: &[f64],
-    two: &[f64],
-) -> Vec<f64> {
-    let input: Vec<HyperDual64> = (0..x.len())
-        .map(|i| HyperDual64::new(x[i], one[i], two[i], 0.0))
-        .collect();
+fn mixed(f: &impl Fn(&[HyperDual64]) -> Vec<HyperDual64>, x: &[f64], one: &[f64], two: &[f64]) -> Vec<f64> {
+    let input: Vec<HyperDual64> = (0..x.len()).map(|i| HyperDual64::new(x[i], one[i], two[i], 0.0)).collect();
     f(&input).iter().map(|y| y.eps1eps2).collect()
 }
 
@@ -44,15 +36,9 @@ fn mass(model: &Model, q: &[HyperDual64]) -> Vec<HyperDual64> {
     h.as_slice().to_vec()
 }
 
-fn id_tensors(
-    model: &Model,
-    q: &[f64],
-    v: &[f64],
-    a: &[f64],
-) -> InverseDynamicsSecondDerivatives<f64> {
+fn id_tensors(model: &Model, q: &[f64], v: &[f64], a: &[f64]) -> InverseDynamicsSecondDerivatives<f64> {
     let mut out = InverseDynamicsSecondDerivatives::new(model.dof());
-    rnea_second_derivatives(model, &mut Data::new(model), q, v, a, &mut out)
-        .expect("lengths agree");
+    rnea_second_derivatives(model, &mut Data::new(model), q, v, a, &mut out).expect("lengths agree");
     out
 }
 
@@ -64,10 +50,7 @@ fn mass_tensors(model: &Model, q: &[f64], v: &[f64]) -> MassMatrixDerivatives<f6
 
 fn close(what: &str, a: &[f64], b: &[f64], bound: f64) {
     let error = relative_error(a, b);
-    assert!(
-        error <= bound,
-        "{what} is off by {error:e}, bound {bound:e}"
-    );
+    assert!(error <= bound, "{what} is off by {error:e}, bound {bound:e}");
 }
 
 fn check_rates(model: &Model, x: &[f64], xdot: &[f64]) {
@@ -75,8 +58,7 @@ fn check_rates(model: &Model, x: &[f64], xdot: &[f64]) {
     let (q, v) = x.split_at(n);
     let (qdot, vdot) = xdot.split_at(n);
     let mut dhdot = Tensor3::new(n);
-    mass_matrix_rate_derivatives(&mass_tensors(model, q, v).dqdq, qdot, &mut dhdot)
-        .expect("sizes agree");
+    mass_matrix_rate_derivatives(&mass_tensors(model, q, v).dqdq, qdot, &mut dhdot).expect("sizes agree");
     let by_duals = |k| mixed(&|q: &[HyperDual64]| mass(model, q), q, qdot, &unit(n, k));
     let expected: Vec<f64> = (0..n).flat_map(by_duals).collect();
     close("dHdot/dq", dhdot.entries(), &expected, BOUND);
@@ -187,21 +169,11 @@ fn wrong_lengths_are_errors_not_panics() {
     let (good, bad, short) = ([0.0; 3], [0.0; 2], "expected 3 entries, found 2");
     let mut id = InverseDynamicsSecondDerivatives::new(3);
     let mut mass = MassMatrixDerivatives::new(3);
-    for (q, v, a) in [
-        (&bad[..], &good[..], &good[..]),
-        (&good, &bad, &good),
-        (&good, &good, &bad),
-    ] {
-        assert_refused(
-            rnea_second_derivatives(&model, data, q, v, a, &mut id),
-            short,
-        );
+    for (q, v, a) in [(&bad[..], &good[..], &good[..]), (&good, &bad, &good), (&good, &good, &bad)] {
+        assert_refused(rnea_second_derivatives(&model, data, q, v, a, &mut id), short);
     }
     for (q, v) in [(&bad[..], &good[..]), (&good, &bad)] {
-        assert_refused(
-            crba_second_derivatives(&model, data, q, v, &mut mass),
-            short,
-        );
+        assert_refused(crba_second_derivatives(&model, data, q, v, &mut mass), short);
     }
     let mut small = InverseDynamicsSecondDerivatives::new(2);
     let of_id = rnea_second_derivatives(&model, data, &good, &good, &good, &mut small);
@@ -209,10 +181,9 @@ fn wrong_lengths_are_errors_not_panics() {
     let mut small = MassMatrixDerivatives::new(2);
     let of_h = crba_second_derivatives(&model, data, &good, &good, &mut small);
     assert_refused(of_h, short);
-    for (qdot, size, words) in [
-        (&bad[..], 3, "d2h: expected 2 entries, found 3"),
-        (&good, 2, "out: expected 3 entries, found 2"),
-    ] {
+    for (qdot, size, words) in
+        [(&bad[..], 3, "d2h: expected 2 entries, found 3"), (&good, 2, "out: expected 3 entries, found 2")]
+    {
         let out = &mut Tensor3::new(size);
         assert_refused(mass_matrix_rate_derivatives(&mass.dqdq, qdot, out), words);
     }

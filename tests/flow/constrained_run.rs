@@ -15,11 +15,7 @@ fn the_flow_heeds_constraints() {
     let problem = scenario.problem();
     let settings = FlowSettings::new(9, 1e3, 100.0);
     let limited = |limit: f64, settings: &FlowSettings| {
-        let speed = |side, value| Bound {
-            entry: 1,
-            side,
-            value,
-        };
+        let speed = |side, value| Bound { entry: 1, side, value };
         let constraints = Penalised {
             constraints: Constraints {
                 state: Bounds(vec![speed(Side::Upper, limit), speed(Side::Lower, -limit)]),
@@ -27,14 +23,8 @@ fn the_flow_heeds_constraints() {
                 stage: Default::default(),
             },
             weights: PenaltyWeights {
-                state: Penalty {
-                    k_cons: 1e3,
-                    c_cons: 20.0,
-                },
-                torque: Penalty {
-                    k_cons: 1.0,
-                    c_cons: 1.0,
-                },
+                state: Penalty { k_cons: 1e3, c_cons: 20.0 },
+                torque: Penalty { k_cons: 1.0, c_cons: 1.0 },
             },
         };
         let flow = Flow::new(&problem, settings.clone()).constraints(&constraints);
@@ -53,16 +43,9 @@ fn the_flow_heeds_constraints() {
     assert!((limited(100.0, &settings).x() - free.x()).amax() < 1e-6);
     let limit = 0.9 * fastest(&free);
     let slow = limited(limit, &settings);
-    assert!(
-        fastest(&slow) < 0.97 * fastest(&free),
-        "{} for {limit}",
-        fastest(&slow)
-    );
+    assert!(fastest(&slow) < 0.97 * fastest(&free), "{} for {limit}", fastest(&slow));
     for (name, kind) in JacobianKind::by_name() {
-        let settings = FlowSettings {
-            jacobian: kind,
-            ..settings.clone()
-        };
+        let settings = FlowSettings { jacobian: kind, ..settings.clone() };
         let other = limited(limit, &settings);
         assert!((other.x() - slow.x()).amax() < 1e-3, "{name}");
     }
@@ -78,11 +61,7 @@ fn an_equality_in_the_state_is_refused() {
             self.0.dim()
         }
 
-        fn value<S: AlgebraOver<f64>>(
-            &self,
-            at: &PlacedState<'_, f64, S>,
-            g: &mut [S],
-        ) -> aghf::Result<()> {
+        fn value<S: AlgebraOver<f64>>(&self, at: &PlacedState<'_, f64, S>, g: &mut [S]) -> aghf::Result<()> {
             self.0.value(at, g)
         }
 
@@ -92,25 +71,15 @@ fn an_equality_in_the_state_is_refused() {
     }
     let scenario = Scenario::load("pendulum_1_swingup");
     let problem = scenario.problem();
-    let bound = |value| Bound {
-        entry: 0,
-        side: Side::Upper,
-        value,
-    };
-    let one = Penalty {
-        k_cons: 1.0,
-        c_cons: 1.0,
-    };
+    let bound = |value| Bound { entry: 0, side: Side::Upper, value };
+    let one = Penalty { k_cons: 1.0, c_cons: 1.0 };
     let level = Penalised {
         constraints: Constraints {
             state: vec![Level(Bounds(vec![bound(9.0), bound(1.0)]))],
             torque: TorqueLimits(vec![]),
             stage: Default::default(),
         },
-        weights: PenaltyWeights {
-            state: one,
-            torque: one,
-        },
+        weights: PenaltyWeights { state: one, torque: one },
     };
     let settings = FlowSettings::new(9, 1e3, 1.0);
     let flow = Flow::new(&problem, settings).constraints(&level);

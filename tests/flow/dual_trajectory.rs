@@ -21,21 +21,13 @@ fn a_dual_of_the_control_is_linear_in_it() {
     for joint in 0..3 {
         let alone = ValueAlone(&dual);
         let (t, u) = (0.7, -1.3);
-        assert_close!(
-            &dual.derivatives(t, joint, u),
-            &alone.derivatives(t, joint, u),
-            1e-14
-        );
+        assert_close!(&dual.derivatives(t, joint, u), &alone.derivatives(t, joint, u), 1e-14);
         assert_close!(&dual.rates(t, joint, u), &alone.rates(t, joint, u), 1e-14);
         assert_eq!(dual.rates(t, joint, u)[0] == 0.0, joint == 2);
         let both = (&dual, &alone);
         let doubled = dual.rates(t, joint, u).map(|r| 2.0 * r);
         assert_close!(&both.rates(t, joint, u), &doubled, 1e-14);
-        assert_close!(
-            &[both.value(t, joint, u)],
-            &[2.0 * dual.value(t, joint, u)],
-            1e-14
-        );
+        assert_close!(&[both.value(t, joint, u)], &[2.0 * dual.value(t, joint, u)], 1e-14);
     }
 }
 
@@ -57,24 +49,17 @@ fn a_dual_trajectory_goes_through_its_values() {
         assert_close!(&at_nodes(&lambda, 0), &first, 1e-14);
         let rates = &first * chebyshev.d().transpose();
         assert_close!(&at_nodes(&lambda, 1), &rates, 1e-12);
-        lambda
-            .ascend(0.3, &chebyshev, &second)
-            .expect("same horizon");
+        lambda.ascend(0.3, &chebyshev, &second).expect("same horizon");
         assert_close!(&at_nodes(&lambda, 0), &(first + second * 0.3), 1e-14);
         assert_close!(&[lambda.value(3, 1.0)], &[0.0], 0.0);
     }
     // The step may have another degree.
-    let (few, many) = [3, 9]
-        .map(|p| Chebyshev::new(p, 2.5).expect("a degree"))
-        .into();
+    let (few, many) = [3, 9].map(|p| Chebyshev::new(p, 2.5).expect("a degree")).into();
     let constant = |count: usize, c: f64| DMatrix::from_element(1, count, c);
     for (own, other) in [(&few, &many), (&many, &few)] {
         let count = |c: &Chebyshev| c.degree() + 1;
-        let mut lambda =
-            DualTrajectory::through(own, &constant(count(own), 1.0)).expect("one per node");
-        lambda
-            .ascend(2.0, other, &constant(count(other), 3.0))
-            .expect("same horizon");
+        let mut lambda = DualTrajectory::through(own, &constant(count(own), 1.0)).expect("one per node");
+        lambda.ascend(2.0, other, &constant(count(other), 3.0)).expect("same horizon");
         assert_close!(&[lambda.value(0, 0.4)], &[7.0], 1e-14);
     }
 }

@@ -4,9 +4,7 @@ use crate::common::{assert_refused, point_mass, tree};
 use aghf::constraint::{Bounds, Constraints, StageConstraints, StandingFoot, TorqueLimits};
 use aghf::curve::Curve;
 use aghf::dynamics::Data;
-use aghf::flow::jacobian::{
-    CentralDifference, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian,
-};
+use aghf::flow::jacobian::{CentralDifference, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian};
 use aghf::flow::{Flow, FlowSettings, FootPenalty, Node, Penalised, Penalty, PenaltyWeights};
 use aghf::model::Model;
 use aghf::motion::Problem;
@@ -29,28 +27,15 @@ fn foot(weight: f64) -> StandingFoot {
 }
 
 fn penalised(stage: StageConstraints, k_cons: f64) -> Penalised<Bounds> {
-    let penalty = Penalty {
-        k_cons,
-        c_cons: 200.0,
-    };
+    let penalty = Penalty { k_cons, c_cons: 200.0 };
     Penalised {
-        constraints: Constraints {
-            state: Bounds(Vec::new()),
-            torque: TorqueLimits(Vec::new()),
-            stage,
-        },
-        weights: PenaltyWeights {
-            state: penalty,
-            torque: penalty,
-        },
+        constraints: Constraints { state: Bounds(Vec::new()), torque: TorqueLimits(Vec::new()), stage },
+        weights: PenaltyWeights { state: penalty, torque: penalty },
     }
 }
 
 fn standing(foot: StandingFoot) -> StageConstraints {
-    StageConstraints {
-        foot: Some(foot),
-        ..StageConstraints::NONE
-    }
+    StageConstraints { foot: Some(foot), ..StageConstraints::NONE }
 }
 
 /// The largest row along a curve.
@@ -60,13 +45,8 @@ fn worst(model: &Model, foot: &StandingFoot, curve: &Curve) -> f64 {
     let largest = times.map(|time| {
         let (x, xdot) = curve.at(time);
         let n = model.dof();
-        let [q, v, a] = [
-            &x.as_slice()[..n],
-            &x.as_slice()[n..],
-            &xdot.as_slice()[n..],
-        ];
-        foot.value(model, &mut data, [q, v, a], &mut g)
-            .expect("rows");
+        let [q, v, a] = [&x.as_slice()[..n], &x.as_slice()[n..], &xdot.as_slice()[n..]];
+        foot.value(model, &mut data, [q, v, a], &mut g).expect("rows");
         g.iter().copied().fold(f64::NEG_INFINITY, f64::max)
     });
     largest.fold(f64::NEG_INFINITY, f64::max)
@@ -81,10 +61,7 @@ fn a_mass_stays_on_its_sole() {
     let foot = foot(10.0);
     let run = |k_cons: f64, kind: JacobianKind| {
         let constraints = penalised(standing(foot.clone()), k_cons);
-        let settings = FlowSettings {
-            jacobian: kind,
-            ..FlowSettings::new(12, 1e4, 1e3)
-        };
+        let settings = FlowSettings { jacobian: kind, ..FlowSettings::new(12, 1e4, 1e3) };
         let flow = Flow::new(&problem, settings).constraints(&constraints);
         let solution = flow.run().expect("good input");
         assert_eq!(solution.failure, None, "{kind:?}");
@@ -93,10 +70,7 @@ fn a_mass_stays_on_its_sole() {
     let free = run(1e-9, JacobianKind::ControlForm);
     let kept = run(1e3, JacobianKind::ControlForm);
     let [before, after] = [&free, &kept].map(|curve| worst(&model, &foot, curve));
-    assert!(
-        before > 0.01 && after < 0.2 * before,
-        "{before} and {after}"
-    );
+    assert!(before > 0.01 && after < 0.2 * before, "{before} and {after}");
     for (name, kind) in JacobianKind::by_name() {
         let other = run(1e3, kind);
         assert!((other.x() - kept.x()).amax() < 1e-3, "{name}");
@@ -109,19 +83,10 @@ fn jacobians_of_the_terms_agree() {
     let mut rng = ChaCha8Rng::seed_from_u64(37);
     for (n, seed) in [(2, 1), (4, 3)] {
         let (model, foot) = (tree(n, seed), foot(30.0));
-        let mut state =
-            || -> Vec<f64> { (0..2 * n).map(|_| rng.random_range(-1.0..1.0)).collect() };
+        let mut state = || -> Vec<f64> { (0..2 * n).map(|_| rng.random_range(-1.0..1.0)).collect() };
         let [x, xdot, xddot] = [state(), state(), state()];
-        let node = Node {
-            t: 0.3,
-            x: &x,
-            xdot: &xdot,
-            xddot: &xddot,
-        };
-        let penalty = Penalty {
-            k_cons: 2.0,
-            c_cons: 1.5,
-        };
+        let node = Node { t: 0.3, x: &x, xdot: &xdot, xddot: &xddot };
+        let penalty = Penalty { k_cons: 2.0, c_cons: 1.5 };
         let [mut duals, mut differences] = [(); 2].map(|()| NodeBlocks::new(n));
         ForwardDual::of(FootPenalty::new(&model, &foot, penalty), n)
             .evaluate(node, 7.0, &mut duals)
@@ -141,10 +106,7 @@ fn jacobians_of_the_terms_agree() {
 fn other_rows_are_refused() {
     let model = point_mass(&[Vector3::x()]);
     let problem = Problem::new(&model, vec![0.0; 2], vec![0.2, 0.0], 1.4).expect("valid");
-    let stage = StageConstraints {
-        acceleration: vec![Some(1.0)],
-        ..standing(foot(10.0))
-    };
+    let stage = StageConstraints { acceleration: vec![Some(1.0)], ..standing(foot(10.0)) };
     let constraints = penalised(stage, 1.0);
     let flow = Flow::new(&problem, FlowSettings::new(6, 1e2, 1.0)).constraints(&constraints);
     assert_refused(flow.run(), "the published one also a foot that stands");

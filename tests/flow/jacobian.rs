@@ -4,8 +4,7 @@ mod registry;
 mod theorem_b4;
 
 use crate::common::{
-    any_model, assert_refused, assert_right, config, model_and_node, node, robot, robots, state,
-    wave,
+    any_model, assert_refused, assert_right, config, model_and_node, node, robot, robots, state, wave,
 };
 use aghf::flow::Node;
 use aghf::flow::jacobian::{
@@ -20,9 +19,7 @@ const PENALTIES: [f64; 4] = [1.0, 1e3, 1e7, 1e9];
 
 fn blocks(jacobian: &mut dyn NodeJacobian, parts: &[Vec<f64>; 3], k: f64) -> NodeBlocks {
     let mut out = NodeBlocks::new(parts[0].len() / 2);
-    jacobian
-        .evaluate(node(parts), k, &mut out)
-        .expect("lengths agree");
+    jacobian.evaluate(node(parts), k, &mut out).expect("lengths agree");
     out
 }
 
@@ -78,9 +75,7 @@ proptest! {
 /// States where terms vanish or coincide: a division by zero would show here, a wrong factor in the other tests.
 #[test]
 fn special_states() {
-    let models = robots()
-        .into_iter()
-        .chain((0..6).map(|seed| random_tree(7, seed).expect("seven joints")));
+    let models = robots().into_iter().chain((0..6).map(|seed| random_tree(7, seed).expect("seven joints")));
     for model in models {
         let m = 2 * model.dof();
         let wave = |f: f64| wave(m, f);

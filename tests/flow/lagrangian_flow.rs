@@ -3,14 +3,11 @@
 use crate::common::{assert_refused, node, robot, robots, wave};
 use aghf::constraint::{Bounds, Constraints, TorqueLimits};
 use aghf::curve::Chebyshev;
-use aghf::flow::jacobian::{
-    CentralDifference, ControlFormJacobian, ForwardDual, NodeBlocks, NodeJacobian,
-};
+use aghf::flow::jacobian::{CentralDifference, ControlFormJacobian, ForwardDual, NodeBlocks, NodeJacobian};
 use aghf::flow::{
-    ActuationMetric, ActuationWeights, AffineLagrangian, Collocation, ControlCost, ControlDual,
-    ControlForm, ControlLagrangian, DualTrajectory, FreeDynamics, Lagrangian, LagrangianFlow,
-    Metric, Node, Penalised, Penalty, PenaltyWeights, RightHandSide, StateCost, StateCostTerm, Sum,
-    WithStateCost,
+    ActuationMetric, ActuationWeights, AffineLagrangian, Collocation, ControlCost, ControlDual, ControlForm,
+    ControlLagrangian, DualTrajectory, FreeDynamics, Lagrangian, LagrangianFlow, Metric, Node, Penalised, Penalty,
+    PenaltyWeights, RightHandSide, StateCost, StateCostTerm, Sum, WithStateCost,
 };
 use aghf::model::Model;
 use aghf::scalar::{AlgebraOver, Tanh};
@@ -28,9 +25,7 @@ fn omega_of(mut rhs: impl RightHandSide<f64, f64>, node: Node<'_, f64>) -> Vec<f
 
 fn blocks_of(mut jacobian: impl NodeJacobian, node: Node<'_, f64>) -> NodeBlocks {
     let mut blocks = NodeBlocks::new(node.x.len() / 2);
-    jacobian
-        .evaluate(node, 3.0, &mut blocks)
-        .expect("lengths agree");
+    jacobian.evaluate(node, 3.0, &mut blocks).expect("lengths agree");
     blocks
 }
 
@@ -55,11 +50,7 @@ fn the_paper_is_a_special_case_bit_for_bit() {
         let n = model.dof();
         let parts = parts(n);
         let still = DualTrajectory::new(2.0, DMatrix::zeros(n, 4)).expect("it has columns");
-        let spelt_out = ControlLagrangian {
-            weights: weights(&vec![1.0; n]),
-            slip_dual: Some(still.clone()),
-            cost: (),
-        };
+        let spelt_out = ControlLagrangian { weights: weights(&vec![1.0; n]), slip_dual: Some(still.clone()), cost: () };
         let paper = omega_of(ControlForm::new(&model), node(&parts));
         let ours = omega_of(ControlForm::of(&model, spelt_out.clone()), node(&parts));
         assert_eq!(ours, paper);
@@ -100,10 +91,7 @@ fn in_time() -> ControlLagrangian<f64, &'static Late> {
 #[test]
 fn time_is_held_fixed_in_the_jacobian() {
     let (model, parts) = (robot("pendulum_2"), parts(2));
-    let at = Node {
-        t: 1.3,
-        ..node(&parts)
-    };
+    let at = Node { t: 1.3, ..node(&parts) };
     let right = CentralDifference::of(ControlForm::of(&model, in_time()), 2);
     let by_duals = ForwardDual::of(ControlForm::of(&model, in_time()), 2);
     let ours = blocks_of(ControlFormJacobian::of(&model, in_time()), at);
@@ -123,26 +111,17 @@ fn time_is_held_fixed_in_the_jacobian() {
 #[test]
 fn time_moves_in_the_flow() {
     let (model, parts, lagrangian) = (robot("pendulum_2"), parts(2), in_time());
-    let at = Node {
-        t: 1.3,
-        ..node(&parts)
-    };
+    let at = Node { t: 1.3, ..node(&parts) };
     let metric = lagrangian.metric();
     let by_definition = LagrangianFlow::in_metric(&model, &lagrangian, &metric);
     let of_control = omega_of(ControlForm::of(&model, lagrangian.clone()), at);
     assert_close!(&omega_of(by_definition, at), &of_control, 1e-12);
     let step = 1e-4;
-    let value = |t: f64, x: &[f64], xdot: &[f64]| {
-        lagrangian
-            .value(&model, 1.3 + t, x, xdot, 3.0)
-            .expect("fits")
-    };
+    let value = |t: f64, x: &[f64], xdot: &[f64]| lagrangian.value(&model, 1.3 + t, x, xdot, 3.0).expect("fits");
     let momentum = |t: f64, i: usize| {
         let moved = |x: &[f64], rate: &[f64], second: &[f64]| -> Vec<f64> {
             let terms = x.iter().zip(rate).zip(second);
-            terms
-                .map(|((x, v), a)| x + t * v + 0.5 * t * t * a)
-                .collect()
+            terms.map(|((x, v), a)| x + t * v + 0.5 * t * t * a).collect()
         };
         let x = moved(&parts[0], &parts[1], &parts[2]);
         let mut xdot = moved(&parts[1], &parts[2], &[0.0; 4]);
@@ -164,9 +143,7 @@ fn time_moves_in_the_flow() {
         rate - gradient(i)
     });
     let mut omega: Vec<f64> = expression.collect();
-    metric
-        .raise(&model, 1.3, &parts[0], 3.0, &mut omega)
-        .expect("fits");
+    metric.raise(&model, 1.3, &parts[0], 3.0, &mut omega).expect("fits");
     assert_close!(&of_control, &omega, 1e-4);
 }
 
@@ -176,14 +153,8 @@ fn the_affine_lagrangian_of_the_free_dynamics_is_the_effort() {
     let model = robot("pendulum_3");
     let parts = parts(3);
     for of in [[1.0, 1.0, 1.0], [1.0, 0.5, 30.0]] {
-        let control: ControlLagrangian = ControlLagrangian {
-            weights: weights(&of),
-            ..ControlLagrangian::default()
-        };
-        let affine = AffineLagrangian {
-            drift: FreeDynamics,
-            metric: control.metric(),
-        };
+        let control: ControlLagrangian = ControlLagrangian { weights: weights(&of), ..ControlLagrangian::default() };
+        let affine = AffineLagrangian { drift: FreeDynamics, metric: control.metric() };
         let value = |l: &dyn Fn() -> aghf::Result<f64>| l().expect("fits");
         let [x, xdot, _] = &parts;
         let of_affine = value(&|| affine.value(&model, 0.0, x, xdot, 3.0));
@@ -207,46 +178,25 @@ fn terms_of_the_state_in_the_metric_with_weights() {
     }
     let model = robot("pendulum_2");
     let parts = parts(2);
-    let at = Node {
-        t: 0.8,
-        ..node(&parts)
-    };
-    let control: ControlLagrangian = ControlLagrangian {
-        weights: weights(&[1.0, 30.0]),
-        ..ControlLagrangian::default()
-    };
-    let whole = WithStateCost {
-        lagrangian: &control,
-        cost: Place,
-    };
+    let at = Node { t: 0.8, ..node(&parts) };
+    let control: ControlLagrangian =
+        ControlLagrangian { weights: weights(&[1.0, 30.0]), ..ControlLagrangian::default() };
+    let whole = WithStateCost { lagrangian: &control, cost: Place };
     let definition = LagrangianFlow::in_metric(&model, &whole, control.metric());
     let term = || StateCostTerm::new(&model, control.weights.clone(), Place);
     let sum = Sum::new(ControlForm::of(&model, control.clone()), term());
     assert_close!(&omega_of(sum, at), &omega_of(definition, at), 1e-11);
-    let by_duals = ForwardDual::of(
-        StateCostTerm::new(&model, control.weights.clone(), Place),
-        2,
-    );
-    assert_close!(
-        &blocks_of(term(), at).dx,
-        &blocks_of(by_duals, at).dx,
-        1e-11
-    );
+    let by_duals = ForwardDual::of(StateCostTerm::new(&model, control.weights.clone(), Place), 2);
+    assert_close!(&blocks_of(term(), at).dx, &blocks_of(by_duals, at).dx, 1e-11);
 
-    let penalty = Penalty {
-        k_cons: 3.0,
-        c_cons: 0.7,
-    };
+    let penalty = Penalty { k_cons: 3.0, c_cons: 0.7 };
     let constraints = Penalised {
         constraints: Constraints {
             state: Bounds::positions(&model),
             torque: TorqueLimits(vec![Some(0.5), None]),
             stage: Default::default(),
         },
-        weights: PenaltyWeights {
-            state: penalty,
-            torque: penalty,
-        },
+        weights: PenaltyWeights { state: penalty, torque: penalty },
     };
     let ours = blocks_of(constraints.jacobian_of(&model, control.clone()), at);
     let flow = constraints.right_hand_side_of(&model, control.clone());
@@ -259,8 +209,7 @@ fn terms_of_the_state_in_the_metric_with_weights() {
 #[test]
 fn a_node_of_a_collocation_knows_its_time() {
     let chebyshev = Chebyshev::new(6, 2.5).expect("a degree");
-    let collocation =
-        Collocation::<f64, f64>::new(&chebyshev, &[0.0; 4], &[1.0; 4]).expect("as long");
+    let collocation = Collocation::<f64, f64>::new(&chebyshev, &[0.0; 4], &[1.0; 4]).expect("as long");
     let times: Vec<f64> = (0..=6).map(|i| collocation.node(i).t).collect();
     assert_eq!(times, chebyshev.times());
 }
@@ -268,10 +217,7 @@ fn a_node_of_a_collocation_knows_its_time() {
 #[test]
 fn what_does_not_fit_is_refused() {
     let zero = ActuationWeights::diagonal(vec![1.0, 0.0]);
-    assert_refused(
-        zero,
-        "weights: weight of joint 1: it is zero, the metric would be singular",
-    );
+    assert_refused(zero, "weights: weight of joint 1: it is zero, the metric would be singular");
     let lambda = DualTrajectory::new(1.0, DMatrix::zeros(2, 1)).expect("a column");
     let model = robot("pendulum_3");
     let parts = parts(3);
@@ -285,20 +231,12 @@ fn what_does_not_fit_is_refused() {
         let value = lagrangian.value(&model, 0.0, &parts[0], &parts[1], 1.0);
         assert_refused(value, words);
     };
-    let two_weights = ControlLagrangian {
-        weights: weights(&[1.0, 2.0]),
-        ..ControlLagrangian::default()
-    };
+    let two_weights = ControlLagrangian { weights: weights(&[1.0, 2.0]), ..ControlLagrangian::default() };
     refused(two_weights, "weights: expected 3 entries, found 2");
-    let two_components = ControlLagrangian {
-        slip_dual: Some(lambda),
-        ..ControlLagrangian::default()
-    };
+    let two_components = ControlLagrangian { slip_dual: Some(lambda), ..ControlLagrangian::default() };
     let words = "components of the dual of the slip: expected 3 entries, found 2";
     refused(two_components, words);
-    let metric = ActuationMetric {
-        weights: weights(&[1.0; 2]),
-    };
+    let metric = ActuationMetric { weights: weights(&[1.0; 2]) };
     let matrix = metric.matrix(&model, 0.0, &parts[0], 1.0);
     assert_refused(matrix, "weights: expected 3 entries, found 2");
 }
@@ -308,13 +246,7 @@ fn what_does_not_fit_is_refused() {
 fn a_metric_by_its_matrix_is_inverted() {
     struct Mass;
     impl Metric for Mass {
-        fn matrix<S: AlgebraOver<f64> + Tanh>(
-            &self,
-            model: &Model,
-            t: S,
-            x: &[S],
-            k: f64,
-        ) -> aghf::Result<DMatrix<S>> {
+        fn matrix<S: AlgebraOver<f64> + Tanh>(&self, model: &Model, t: S, x: &[S], k: f64) -> aghf::Result<DMatrix<S>> {
             let g = ActuationMetric::default().matrix(model, t, x, k)?;
             let n = g.nrows();
             Ok(g * (S::one() + t) + DMatrix::identity(n, n))

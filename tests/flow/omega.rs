@@ -3,9 +3,7 @@
 use crate::common::{any_model, config, model_and_node, node, robot, robots, solve_bound, tree};
 use aghf::dynamics::{Data, rnea};
 use aghf::flow::jacobian::{ForwardDual, NodeBlocks, NodeJacobian};
-use aghf::flow::{
-    AlgorithmB1, ControlForm, Node, RightHandSide, lagrangian, lagrangian_of_control,
-};
+use aghf::flow::{AlgorithmB1, ControlForm, Node, RightHandSide, lagrangian, lagrangian_of_control};
 use aghf::model::Model;
 use aghf::motion::control_at;
 use aghf::scalar::{AlgebraOver, Tanh};
@@ -19,8 +17,7 @@ const PENALTIES: [f64; 3] = [1.0, 1e3, 1e9];
 
 fn omega_of(mut rhs: impl RightHandSide<f64, f64>, parts: &[Vec<f64>; 3], k: f64) -> DVector<f64> {
     let mut omega = DVector::zeros(parts[0].len());
-    rhs.omega(node(parts), k, omega.as_mut_slice())
-        .expect("lengths agree");
+    rhs.omega(node(parts), k, omega.as_mut_slice()).expect("lengths agree");
     omega
 }
 
@@ -122,26 +119,17 @@ fn omega_on_digit_equals_the_definition_at_a_thousand_states() {
     let mut worst = 0.0_f64;
     for _ in 0..1000 {
         let n = 2 * model.dof();
-        let state = (
-            crate::common::numbers(n),
-            crate::common::numbers(n),
-            crate::common::numbers(n),
-        );
+        let state = (crate::common::numbers(n), crate::common::numbers(n), crate::common::numbers(n));
         let (x, xdot, xddot) = state.new_tree(&mut runner).expect("no filter").current();
         let parts = [x, xdot, xddot];
         for k in [1.0, 1e7] {
             let definition = omega_by_definition(&model, &parts, k);
-            for omega in [
-                omega_of(ControlForm::new(&model), &parts, k),
-                omega_of(AlgorithmB1::new(&model), &parts, k),
-            ] {
+            for omega in [omega_of(ControlForm::new(&model), &parts, k), omega_of(AlgorithmB1::new(&model), &parts, k)]
+            {
                 // Each half is compared relative to its own size.
                 for half in [0, model.dof()] {
                     let rows = half..half + model.dof();
-                    let (a, b) = (
-                        &omega.as_slice()[rows.clone()],
-                        &definition.as_slice()[rows],
-                    );
+                    let (a, b) = (&omega.as_slice()[rows.clone()], &definition.as_slice()[rows]);
                     worst = worst.max(crate::common::relative_error(a, b));
                 }
             }
@@ -159,12 +147,9 @@ fn the_jacobian_does_not_depend_on_the_form() {
         let parts = [0.7, 1.3, 2.1].map(|f| crate::common::wave(2 * n, f));
         for k in PENALTIES {
             let (mut one, mut two) = (NodeBlocks::new(n), NodeBlocks::new(n));
-            ForwardDual::new(&model)
-                .evaluate(node(&parts), k, &mut one)
-                .expect("lengths agree");
+            ForwardDual::new(&model).evaluate(node(&parts), k, &mut one).expect("lengths agree");
             let mut b1 = ForwardDual::of(AlgorithmB1::new(&model), n);
-            b1.evaluate(node(&parts), k, &mut two)
-                .expect("lengths agree");
+            b1.evaluate(node(&parts), k, &mut two).expect("lengths agree");
             let bound = 10.0 * bound(&model, &parts[0]);
             assert_close!(&one.dx, &two.dx, bound);
             assert_close!(&one.dxdot, &two.dxdot, bound);
@@ -179,31 +164,18 @@ fn omega_of_a_resting_pendulum_by_hand() {
     let model = robot("pendulum_1");
     let parts = [vec![0.0, 0.0], vec![0.0, 0.0], vec![0.0, 0.0]];
     // Level, u = 9.81 / 2 and du/dq = 0: a maximum of |u|^2, so the flow does not move.
-    assert_close!(
-        &omega_of(ControlForm::new(&model), &parts, 5.0),
-        &[0.0, 0.0],
-        1e-15
-    );
+    assert_close!(&omega_of(ControlForm::new(&model), &parts, 5.0), &[0.0, 0.0], 1e-15);
     // At q: u = 4.905 cos q, Omega_P1 = -(2 / k) (du/dq) u = (2 / k) 4.905^2 sin q cos q.
     let q = 0.3_f64;
     let parts = [vec![q, 0.0], vec![0.0, 0.0], vec![0.0, 0.0]];
     let expected = 2.0 / 5.0 * 4.905 * 4.905 * q.sin() * q.cos();
-    assert_close!(
-        &omega_of(ControlForm::new(&model), &parts, 5.0),
-        &[expected, 0.0],
-        1e-14
-    );
+    assert_close!(&omega_of(ControlForm::new(&model), &parts, 5.0), &[expected, 0.0], 1e-14);
 }
 
 #[test]
 fn wrong_lengths_are_errors() {
     fn refused<S: AlgebraOver<f64> + Tanh>(model: &Model, short: &[S], long: &[S]) {
-        let node = Node {
-            t: S::zero(),
-            x: long,
-            xdot: short,
-            xddot: long,
-        };
+        let node = Node { t: S::zero(), x: long, xdot: short, xddot: long };
         let mut omega = long.to_vec();
         let words = "xdot: expected 4 entries, found 3";
         let by_control = ControlForm::new(model).omega(node, 1.0, &mut omega);

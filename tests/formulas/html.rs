@@ -64,8 +64,7 @@ fn prose(text: &str, out: &mut Rendered) {
         let delimiter = if formula.starts_with("$$") { "$$" } else { "$" };
         let inside = &formula[delimiter.len()..];
         let Some(end) = inside.find(delimiter) else {
-            out.faults
-                .push(format!("a dollar without another: '{formula}'"));
+            out.faults.push(format!("a dollar without another: '{formula}'"));
             out.text += formula;
             return;
         };
@@ -97,7 +96,5 @@ fn unescaped(text: &str) -> String {
         ("…", "..."),
         ("&amp;", "&"),
     ];
-    pairs
-        .iter()
-        .fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
+    pairs.iter().fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
 }

@@ -36,12 +36,7 @@ fn run() -> Result<String, String> {
     for page in files(&pages, "html")? {
         let text = read(&page)?;
         let found = html::with_mathml(&text);
-        faults.extend(
-            found
-                .faults
-                .iter()
-                .map(|fault| format!("{}: {fault}", page.display())),
-        );
+        faults.extend(found.faults.iter().map(|fault| format!("{}: {fault}", page.display())));
         if found.formulas > 0 {
             rendered += found.formulas;
             write(&page, &found.text)?;
@@ -52,11 +47,7 @@ fn run() -> Result<String, String> {
     if !faults.is_empty() {
         return Err(faults.join("\n"));
     }
-    Ok(format!(
-        "{} formulas rendered below {}",
-        rendered + proofs.formulas,
-        target.join("doc").display()
-    ))
+    Ok(format!("{} formulas rendered below {}", rendered + proofs.formulas, target.join("doc").display()))
 }
 
 /// The folder of the repository.
@@ -68,16 +59,10 @@ fn root() -> PathBuf {
 /// The files below a folder with this ending, sorted.
 fn files(folder: &Path, ending: &str) -> Result<Vec<PathBuf>, String> {
     let mut found = Vec::new();
-    let entries = std::fs::read_dir(folder).map_err(|error| {
-        format!(
-            "{}: {error}; `cargo doc --no-deps` makes it",
-            folder.display()
-        )
-    })?;
+    let entries = std::fs::read_dir(folder)
+        .map_err(|error| format!("{}: {error}; `cargo doc --no-deps` makes it", folder.display()))?;
     for entry in entries {
-        let path = entry
-            .map_err(|error| format!("{}: {error}", folder.display()))?
-            .path();
+        let path = entry.map_err(|error| format!("{}: {error}", folder.display()))?.path();
         if path.is_dir() {
             found.extend(files(&path, ending)?);
         } else if path.extension().is_some_and(|own| own == ending) {

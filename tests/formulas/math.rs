@@ -12,11 +12,7 @@ pub fn mathml(latex: &str, display: bool) -> Result<String, String> {
     let events: Result<Vec<_>, _> = Parser::new(latex, &storage).collect();
     let events = events.map_err(|error| format!("'{latex}': {error}"))?;
     let config = RenderConfig {
-        display_mode: if display {
-            DisplayMode::Block
-        } else {
-            DisplayMode::Inline
-        },
+        display_mode: if display { DisplayMode::Block } else { DisplayMode::Inline },
         ..RenderConfig::default()
     };
     let mut text = String::new();

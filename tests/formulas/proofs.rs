@@ -16,11 +16,7 @@ pub fn write_pages(from: &Path, to: &Path) -> Result<Rendered, String> {
         let named = |fault: &String| format!("{}: {fault}", path.display());
         all.faults.extend(page.faults.iter().map(named));
         all.formulas += page.formulas;
-        let name = if name == "README" {
-            "index".into()
-        } else {
-            name
-        };
+        let name = if name == "README" { "index".into() } else { name };
         write(&to.join(format!("{name}.html")), &page.text)?;
     }
     Ok(all)
@@ -35,29 +31,14 @@ pub fn page(markdown: &str) -> Rendered {
             Event::InlineMath(latex) => formula(&latex, false, &mut all),
             Event::DisplayMath(latex) => formula(&latex, true, &mut all),
             // Links between pages.
-            Event::Start(Tag::Link {
-                link_type,
-                dest_url,
-                title,
-                id,
-            }) => {
+            Event::Start(Tag::Link { link_type, dest_url, title, id }) => {
                 let dest_url = CowStr::from(target_of(&dest_url));
-                Event::Start(Tag::Link {
-                    link_type,
-                    dest_url,
-                    title,
-                    id,
-                })
+                Event::Start(Tag::Link { link_type, dest_url, title, id })
             }
             other => other,
         })
         .collect();
-    let title = markdown
-        .lines()
-        .next()
-        .unwrap_or_default()
-        .trim_start_matches('#')
-        .trim();
+    let title = markdown.lines().next().unwrap_or_default().trim_start_matches('#').trim();
     let mut body = String::new();
     push_html(&mut body, events.into_iter());
     all.text = format!(
@@ -72,9 +53,7 @@ pub fn page(markdown: &str) -> Rendered {
 fn target_of(link: &str) -> String {
     match link.strip_prefix("../src/") {
         Some(source) if source.ends_with(".rs") => format!("../src/aghf/{source}.html"),
-        _ => link
-            .replace("README.md", "index.html")
-            .replace(".md", ".html"),
+        _ => link.replace("README.md", "index.html").replace(".md", ".html"),
     }
 }
 

@@ -9,9 +9,7 @@ use crate::{files, read, root};
 fn doc_comments(source: &str) -> String {
     let prose = source.lines().map(|line| {
         let line = line.trim_start();
-        let comment = line
-            .strip_prefix("///")
-            .or_else(|| line.strip_prefix("//!"));
+        let comment = line.strip_prefix("///").or_else(|| line.strip_prefix("//!"));
         comment.map_or("", |text| text.strip_prefix(' ').unwrap_or(text))
     });
     prose.collect::<Vec<_>>().join("\n")
@@ -39,12 +37,7 @@ fn every_formula_of_the_documentation_parses() {
         let own = found.faults.into_iter().chain(lost.map(str::to_owned));
         faults.extend(own.map(|fault| format!("{}: {fault}", path.display())));
     }
-    assert!(
-        faults.is_empty(),
-        "{} faults:\n{}",
-        faults.len(),
-        faults.join("\n")
-    );
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
     assert!(formulas > 500, "{formulas} formulas");
 }
 
@@ -85,12 +78,7 @@ fn every_formula_of_the_proofs_parses() {
     let mut formulas = 0;
     for path in files(&root().join("proofs"), "md").expect("it is there") {
         let page = page(&read(&path).expect("it is text"));
-        assert!(
-            page.faults.is_empty(),
-            "{}: {:#?}",
-            path.display(),
-            page.faults
-        );
+        assert!(page.faults.is_empty(), "{}: {:#?}", path.display(), page.faults);
         formulas += page.formulas;
     }
     assert!(formulas > 100, "{formulas} formulas");
@@ -102,54 +90,27 @@ fn formulas_in_prose_are_rendered_and_code_is_not() {
     let found = with_mathml(page);
     assert_eq!((found.formulas, found.faults.len()), (2, 0));
     assert!(found.text.contains("<math"), "{}", found.text);
-    assert!(
-        found.text.contains("<mfrac>") && found.text.contains("display=\"block\""),
-        "{}",
-        found.text
-    );
+    assert!(found.text.contains("<mfrac>") && found.text.contains("display=\"block\""), "{}", found.text);
     assert!(found.text.contains("<code>$y$</code>") && found.text.contains("'$b$ < $c$'"));
-    assert_eq!(
-        with_mathml(&found.text).formulas,
-        0,
-        "a page is rendered once"
-    );
+    assert_eq!(with_mathml(&found.text).formulas, 0, "a page is rendered once");
 }
 
 #[test]
 fn what_does_not_parse_is_a_fault_that_names_it() {
-    for bad in [
-        "<p>$\\frac{1}$</p>",
-        "<p>$a {b$</p>",
-        "<p>costs 5 $ a piece</p>",
-        "<p>$\\nosuchthing$</p>",
-    ] {
+    for bad in ["<p>$\\frac{1}$</p>", "<p>$a {b$</p>", "<p>costs 5 $ a piece</p>", "<p>$\\nosuchthing$</p>"] {
         let found = with_mathml(bad);
         assert_eq!(found.faults.len(), 1, "{bad}");
         assert_eq!((found.formulas, found.text.as_str()), (0, bad));
     }
     assert!(mathml("x^2_i", false).is_ok());
     let fault = page("# P\n\n$$\\left( a$$\n").faults;
-    assert!(
-        fault.len() == 1 && fault[0].contains("\\left( a"),
-        "{fault:?}"
-    );
+    assert!(fault.len() == 1 && fault[0].contains("\\left( a"), "{fault:?}");
 }
 
 #[test]
 fn links_of_a_page_lead_to_pages_and_sources() {
-    let page = page(
-        "# P\n\n[a](theorem_b4.md#b6) [b](README.md) [c](../src/flow/mod.rs) [d](https://example.org/x)\n",
-    );
-    for link in [
-        "theorem_b4.html#b6",
-        "index.html",
-        "../src/aghf/flow/mod.rs.html",
-        "https://example.org/x",
-    ] {
-        assert!(
-            page.text.contains(&format!("href=\"{link}\"")),
-            "{link} in {}",
-            page.text
-        );
+    let page = page("# P\n\n[a](theorem_b4.md#b6) [b](README.md) [c](../src/flow/mod.rs) [d](https://example.org/x)\n");
+    for link in ["theorem_b4.html#b6", "index.html", "../src/aghf/flow/mod.rs.html", "https://example.org/x"] {
+        assert!(page.text.contains(&format!("href=\"{link}\"")), "{link} in {}", page.text);
     }
 }

@@ -23,10 +23,7 @@ fn tree(balls: &[CollisionSphere]) -> BallTree {
 }
 
 fn sphere(ball: &CollisionSphere) -> Sphere {
-    Sphere {
-        centre: ball.centre,
-        radius: ball.radius,
-    }
+    Sphere { centre: ball.centre, radius: ball.radius }
 }
 
 proptest! {

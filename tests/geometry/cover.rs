@@ -21,14 +21,8 @@ fn point(shape: &Shape, rng: &mut ChaCha8Rng) -> Vector3<f64> {
     match *shape {
         Shape::Sphere { radius } => Vector3::new(a, b, c).cap_magnitude(1.0) * radius,
         Shape::Cuboid { half_extents } => Vector3::new(a, b, c).component_mul(&half_extents),
-        Shape::Cylinder {
-            radius,
-            half_length,
-        } => around(radius) + Vector3::z() * (half_length * c),
-        Shape::Capsule {
-            radius,
-            half_length,
-        } => {
+        Shape::Cylinder { radius, half_length } => around(radius) + Vector3::z() * (half_length * c),
+        Shape::Capsule { radius, half_length } => {
             let ball = Vector3::new(a, b, c).cap_magnitude(1.0) * radius;
             ball + Vector3::z() * (half_length * if c < 0.0 { -1.0 } else { b })
         }
@@ -39,24 +33,11 @@ fn point(shape: &Shape, rng: &mut ChaCha8Rng) -> Vector3<f64> {
 fn shapes() -> [Shape; 6] {
     [
         Shape::Sphere { radius: 0.1 },
-        Shape::Cuboid {
-            half_extents: Vector3::new(0.2, 0.07, 0.001),
-        },
-        Shape::Cuboid {
-            half_extents: Vector3::new(0.1, 0.1, 0.3),
-        },
-        Shape::Cylinder {
-            radius: 0.04,
-            half_length: 0.2,
-        },
-        Shape::Cylinder {
-            radius: 0.23,
-            half_length: 0.06,
-        },
-        Shape::Capsule {
-            radius: 0.03,
-            half_length: 0.2,
-        },
+        Shape::Cuboid { half_extents: Vector3::new(0.2, 0.07, 0.001) },
+        Shape::Cuboid { half_extents: Vector3::new(0.1, 0.1, 0.3) },
+        Shape::Cylinder { radius: 0.04, half_length: 0.2 },
+        Shape::Cylinder { radius: 0.23, half_length: 0.06 },
+        Shape::Capsule { radius: 0.03, half_length: 0.2 },
     ]
 }
 
@@ -96,11 +77,7 @@ fn every_point_of_a_shape_is_in_a_ball_and_no_ball_sticks_out_further_than_is_sa
             assert!(cover.excess <= excess, "{shape:?}, {excess}");
             // Up to rounding of radii.
             assert!(found <= cover.excess + 1e-8, "{shape:?}, {excess}: {found}");
-            assert!(
-                found >= 0.75 * cover.excess,
-                "it is no loose bound: {found}, {}",
-                cover.excess
-            );
+            assert!(found >= 0.75 * cover.excess, "it is no loose bound: {found}, {}", cover.excess);
         }
     }
 }
@@ -139,11 +116,9 @@ fn the_cover_of_a_placed_shape_is_placed() {
 
 #[test]
 fn senseless_numbers_are_refused() {
-    for (excess, words) in [
-        (0.0, "excess: it is 0"),
-        (f64::NAN, "excess: it is NaN"),
-        (1e-6, "cut into more than 100000000 cells"),
-    ] {
+    for (excess, words) in
+        [(0.0, "excess: it is 0"), (f64::NAN, "excess: it is NaN"), (1e-6, "cut into more than 100000000 cells")]
+    {
         for shape in [shapes()[2], shapes()[4]] {
             let error = shape.cover(excess).expect_err("senseless").to_string();
             assert!(error.contains(words), "{error}");
@@ -170,12 +145,7 @@ fn senseless_numbers_are_refused() {
 
 /// The faces of a tetrahedron with corners at the origin and on the axes.
 fn tetrahedron() -> Vec<Triangle> {
-    let corners = [
-        Vector3::zeros(),
-        Vector3::x(),
-        Vector3::y() * 0.5,
-        Vector3::z() * 0.25,
-    ];
+    let corners = [Vector3::zeros(), Vector3::x(), Vector3::y() * 0.5, Vector3::z() * 0.25];
     let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
     faces.map(|face| face.map(|i| corners[i])).to_vec()
 }
@@ -228,28 +198,21 @@ fn a_gap_or_an_inner_wall_changes_little() {
     let rng = &mut ChaCha8Rng::seed_from_u64(6);
     let face = |z: f64, x: [f64; 2]| {
         let at = |x: f64, y: f64| Vector3::new(x, y, z);
-        let [a, b, c, d] = [
-            at(x[0], -0.08),
-            at(x[1], -0.08),
-            at(x[1], 0.08),
-            at(x[0], 0.08),
-        ];
+        let [a, b, c, d] = [at(x[0], -0.08), at(x[1], -0.08), at(x[1], 0.08), at(x[0], 0.08)];
         [[a, b, c], [a, c, d]]
     };
     let walls = |h: [f64; 2]| {
-        [[h[0], -h[1], h[0], h[1]], [-h[0], h[1], h[0], h[1]]]
-            .into_iter()
-            .flat_map(|[a, b, c, d]| {
-                let at = move |side: f64, z: f64, first: bool| match first {
-                    true => Vector3::new(side * a, side * b, z),
-                    false => Vector3::new(side * c, side * d, z),
-                };
-                [-1.0, 1.0].into_iter().flat_map(move |side| {
-                    let [p, q] = [at(side, -0.05, true), at(side, -0.05, false)];
-                    let [r, s] = [at(side, 0.05, true), at(side, 0.05, false)];
-                    [[p, q, s], [p, s, r]]
-                })
+        [[h[0], -h[1], h[0], h[1]], [-h[0], h[1], h[0], h[1]]].into_iter().flat_map(|[a, b, c, d]| {
+            let at = move |side: f64, z: f64, first: bool| match first {
+                true => Vector3::new(side * a, side * b, z),
+                false => Vector3::new(side * c, side * d, z),
+            };
+            [-1.0, 1.0].into_iter().flat_map(move |side| {
+                let [p, q] = [at(side, -0.05, true), at(side, -0.05, false)];
+                let [r, s] = [at(side, 0.05, true), at(side, 0.05, false)];
+                [[p, q, s], [p, s, r]]
             })
+        })
     };
     // A box with a slit of 2 mm in its lid, less than a cell, and a floor inside.
     let mut triangles: Vec<Triangle> = walls([0.1, 0.08]).collect();
@@ -258,11 +221,7 @@ fn a_gap_or_an_inner_wall_changes_little() {
     triangles.extend(face(0.05, [0.002, 0.1]));
     triangles.extend(face(0.01, [-0.08, 0.08]));
     let cover = cover_triangles(&triangles, excess).expect("sensible");
-    assert!(
-        cover.balls.len() < 2 * whole,
-        "{}, {whole}",
-        cover.balls.len()
-    );
+    assert!(cover.balls.len() < 2 * whole, "{}, {whole}", cover.balls.len());
     assert!(sticks_out(&cover, &shape, rng) <= excess + 1e-8);
     for _ in 0..3000 {
         assert!(is_covered(&cover, &point(&shape, rng)));
@@ -270,9 +229,7 @@ fn a_gap_or_an_inner_wall_changes_little() {
 }
 
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("meshes")
-        .join(name);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("meshes").join(name);
     std::fs::create_dir_all(&folder).expect("the folder is writable");
     folder
 }
@@ -286,10 +243,7 @@ const STL: &str = "solid two\n\
 fn binary() -> Vec<u8> {
     let mut bytes = vec![0_u8; 80];
     bytes.extend(2_u32.to_le_bytes());
-    for triangle in [
-        [[0, 0, 0], [1, 0, 0], [0, 2, 0]],
-        [[0, 0, 0], [0, 2, 0], [0, 0, 3]],
-    ] {
+    for triangle in [[[0, 0, 0], [1, 0, 0], [0, 2, 0]], [[0, 0, 0], [0, 2, 0], [0, 0, 3]]] {
         bytes.extend([0_u8; 12]);
         for x in triangle.as_flattened() {
             bytes.extend((*x as f32).to_le_bytes());
@@ -310,12 +264,7 @@ fn meshes_are_found_and_read_in_each_format() {
     // Exporters write the first word of a text into the header of binary files.
     let mut solid = binary();
     solid[..12].copy_from_slice(b"solid facet ");
-    for (name, bytes) in [
-        ("a.obj", OBJ.into()),
-        ("a.stl", STL.into()),
-        ("b.STL", binary()),
-        ("solid.stl", solid),
-    ] {
+    for (name, bytes) in [("a.obj", OBJ.into()), ("a.stl", STL.into()), ("b.STL", binary()), ("solid.stl", solid)] {
         std::fs::write(meshes.join(name), bytes).expect("the folder is writable");
     }
     let expected = [
@@ -345,33 +294,17 @@ fn meshes_that_cannot_be_read_are_refused_by_name() {
     for (name, bytes, words) in [
         ("a.ply", "", "only STL, OBJ and COLLADA;convert it"),
         ("a.dae", "", "a.dae: mesh: not a valid COLLADA file"),
-        (
-            "cut.stl",
-            "solid two\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nver",
-            "cut.stl: mesh: ",
-        ),
+        ("cut.stl", "solid two\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nver", "cut.stl: mesh: "),
         ("empty.obj", "v 0 0 0\n", "no triangles"),
         ("face.obj", "v 0 0 0\nf 1 2 3\n", "face.obj: mesh: "),
-        (
-            "nan.obj",
-            "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
-            "nan.obj: mesh: ",
-        ),
+        ("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "nan.obj: mesh: "),
     ] {
         std::fs::write(folder.join(name), bytes).expect("the folder is writable");
         let error = load_mesh(name, &folder, &one).expect_err(name).to_string();
-        assert!(
-            words.split(';').all(|w| error.contains(w)),
-            "{error}; {words}"
-        );
+        assert!(words.split(';').all(|w| error.contains(w)), "{error}; {words}");
     }
     std::fs::write(folder.join("binary.stl"), cut).expect("the folder is writable");
     assert!(load_mesh("binary.stl", &folder, &one).is_err());
-    let error = load_mesh("package://none/a.stl", &folder, &one)
-        .expect_err("none")
-        .to_string();
-    assert!(
-        error.contains("package://none/a.stl") && error.contains("no such file"),
-        "{error}"
-    );
+    let error = load_mesh("package://none/a.stl", &folder, &one).expect_err("none").to_string();
+    assert!(error.contains("package://none/a.stl") && error.contains("no such file"), "{error}");
 }

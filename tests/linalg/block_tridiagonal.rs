@@ -16,11 +16,7 @@ fn random(rng: &mut ChaCha8Rng, rows: usize, columns: usize) -> DMatrix<f64> {
 #[test]
 fn the_factors_of_a_block_tridiagonal_matrix_solve() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
-    let of_free_end = Continuity {
-        free_final_velocity: true,
-        free_final_position: true,
-        ..Continuity::default()
-    };
+    let of_free_end = Continuity { free_final_velocity: true, free_final_position: true, ..Continuity::default() };
     // One block is larger than a panel of the factorisation.
     let model = random_tree(4, 9).expect("n > 0");
     let basis = Basis::new(3, 16, of_free_end);

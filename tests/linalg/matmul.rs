@@ -11,11 +11,7 @@ fn factors() -> impl Strategy<Value = [DMatrix<f64>; 2]> {
     (1..400_usize, 1..400_usize, 1..400_usize, any::<u64>()).prop_map(|(m, k, n, seed)| {
         let entry = |i: usize, j: usize, f: f64| {
             let angle = f * (i + 1) as f64 + (seed % 1000) as f64 * (j + 1) as f64;
-            if (i + j).is_multiple_of(11) {
-                0.0
-            } else {
-                angle.sin() * 10.0_f64.powi((i * j % 7) as i32 - 3)
-            }
+            if (i + j).is_multiple_of(11) { 0.0 } else { angle.sin() * 10.0_f64.powi((i * j % 7) as i32 - 3) }
         };
         let a = DMatrix::from_fn(m, k, |i, j| entry(i, j, 0.7));
         let b = DMatrix::from_fn(k, n, |i, j| entry(i, j, 1.3));

@@ -38,40 +38,16 @@ fn contractions_are_the_sums_that_they_say() {
     let sum = |f: &dyn Fn(usize) -> f64| (0..n).map(f).sum::<f64>();
     let matrix = |f: &dyn Fn(usize, usize) -> f64| DMatrix::from_fn(n, n, f);
     let same = |x: &DMatrix<f64>, y: &DMatrix<f64>| assert_close!(x, y, 1e-15);
-    same(
-        &a.times_first(&w),
-        &matrix(&|j, k| sum(&|i| a[(i, j, k)] * w[i])),
-    );
-    same(
-        &a.times_second(&w),
-        &matrix(&|i, k| sum(&|j| a[(i, j, k)] * w[j])),
-    );
-    same(
-        &a.times_third(&w),
-        &matrix(&|i, j| sum(&|k| a[(i, j, k)] * w[k])),
-    );
-    same(
-        &b.times_first_and_second(&u, &w),
-        &matrix(&|k, l| sum(&|i| sum(&|j| b[(i, j, k, l)] * u[i] * w[j]))),
-    );
+    same(&a.times_first(&w), &matrix(&|j, k| sum(&|i| a[(i, j, k)] * w[i])));
+    same(&a.times_second(&w), &matrix(&|i, k| sum(&|j| a[(i, j, k)] * w[j])));
+    same(&a.times_third(&w), &matrix(&|i, j| sum(&|k| a[(i, j, k)] * w[k])));
+    same(&b.times_first_and_second(&u, &w), &matrix(&|k, l| sum(&|i| sum(&|j| b[(i, j, k, l)] * u[i] * w[j]))));
     let same = |x: &Tensor3<f64>, y: &Tensor3<f64>| assert_close!(x.entries(), y.entries(), 1e-15);
-    same(
-        &a.map_first(&m),
-        &tensor(n, |i, j, k| sum(&|l| m[(i, l)] * a[(l, j, k)])),
-    );
-    same(
-        &a.map_second(&m),
-        &tensor(n, |i, j, k| sum(&|l| a[(i, l, k)] * m[(l, j)])),
-    );
+    same(&a.map_first(&m), &tensor(n, |i, j, k| sum(&|l| m[(i, l)] * a[(l, j, k)])));
+    same(&a.map_second(&m), &tensor(n, |i, j, k| sum(&|l| a[(i, l, k)] * m[(l, j)])));
     same(&a.swap_last(), &tensor(n, |i, j, k| a[(i, k, j)]));
     let mut fourth = Tensor3::new(n);
     b.times_fourth(w.as_slice(), &mut fourth);
-    same(
-        &fourth,
-        &tensor(n, |i, j, k| sum(&|l| b[(i, j, k, l)] * w[l])),
-    );
-    same(
-        &(a.clone() + &fourth),
-        &tensor(n, |i, j, k| a[(i, j, k)] + fourth[(i, j, k)]),
-    );
+    same(&fourth, &tensor(n, |i, j, k| sum(&|l| b[(i, j, k, l)] * w[l])));
+    same(&(a.clone() + &fourth), &tensor(n, |i, j, k| a[(i, j, k)] + fourth[(i, j, k)]));
 }

@@ -5,32 +5,17 @@ use aghf::dynamics::{Data, rnea};
 use aghf::model::{Drive, pendulum};
 use num_dual::HyperDual64;
 
-const DRIVE: Drive = Drive {
-    damping: 0.3,
-    friction: 2.0,
-    friction_velocity: 0.05,
-    armature: 0.7,
-};
+const DRIVE: Drive = Drive { damping: 0.3, friction: 2.0, friction_velocity: 0.05, armature: 0.7 };
 
 /// Friction is odd, grows with the velocity, and is within 1 % of its bound where the documentation says so.
 #[test]
 fn friction_is_odd_and_saturates() {
-    let friction = Drive {
-        damping: 0.0,
-        ..DRIVE
-    };
+    let friction = Drive { damping: 0.0, ..DRIVE };
     let force = |v: f64| friction.losses(v)[0];
     let width = friction.friction_velocity;
-    let forces: Vec<_> = (-300..=300)
-        .map(|i| force(0.1 * f64::from(i) * width))
-        .collect();
+    let forces: Vec<_> = (-300..=300).map(|i| force(0.1 * f64::from(i) * width)).collect();
     assert!(forces.windows(2).all(|pair| pair[0] < pair[1]));
-    assert!(
-        forces
-            .iter()
-            .zip(forces.iter().rev())
-            .all(|(a, b)| *a == -b)
-    );
+    assert!(forces.iter().zip(forces.iter().rev()).all(|(a, b)| *a == -b));
     assert_eq!(force(0.0), 0.0);
     assert!(force(7.1 * width) > 0.99 * friction.friction && force(1e9) <= friction.friction);
     let damped = DRIVE.losses(2.0)[0] - force(2.0);
@@ -44,16 +29,8 @@ fn the_derivatives_of_the_losses_are_those_of_duals() {
         let [expected, ..] = DRIVE.losses(dual);
         let [force, slope, curvature] = DRIVE.losses(v);
         let steepness = DRIVE.friction / DRIVE.friction_velocity;
-        let bounds = [
-            1e-15,
-            1e-15 * steepness,
-            1e-15 * steepness / DRIVE.friction_velocity,
-        ];
-        let errors = [
-            force - expected.re,
-            slope - expected.eps1,
-            curvature - expected.eps1eps2,
-        ];
+        let bounds = [1e-15, 1e-15 * steepness, 1e-15 * steepness / DRIVE.friction_velocity];
+        let errors = [force - expected.re, slope - expected.eps1, curvature - expected.eps1eps2];
         for (error, bound) in errors.iter().zip(bounds) {
             assert!(error.abs() <= 4.0 * bound, "{v}: {errors:?}");
         }
@@ -66,19 +43,11 @@ fn without_drives_there_are_rigid_bodies_alone() {
     let driven = tree(6, 1);
     let [q, v, a] = [0.3, -0.8, 1.1].map(|x| (1..=6).map(|i| x * f64::from(i)).collect::<Vec<_>>());
     let torques = |drives: Vec<Drive>| {
-        let (model, mut tau) = (
-            driven.clone().with_drives(drives).expect("six or none"),
-            [0.0; 6],
-        );
+        let (model, mut tau) = (driven.clone().with_drives(drives).expect("six or none"), [0.0; 6]);
         rnea(&model, &mut Data::new(&model), &q, &v, &a, &mut tau).expect("lengths agree");
         tau
     };
-    let idle = Drive {
-        damping: 0.0,
-        friction: 0.0,
-        armature: 0.0,
-        ..DRIVE
-    };
+    let idle = Drive { damping: 0.0, friction: 0.0, armature: 0.0, ..DRIVE };
     let rigid = torques(Vec::new());
     assert_eq!(torques(vec![idle; 6]), rigid);
     let with = torques(vec![DRIVE; 6]);
@@ -92,8 +61,5 @@ fn without_drives_there_are_rigid_bodies_alone() {
 fn as_many_drives_as_joints() {
     let arm = pendulum(2).expect("two links");
     assert_refused(arm.clone().with_drives(vec![DRIVE; 3]), "drives");
-    assert_eq!(
-        arm.with_drives(vec![DRIVE; 2]).expect("two").drives(),
-        [DRIVE; 2]
-    );
+    assert_eq!(arm.with_drives(vec![DRIVE; 2]).expect("two").drives(), [DRIVE; 2]);
 }

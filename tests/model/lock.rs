@@ -132,16 +132,9 @@ fn a_joint_locked_to_the_base_and_limits() {
         origin: Placement::new(Matrix3::identity(), Vector3::new(0.5, 0.0, 0.0)),
         axis: Vector3::z(),
         inertia: Inertia::from_com(1.0 + upper, Vector3::x(), Matrix3::identity()),
-        limits: Limits {
-            upper,
-            ..Limits::NONE
-        },
+        limits: Limits { upper, ..Limits::NONE },
     };
-    let specs = vec![
-        spec("a", None, 1.0),
-        spec("b", Some(0), 2.0),
-        spec("c", Some(1), 3.0),
-    ];
+    let specs = vec![spec("a", None, 1.0), spec("b", Some(0), 2.0), spec("c", Some(1), 3.0)];
     let model = Model::from_joints("three", specs).expect("a chain");
     let one = model.with_locked_joints(&[(0, 1.0)]).expect("two are left");
     assert_eq!((one.mass(), one.joints()[0].parent()), (7.0, None));
@@ -152,9 +145,7 @@ fn a_joint_locked_to_the_base_and_limits() {
     let (sin, cos) = 1_f64.sin_cos();
     let shoulder = one.joints()[0].origin().translation;
     assert_close!(&shoulder, &[0.5 + 0.5 * cos, 0.5 * sin, 0.0], 1e-15);
-    let tip = model
-        .with_locked_joints(&[(2, -4.0)])
-        .expect("two are left");
+    let tip = model.with_locked_joints(&[(2, -4.0)]).expect("two are left");
     assert_eq!(tip.inertias()[1].mass, 7.0);
 }
 
@@ -163,30 +154,16 @@ fn joints_that_cannot_be_locked_are_refused_by_name() {
     let arm = builtin_robot("kinova_gen3").expect("built in");
     let all: Vec<_> = (0..7).map(|i| (i, 0.0)).collect();
     for (locked, words) in [
-        (
-            &[(7, 0.0)][..],
-            "joint 7: there is no such joint, there are 7",
-        ),
-        (
-            &[(1, 2.3)],
-            "joint 'joint_2': locked at 2.3, outside [-2.25, 2.25]",
-        ),
+        (&[(7, 0.0)][..], "joint 7: there is no such joint, there are 7"),
+        (&[(1, 2.3)], "joint 'joint_2': locked at 2.3, outside [-2.25, 2.25]"),
         (&[(1, f64::NAN)], "joint 'joint_2': locked at NaN, outside"),
         (&[(1, 0.0), (1, 0.0)], "joint 'joint_2': it is locked twice"),
         (&all, "robot: all joints are locked"),
     ] {
         let error = arm.with_locked_joints(locked).expect_err(words).to_string();
-        assert!(
-            error.starts_with(&format!("kinova_gen3: {words}")),
-            "{error}"
-        );
+        assert!(error.starts_with(&format!("kinova_gen3: {words}")), "{error}");
     }
     let free = pendulum(2).expect("two links");
     let error = free.with_locked_joints(&[(0, f64::INFINITY)]);
-    assert!(
-        error
-            .expect_err("nowhere")
-            .to_string()
-            .contains("locked at inf")
-    );
+    assert!(error.expect_err("nowhere").to_string().contains("locked at inf"));
 }

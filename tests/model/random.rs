@@ -16,41 +16,20 @@ fn random_trees_repeat_with_their_seed() {
 
 #[test]
 fn random_trees_are_of_all_kinds() {
-    let trees: Vec<_> = (0..20)
-        .map(|seed| random_tree(8, seed).expect("n > 0"))
-        .collect();
-    let some = |what: &dyn Fn(&Model, &Joint<f64>) -> bool| {
-        trees.iter().any(|t| t.joints().iter().any(|j| what(t, j)))
-    };
-    for kind in [
-        JointKind::Revolute,
-        JointKind::Continuous,
-        JointKind::Prismatic,
-    ] {
+    let trees: Vec<_> = (0..20).map(|seed| random_tree(8, seed).expect("n > 0")).collect();
+    let some = |what: &dyn Fn(&Model, &Joint<f64>) -> bool| trees.iter().any(|t| t.joints().iter().any(|j| what(t, j)));
+    for kind in [JointKind::Revolute, JointKind::Continuous, JointKind::Prismatic] {
         assert!(some(&|_, j| j.kind() == kind), "{kind:?}");
     }
     let axis = |what: &'static dyn Fn(f64) -> bool| some(&|_, j| j.axis().iter().all(|x| what(*x)));
-    assert!(
-        axis(&|x| x == 0.0 || x == -1.0),
-        "along a negative coordinate axis"
-    );
+    assert!(axis(&|x| x == 0.0 || x == -1.0), "along a negative coordinate axis");
     assert!(axis(&|x| x.abs() > 0.1 && x.abs() < 0.9), "oblique");
     let children = |t: &Model, parent| t.joints().iter().filter(|j| j.parent() == parent).count();
-    assert!(
-        some(&|t, j| j.parent().is_some() && children(t, j.parent()) > 1),
-        "a body with two children"
-    );
-    assert!(
-        some(&|t, j| j.parent().is_none() && children(t, None) > 1),
-        "a base with two children"
-    );
+    assert!(some(&|t, j| j.parent().is_some() && children(t, j.parent()) > 1), "a body with two children");
+    assert!(some(&|t, j| j.parent().is_none() && children(t, None) > 1), "a base with two children");
     for tree in &trees {
         assert_eq!(tree.dof(), 8);
-        assert!(
-            tree.joints()
-                .iter()
-                .all(|j| (j.axis().norm() - 1.0).abs() < 1e-14)
-        );
+        assert!(tree.joints().iter().all(|j| (j.axis().norm() - 1.0).abs() < 1e-14));
     }
 }
 
@@ -58,11 +37,8 @@ fn random_trees_are_of_all_kinds() {
 fn mass_matrices_of_random_trees_are_positive_definite() {
     for (n, seed) in (1..9).flat_map(|n| (0..10).map(move |seed| (n, seed))) {
         let tree = random_tree(n, seed).expect("n > 0");
-        tree.check_regular("random")
-            .expect("all bodies have inertia");
-        let q: Vec<f64> = (0..n)
-            .map(|i| 3.0 * (i as f64 + seed as f64).sin())
-            .collect();
+        tree.check_regular("random").expect("all bodies have inertia");
+        let q: Vec<f64> = (0..n).map(|i| 3.0 * (i as f64 + seed as f64).sin()).collect();
         let mut h = DMatrix::zeros(n, n);
         crba(&tree, &mut Data::new(&tree), &q, &mut h).expect("lengths agree");
         let smallest = h.symmetric_eigenvalues().min();

@@ -29,10 +29,7 @@ fn refined(f: impl Fn(f64) -> f64, times: [f64; 3]) -> (f64, f64) {
 #[test]
 fn a_smooth_maximum() {
     for top in [0.55, 0.9, 1.0, 1.3, 1.4] {
-        let (time, height) = refined(
-            |t| (t - top).cos() + 0.2 * (t - top).powi(3),
-            [0.0, 1.0, 2.0],
-        );
+        let (time, height) = refined(|t| (t - top).cos() + 0.2 * (t - top).powi(3), [0.0, 1.0, 2.0]);
         assert!((time - top).abs() < 1e-2, "{time} {top}");
         assert!((height - 1.0).abs() < 1e-4, "{height}");
     }
@@ -43,16 +40,10 @@ fn a_smooth_maximum() {
 fn a_corner() {
     for top in [0.6, 1.2, 1.4] {
         let f = |t: f64| -((t - top).powi(2) + 0.01_f64).sqrt();
-        let first = Bracket {
-            times: [0.0, 1.0, 2.0],
-            values: [0.0, 1.0, 2.0].map(f),
-        };
+        let first = Bracket { times: [0.0, 1.0, 2.0], values: [0.0, 1.0, 2.0].map(f) };
         let (_, height) = refined(f, first.times);
         let (before, after) = (first.vertex().1 + 0.1, height + 0.1);
-        assert!(
-            after.abs() < 0.02 && after.abs() < 0.2 * before.abs(),
-            "{before} {after}"
-        );
+        assert!(after.abs() < 0.02 && after.abs() < 0.2 * before.abs(), "{before} {after}");
     }
 }
 
@@ -61,17 +52,10 @@ fn a_corner() {
 #[test]
 fn a_step() {
     let f = |t: f64| {
-        if (1.1..1.3).contains(&t) {
-            -0.02
-        } else {
-            -0.04
-        }
+        if (1.1..1.3).contains(&t) { -0.02 } else { -0.04 }
     };
     let times = [1.0, 1.28, 1.31];
-    let bracket = Bracket {
-        times,
-        values: times.map(f),
-    };
+    let bracket = Bracket { times, values: times.map(f) };
     assert!(bracket.vertex().1 > 0.0 && !bracket.is_settled());
     assert_eq!(bracket.maximum(), (1.28, -0.02));
     for middle in [1.11, 1.2, 1.29] {
@@ -92,11 +76,7 @@ fn a_step_to_a_bound() {
     for k in 0..200 {
         let (from, to) = (1.1 - 4e-3 * f64::from(k), 1.3 + 1e-3 * f64::from(k));
         let f = |t: f64| {
-            if (from..to).contains(&t) {
-                -1e-6
-            } else {
-                -0.08
-            }
+            if (from..to).contains(&t) { -1e-6 } else { -0.08 }
         };
         let times = [from - 0.1, 0.5 * (from + to), to + 0.3];
         let values = times.map(f);
@@ -129,10 +109,7 @@ fn a_maximum_at_an_end() {
 /// A row far below its bound is not refined, one whose neighbours fall steeply is.
 #[test]
 fn maxima_that_may_exceed_a_bound() {
-    let of = |values| Bracket {
-        times: [0.0, 1.0, 2.0],
-        values,
-    };
+    let of = |values| Bracket { times: [0.0, 1.0, 2.0], values };
     assert!(!of([-1.1, -1.0, -1.1]).may_exceed(0.0));
     assert!(of([-2.0, -1.0, -1.5]).may_exceed(0.0));
     assert!(!of([1.0, 0.0, -1.0]).is_valid() && !of([f64::NEG_INFINITY, 0.0, -1.0]).is_valid());
@@ -148,21 +125,10 @@ impl Constraint for Rows {
         1 + usize::from(self.steps)
     }
 
-    fn value<S: AlgebraOver<f64>>(
-        &self,
-        at: &PlacedState<'_, f64, S>,
-        g: &mut [S],
-    ) -> aghf::Result<()> {
+    fn value<S: AlgebraOver<f64>>(&self, at: &PlacedState<'_, f64, S>, g: &mut [S]) -> aghf::Result<()> {
         let (q, number) = (at.x[0], S::from_f64);
         g[0] = number(1e-3) - (q - number(0.93)) * (q - number(0.93)) * (number(1.0) + q);
-        for (from, value) in [
-            (0.0, -0.08),
-            (0.5, -0.0005),
-            (0.7, -0.003),
-            (0.9, -0.08),
-            (1.5, 0.004),
-            (1.7, -0.08),
-        ] {
+        for (from, value) in [(0.0, -0.08), (0.5, -0.0005), (0.7, -0.003), (0.9, -0.08), (1.5, 0.004), (1.7, -0.08)] {
             if self.steps {
                 g[1] = (q - number(from)).if_negative(g[1], number(value));
             }
@@ -180,11 +146,7 @@ fn a_row_with_steps_in_a_report() {
     let x = DMatrix::from_fn(2, 5, |i, k| if i == 0 { times[k] } else { 1.0 });
     let curve = Curve::new(chebyshev, x).expect("sizes agree");
     let of = |steps| {
-        let all = Constraints {
-            state: Rows { steps },
-            torque: TorqueLimits(Vec::new()),
-            stage: Default::default(),
-        };
+        let all = Constraints { state: Rows { steps }, torque: TorqueLimits(Vec::new()), stage: Default::default() };
         violations(&slider(1.0), &curve, &all, 10).expect("same robot")
     };
     let found = of(true);
@@ -209,16 +171,9 @@ fn each_of_two_bumps_is_refined() {
         let curve = Curve::new(chebyshev, x).expect("sizes agree");
         let highest = (0..=200_000).map(|k| q(1e-5 * f64::from(k)));
         let highest = highest.fold(f64::NEG_INFINITY, f64::max);
-        let bound = Bound {
-            entry: 0,
-            side: Side::Upper,
-            value: highest - 1e-3,
-        };
-        let all = Constraints {
-            state: Bounds(vec![bound]),
-            torque: TorqueLimits(Vec::new()),
-            stage: Default::default(),
-        };
+        let bound = Bound { entry: 0, side: Side::Upper, value: highest - 1e-3 };
+        let all =
+            Constraints { state: Bounds(vec![bound]), torque: TorqueLimits(Vec::new()), stage: Default::default() };
         let found = violations(&slider(1.0), &curve, &all, 10).expect("same robot");
         assert!((found[0].by - 1e-3).abs() < 1e-5, "{found:?}");
     }

@@ -14,10 +14,7 @@ fn the_reach_is_that_of_links_and_sliders() {
     assert_eq!(across.reach(), 6.0);
 
     let arm = robot("pendulum_3");
-    let lengths = arm
-        .joints()
-        .iter()
-        .map(|joint| joint.origin().translation.norm());
+    let lengths = arm.joints().iter().map(|joint| joint.origin().translation.norm());
     let (length, n) = (lengths.sum::<f64>(), arm.dof());
     assert!(length > 0.0);
     for turned in [0.0, 2.0] {

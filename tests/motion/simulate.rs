@@ -8,11 +8,7 @@ use aghf::motion::{Feedback, sample, simulate};
 /// The control of a dynamically consistent curve takes the robot along it, without any feedback.
 #[test]
 fn open_loop_control_follows_a_consistent_curve() {
-    for (name, c, bound) in [
-        ("pendulum_1", 0.4, 1e-6),
-        ("pendulum_2", 0.2, 1e-4),
-        ("pendulum_3", 0.1, 1e-3),
-    ] {
+    for (name, c, bound) in [("pendulum_1", 0.4, 1e-6), ("pendulum_2", 0.2, 1e-4), ("pendulum_3", 0.1, 1e-3)] {
         let model = robot(name);
         let curve = consistent(&model, c);
         let end = simulate(&model, &curve, Feedback::NONE, &[]).expect("same robot");
@@ -32,10 +28,7 @@ fn feedback_follows_where_open_loop_drifts() {
     assert_eq!(end.failure, None);
     assert!(end.error_inf < 1e-6, "{:e}", end.error_inf);
     // A wrong sign of the feedback pushes away.
-    let wrong = Feedback {
-        kp: -10.0,
-        kv: -10.0,
-    };
+    let wrong = Feedback { kp: -10.0, kv: -10.0 };
     let pushed = simulate(&model, &curve, wrong, &[]).expect("same robot");
     assert!(pushed.error_inf > 1.0);
 }

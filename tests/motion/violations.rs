@@ -3,8 +3,8 @@
 use crate::common::constraint::{Held, in_balls};
 use crate::common::{assert_refused, robot, slider, wave};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, CoverClearance,
-    Evaluator, RowKind, RowLabel, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, CoverClearance, Evaluator, RowKind,
+    RowLabel, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::curve::{Chebyshev, Curve};
 use aghf::geometry::Solid;
@@ -17,27 +17,15 @@ fn assert_close_to(a: f64, b: f64, bound: f64) {
 }
 
 fn upper(entry: usize, value: f64) -> Bound {
-    Bound {
-        entry,
-        side: Side::Upper,
-        value,
-    }
+    Bound { entry, side: Side::Upper, value }
 }
 
 fn lower(entry: usize, value: f64) -> Bound {
-    Bound {
-        entry,
-        side: Side::Lower,
-        value,
-    }
+    Bound { entry, side: Side::Lower, value }
 }
 
 fn of_state<K>(state: K) -> Constraints<K> {
-    Constraints {
-        state,
-        torque: TorqueLimits(Vec::new()),
-        stage: Default::default(),
-    }
+    Constraints { state, torque: TorqueLimits(Vec::new()), stage: Default::default() }
 }
 
 /// A curve of one joint in 2 s with these positions and velocities over time, which need not be consistent.
@@ -54,11 +42,7 @@ fn at_rest(q: impl Fn(f64) -> f64) -> Curve {
 }
 
 /// The first row alone.
-fn first<K: Constraint>(
-    curve: &Curve,
-    constraints: &Constraints<K>,
-    intervals: usize,
-) -> Violation {
+fn first<K: Constraint>(curve: &Curve, constraints: &Constraints<K>, intervals: usize) -> Violation {
     let all = violations(&slider(2.0), curve, constraints, intervals).expect("same robot");
     assert_eq!(all[0].row, 0);
     all[0]
@@ -111,21 +95,13 @@ fn each_segment_has_both_its_ends() {
     let speeds: Vec<f64> = speeds.chain(falling).collect();
     let x = DMatrix::from_fn(2, 6, |i, k| if i == 0 { 0.0 } else { speeds[k] });
     let curve = Curve::piecewise(2.0, 2, x).expect("it is continuous");
-    let kept = Constraints {
-        state: (),
-        torque: TorqueLimits(vec![Some(5.0)]),
-        stage: Default::default(),
-    };
+    let kept = Constraints { state: (), torque: TorqueLimits(vec![Some(5.0)]), stage: Default::default() };
     let found = violations(&slider(2.0), &curve, &kept, 4).expect("same robot");
     assert_close_to(found[0].by, 6.0 - 5.0, 1e-12);
     assert_close_to(found[0].at_s, 1.0, 1e-12);
     assert_close_to(found[1].by, 4.0 - 5.0, 1e-12);
     assert!(found[1].at_s >= 1.0);
-    let passive = Constraints {
-        state: (),
-        torque: TorqueLimits(vec![Some(0.0)]),
-        stage: Default::default(),
-    };
+    let passive = Constraints { state: (), torque: TorqueLimits(vec![Some(0.0)]), stage: Default::default() };
     let found = violations(&slider(2.0), &curve, &passive, 4).expect("same robot");
     assert_eq!(found.len(), 1);
     assert_close_to(found[0].by, 6.0, 1e-12);
@@ -140,12 +116,7 @@ fn every_kind() -> (Model, Curve, Vec<AnyConstraint>, TorqueLimits) {
     let state = vec![
         AnyConstraint::Spheres(SphereClearance {
             balls: balls.clone(),
-            spheres: [0.3, 0.6, 0.9]
-                .map(|z| Sphere {
-                    centre: Vector3::new(0.2, 0.1, z),
-                    radius: 0.1,
-                })
-                .to_vec(),
+            spheres: [0.3, 0.6, 0.9].map(|z| Sphere { centre: Vector3::new(0.2, 0.1, z), radius: 0.1 }).to_vec(),
         }),
         AnyConstraint::Other(Box::new((Held(0.1), Bounds(vec![upper(n, 0.4)])))),
         AnyConstraint::Solids(SolidClearance {
@@ -158,9 +129,7 @@ fn every_kind() -> (Model, Curve, Vec<AnyConstraint>, TorqueLimits) {
     ];
     let amplitudes = wave(2 * n * 9 * 2, 0.7);
     // Neighbouring segments share the state at their breakpoint.
-    let x = DMatrix::from_fn(2 * n, 18, |i, k| {
-        amplitudes[i * 18 + if k > 8 { k - 1 } else { k }]
-    });
+    let x = DMatrix::from_fn(2 * n, 18, |i, k| amplitudes[i * 18 + if k > 8 { k - 1 } else { k }]);
     let curve = Curve::piecewise(3.0, 2, x).expect("it is continuous");
     (model.clone(), curve, state, TorqueLimits::of(&model))
 }
@@ -169,11 +138,7 @@ fn every_kind() -> (Model, Curve, Vec<AnyConstraint>, TorqueLimits) {
 #[test]
 fn rows_of_an_arm_are_those_at_many_times() {
     let (model, curve, state, torque) = every_kind();
-    let all = Constraints {
-        state,
-        torque,
-        stage: Default::default(),
-    };
+    let all = Constraints { state, torque, stage: Default::default() };
     let found = violations(&model, &curve, &all, 1000).expect("same robot");
     assert_eq!(found.len(), all.dim());
     let (scales, states) = (all.row_scales(), all.state.dim());
@@ -183,12 +148,8 @@ fn rows_of_an_arm_are_those_at_many_times() {
         let mut g = vec![0.0; all.dim()];
         let x = [s.q, s.v].concat();
         let placed = evaluator.at(&x).expect("sizes agree");
-        placed
-            .value(&all.state, &mut g[..states])
-            .expect("same robot");
-        all.torque
-            .value(&s.u, &mut g[states..])
-            .expect("same robot");
+        placed.value(&all.state, &mut g[..states]).expect("same robot");
+        all.torque.value(&s.u, &mut g[states..]).expect("same robot");
         for (row, worst) in worst.iter_mut().enumerate() {
             let h = g[row] / scales[row];
             *worst = worst.max(if all.is_equality(row) { h.abs() } else { h });
@@ -198,18 +159,10 @@ fn rows_of_an_arm_are_those_at_many_times() {
     for (found, worst) in found.iter().zip(&worst) {
         let name = all.label(found.row, &model).name;
         // 4000 times find a maximum to within about 1e-5; at a jump of the control they contain one side only.
-        let jump = if found.row >= states {
-            f64::INFINITY
-        } else {
-            0.0
-        };
+        let jump = if found.row >= states { f64::INFINITY } else { 0.0 };
         let room = 1e-4 * (1.0 + worst.abs());
         assert!(found.by >= worst - room, "{name}: {} {worst}", found.by);
-        assert!(
-            found.by <= worst + room + jump,
-            "{name}: {} {worst}",
-            found.by
-        );
+        assert!(found.by <= worst + room + jump, "{name}: {} {worst}", found.by);
         assert!((0.0..=3.0).contains(&found.at_s), "{name}");
     }
 }
@@ -275,11 +228,7 @@ fn the_order_of_constraints_changes_nothing() {
     let mut turned = state.clone();
     turned.rotate_left(2);
     let of = |state| {
-        let all = Constraints {
-            state,
-            torque: torque.clone(),
-            stage: Default::default(),
-        };
+        let all = Constraints { state, torque: torque.clone(), stage: Default::default() };
         let found = violations(&model, &curve, &all, 501).expect("same robot");
         let label = |v: &Violation| (all.label(v.row, &model), v.by.to_bits(), v.at_s.to_bits());
         found.iter().map(label).collect::<Vec<_>>()
@@ -293,11 +242,7 @@ fn the_order_of_constraints_changes_nothing() {
 #[test]
 fn labels_name_joint_and_unit() {
     let (model, _, state, torque) = every_kind();
-    let all = Constraints {
-        state,
-        torque,
-        stage: Default::default(),
-    };
+    let all = Constraints { state, torque, stage: Default::default() };
     let joints = model.joints();
     let label = |row| {
         let RowLabel { name, unit, kind } = all.label(row, &model);
@@ -309,10 +254,7 @@ fn labels_name_joint_and_unit() {
     let distance = format!("distance of link '{link}' from sphere 2");
     assert_eq!(label(2), (distance, "m", RowKind::Clearance));
     let behind_a_pointer = format!("row 0 of {}", model.name());
-    assert_eq!(
-        label(3 * n),
-        (behind_a_pointer, "rad", RowKind::Position(0))
-    );
+    assert_eq!(label(3 * n), (behind_a_pointer, "rad", RowKind::Position(0)));
     let speed = format!("upper velocity limit of joint '{joint}'");
     assert_eq!(label(3 * n + 1), (speed, "rad/s", RowKind::Velocity(0)));
     let height = format!("distance of link '{link}' from half-space 0");
@@ -321,10 +263,7 @@ fn labels_name_joint_and_unit() {
     assert_eq!(label(4 * n + 2), (position, "rad", RowKind::Position(0)));
     let last = joints[n - 1].name();
     let torque = format!("lower torque limit of joint '{last}'");
-    assert_eq!(
-        label(all.dim() - 1),
-        (torque, "N m", RowKind::Torque(n - 1))
-    );
+    assert_eq!(label(all.dim() - 1), (torque, "N m", RowKind::Torque(n - 1)));
     let equalities: Vec<_> = (0..all.dim()).filter(|row| all.is_equality(*row)).collect();
     assert_eq!(equalities, [3 * n]);
     // A row beyond the last one is a number in the last part.
@@ -361,9 +300,7 @@ fn a_passive_joint_is_one_row() {
     let limits = TorqueLimits(vec![Some(2.0), Some(0.0), None, Some(1.0)]);
     assert_eq!(limits.dim(), 5);
     let mut g = [0.0; 5];
-    limits
-        .value(&[3.0, -4.0, 9.0, 0.5], &mut g)
-        .expect("sizes agree");
+    limits.value(&[3.0, -4.0, 9.0, 0.5], &mut g).expect("sizes agree");
     assert_eq!(g, [1.0, -5.0, -4.0, -0.5, -1.5]);
     let equal: Vec<_> = (0..6).filter(|row| limits.is_equality(*row)).collect();
     assert_eq!(equal, [2]);
@@ -383,11 +320,7 @@ fn what_is_wrong_is_refused() {
     assert_refused(none, "violations: intervals: it is 0, at least 1 is needed");
     let other = violations(&robot("kinova_gen3"), &curve, &bounds, 10);
     assert_refused(other, "curve: expected 7 entries, found 1");
-    let limits = Constraints {
-        state: (),
-        torque: TorqueLimits(vec![Some(1.0); 2]),
-        stage: Default::default(),
-    };
+    let limits = Constraints { state: (), torque: TorqueLimits(vec![Some(1.0); 2]), stage: Default::default() };
     let other = violations(&model, &curve, &limits, 10);
     assert_refused(other, "torque limits: expected 1 entries, found 2");
     let beyond = of_state(Bounds(vec![upper(2, 1.0)]));

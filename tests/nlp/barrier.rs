@@ -13,10 +13,7 @@ fn nearest(x: &[HyperDual64]) -> (HyperDual64, Vec<HyperDual64>) {
 }
 
 fn program() -> Dense {
-    Dense {
-        measure: 0.7,
-        ..Dense::new(nearest, &[-0.5, -0.5], 0, 2)
-    }
+    Dense { measure: 0.7, ..Dense::new(nearest, &[-0.5, -0.5], 0, 2) }
 }
 
 /// A share of the complementarity after every step, or never another parameter, and a record of all that it was shown.
@@ -52,26 +49,14 @@ impl BarrierUpdate for Always {
 }
 
 fn by(rule: impl BarrierUpdate + 'static) -> Options {
-    Options {
-        barrier: Arc::new(rule),
-        ..accurate()
-    }
+    Options { barrier: Arc::new(rule), ..accurate() }
 }
 
 /// Every rule leads to the same point, which is known: $x_2 = 0.2$ on the circle.
 #[test]
 fn any_rule_leads_to_the_minimum() {
-    let slow = Monotone {
-        factor: 0.5,
-        ..Monotone::default()
-    };
-    let rules = [
-        accurate(),
-        by(slow),
-        by(Adaptive::default()),
-        by(Always(0.0)),
-        by(Always(f64::NAN)),
-    ];
+    let slow = Monotone { factor: 0.5, ..Monotone::default() };
+    let rules = [accurate(), by(slow), by(Adaptive::default()), by(Always(0.0)), by(Always(f64::NAN))];
     for options in rules {
         let end = program().solve(&options);
         assert_eq!(end.status, Status::Converged, "{:?}", options.barrier);
@@ -84,10 +69,7 @@ fn any_rule_leads_to_the_minimum() {
 #[test]
 fn rules_see_relative_sums() {
     let rule = Arc::new(Adaptive::default());
-    let options = Options {
-        barrier: rule.clone(),
-        ..accurate()
-    };
+    let options = Options { barrier: rule.clone(), ..accurate() };
     let end = program().solve(&options);
     let seen = rule.seen.lock().expect("no panic");
     for state in &*seen {
@@ -99,45 +81,23 @@ fn rules_see_relative_sums() {
     let working = iterate.working.iter();
     let products = working.map(|of| of.row.weight * of.slack * of.multiplier);
     let own = 0.7 * products.sum::<f64>() / end.progress.objective;
-    assert!(
-        own <= 1.1 * options.last_barrier && own >= 0.5 * options.last_barrier,
-        "{own:e}"
-    );
+    assert!(own <= 1.1 * options.last_barrier && own >= 0.5 * options.last_barrier, "{own:e}");
     // Near the end the iterates are on the central path.
-    assert!(
-        (last.complementarity / last.mu - 1.0).abs() < 0.1,
-        "{last:?}"
-    );
+    assert!((last.complementarity / last.mu - 1.0).abs() < 0.1, "{last:?}");
 }
 
 /// Iterations are counted while none decreases the barrier function by more than the barrier parameter. At the first
 /// one there is nothing to compare with; far from the minimum each decreases it by more, at the minimum none does.
 #[test]
 fn iterations_without_a_decrease_are_counted() {
-    let rule = Arc::new(Adaptive {
-        never: true,
-        ..Adaptive::default()
-    });
-    let options = Options {
-        first_barrier: 1e-2,
-        iterations: 30,
-        barrier: rule.clone(),
-        ..accurate()
-    };
+    let rule = Arc::new(Adaptive { never: true, ..Adaptive::default() });
+    let options = Options { first_barrier: 1e-2, iterations: 30, barrier: rule.clone(), ..accurate() };
     assert_eq!(program().solve(&options).status, Status::Iterations);
     let seen = rule.seen.lock().expect("no panic");
     let stalled: Vec<usize> = seen.iter().map(|state| state.stalled).collect();
     assert_eq!(stalled[..3], [0, 0, 0], "{stalled:?}");
-    assert!(
-        stalled
-            .windows(2)
-            .all(|two| two[1] == 0 || two[1] == two[0] + 1),
-        "{stalled:?}"
-    );
-    let last: Vec<usize> = stalled[20..]
-        .iter()
-        .map(|count| count - stalled[20])
-        .collect();
+    assert!(stalled.windows(2).all(|two| two[1] == 0 || two[1] == two[0] + 1), "{stalled:?}");
+    let last: Vec<usize> = stalled[20..].iter().map(|count| count - stalled[20]).collect();
     assert_eq!(last, Vec::from_iter(0..10), "{stalled:?}");
 }
 
@@ -155,8 +115,7 @@ fn a_stalled_barrier_problem_is_solved() {
     };
     let rule = Monotone::default();
     let counts = [0, rule.stalled - 1, rule.stalled];
-    let [without, with] =
-        [false, true].map(|has| counts.map(|stalled| rule.is_solved(&at(stalled, has))));
+    let [without, with] = [false, true].map(|has| counts.map(|stalled| rule.is_solved(&at(stalled, has))));
     assert_eq!(without, [false, false, true]);
     assert_eq!(with, [false; 3]);
 }
@@ -172,18 +131,12 @@ fn well(x: &[HyperDual64]) -> (HyperDual64, Vec<HyperDual64>) {
 #[test]
 fn a_new_barrier_problem_has_not_stalled() {
     let rule = Arc::new(Adaptive::default());
-    let options = Options {
-        barrier: rule.clone(),
-        ..accurate()
-    };
+    let options = Options { barrier: rule.clone(), ..accurate() };
     Dense::new(well, &[1.01], 0, 1).solve(&options);
     let seen = rule.seen.lock().expect("no panic");
     let reduced = seen.windows(2).filter(|two| two[1].mu < 0.9 * two[0].mu);
     let stalled: Vec<_> = reduced.map(|two| two[1].stalled).collect();
-    assert!(
-        stalled.len() > 3 && stalled.iter().all(|count| *count == 0),
-        "{stalled:?}"
-    );
+    assert!(stalled.len() > 3 && stalled.iter().all(|count| *count == 0), "{stalled:?}");
 }
 
 /// Where the objective has negative curvature, the predicted decrease is that of the longest step down the slope, of
@@ -191,11 +144,7 @@ fn a_new_barrier_problem_has_not_stalled() {
 #[test]
 fn short_steps_do_not_show_a_minimum() {
     let rule = Arc::new(Adaptive::default());
-    let options = Options {
-        first_regularisation: 1e3,
-        barrier: rule.clone(),
-        ..accurate()
-    };
+    let options = Options { first_regularisation: 1e3, barrier: rule.clone(), ..accurate() };
     let end = Dense::new(well, &[0.2], 0, 1).solve(&options);
     assert_eq!(end.status, Status::Converged);
     let first = rule.seen.lock().expect("no panic")[0];

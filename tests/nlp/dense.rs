@@ -3,9 +3,7 @@
 use aghf::Result;
 use aghf::cost::HyperDual64;
 use aghf::linalg::BlockTridiagonal;
-use aghf::nlp::{
-    Bordered, Equality, Iterate, Kkt, Nlp, Options, Row, Solution, Term, Tightened, solve,
-};
+use aghf::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Options, Row, Solution, Term, Tightened, solve};
 use nalgebra::{DMatrix, DVector};
 
 /// The objective and the rows as functions of the unknowns.
@@ -123,12 +121,7 @@ impl Dense {
     }
 
     /// The solution from other unknowns, with known multipliers.
-    pub fn solve_from(
-        &mut self,
-        x: &[f64],
-        multipliers: Option<&[f64]>,
-        options: &Options,
-    ) -> Solution {
+    pub fn solve_from(&mut self, x: &[f64], multipliers: Option<&[f64]>, options: &Options) -> Solution {
         let (x, kkt) = (DVector::from_column_slice(x), self.kkt());
         let end = solve(self, x, multipliers, kkt, options, &mut |_| ());
         end.expect("the functions do not fail")
@@ -186,13 +179,7 @@ impl Nlp for Dense {
     }
 
     fn equalities(&self, density: f64) -> Vec<Equality> {
-        let of = |row| Equality {
-            row,
-            first: density,
-            penalty: density,
-            multiplier: 0.0,
-            estimate: 0.0,
-        };
+        let of = |row| Equality { row, first: density, penalty: density, multiplier: 0.0, estimate: 0.0 };
         self.all_rows(true).map(of).collect()
     }
 

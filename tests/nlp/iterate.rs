@@ -12,13 +12,7 @@ fn one_row(barrier: Barrier, [slack, elastic, fraction]: [f64; 3]) -> Iterate {
     let mut iterate = Iterate::new(barrier, Vec::new());
     iterate.set_working(&[ROW], &[0.0]);
     let multiplier = fraction * barrier.nu;
-    iterate.working[0] = RowState {
-        row: ROW,
-        slack,
-        elastic,
-        multiplier,
-        penalty: barrier.nu,
-    };
+    iterate.working[0] = RowState { row: ROW, slack, elastic, multiplier, penalty: barrier.nu };
     iterate
 }
 
@@ -154,19 +148,12 @@ fn known_multipliers_have_their_slacks() {
     for (known, expected) in [(0.5, 2e-3), (1e-3, 0.02)] {
         let mut iterate = one_row(barrier, [1e-6, 1e-6, 0.9]);
         iterate.set_multipliers(&[known], &[0.0], &Options::default());
-        assert_close!(
-            &[iterate.working[0].slack, iterate.working[0].elastic],
-            &[expected; 2],
-            1e-15
-        );
+        assert_close!(&[iterate.working[0].slack, iterate.working[0].elastic], &[expected; 2], 1e-15);
         assert_close!(&[iterate.working[0].multiplier], &[known], 1e-14);
     }
     let mut iterate = one_row(barrier, [1e-6, 1e-6, 0.9]);
     iterate.set_multipliers(&[0.0], &[0.0], &Options::default());
-    assert_eq!(
-        (iterate.working[0].slack, iterate.working[0].multiplier),
-        (1e-6, 0.9)
-    );
+    assert_eq!((iterate.working[0].slack, iterate.working[0].multiplier), (1e-6, 0.9));
 }
 
 /// The penalty of a row is the given multiple of its known multiplier if that is larger than the penalty of all rows.
@@ -214,15 +201,8 @@ fn a_returning_row_begins_anew() {
     iterate.set_working(&[], &[0.3]);
     assert!(iterate.working.is_empty());
     iterate.set_working(&[ROW], &[-0.3]);
-    assert_eq!(
-        [iterate.working[0].slack, iterate.working[0].elastic],
-        iterate.split(-0.3, barrier.nu)
-    );
-    assert_close!(
-        &[iterate.working[0].multiplier],
-        &[barrier.mu / iterate.working[0].slack],
-        1e-15
-    );
+    assert_eq!([iterate.working[0].slack, iterate.working[0].elastic], iterate.split(-0.3, barrier.nu));
+    assert_close!(&[iterate.working[0].multiplier], &[barrier.mu / iterate.working[0].slack], 1e-15);
 }
 
 /// A row whose multiplier is at the penalty asks for a larger one only if its violation is not accepted.
@@ -264,20 +244,10 @@ fn a_share_of_second_derivatives() {
 /// after each step without one.
 #[test]
 fn all_second_derivatives_are_tried_again() {
-    let options = Options {
-        steps_without_share: 2,
-        ..Options::default()
-    };
+    let options = Options { steps_without_share: 2, ..Options::default() };
     let mut iterate = Iterate::default();
     iterate.share = 0.0;
-    for (is_regularised, share) in [
-        (true, 0.0),
-        (false, 0.1),
-        (true, 0.0),
-        (true, 0.0),
-        (true, 1.0),
-        (true, 0.25),
-    ] {
+    for (is_regularised, share) in [(true, 0.0), (false, 0.1), (true, 0.0), (true, 0.0), (true, 1.0), (true, 0.25)] {
         iterate.adapt_share(is_regularised, &options);
         assert_eq!(iterate.share, share);
     }
@@ -289,47 +259,20 @@ fn all_second_derivatives_are_tried_again() {
 #[test]
 fn equalities_have_the_terms_of_an_augmented_lagrangian() {
     let (row, penalty, h) = (Row { at: 1, weight: 0.5 }, 8.0, 0.25);
-    let equality = Equality {
-        row,
-        first: penalty,
-        penalty,
-        multiplier: 0.0,
-        estimate: 0.0,
-    };
+    let equality = Equality { row, first: penalty, penalty, multiplier: 0.0, estimate: 0.0 };
     let mut iterate = Iterate::new(Barrier { mu: 1e-3, nu: 1.0 }, vec![equality]);
     iterate.set_multipliers(&[0.0, -3.0], &[0.0, h], &Options::default());
     let term = iterate.equality_term(&iterate.equalities[0], h);
-    assert_eq!(
-        [term.cost, term.slope, term.multiplier, term.curvature],
-        [-0.5, -1.0, -3.0, 8.0]
-    );
+    assert_eq!([term.cost, term.slope, term.multiplier, term.curvature], [-0.5, -1.0, -3.0, 8.0]);
     assert_eq!(iterate.barrier_terms(&[0.0, h], |_| 1.0), -0.25);
     let measure = |row| if row == 1 { 3.0 } else { 1.0 };
     assert_eq!(iterate.barrier_terms(&[0.0, h], measure), -0.75);
     // The first update has nothing to compare with.
     iterate.update_equalities(&[0.0, h], 10.0, 100.0, 1e-6);
-    assert_eq!(
-        (
-            iterate.equalities[0].multiplier,
-            iterate.equalities[0].penalty
-        ),
-        (-1.0, 8.0)
-    );
+    assert_eq!((iterate.equalities[0].multiplier, iterate.equalities[0].penalty), (-1.0, 8.0));
     iterate.set_working(&[ROW], &[-0.3, h]);
-    assert_eq!(
-        (
-            iterate.equalities[0].multiplier,
-            iterate.equalities[0].penalty
-        ),
-        (-1.0, 8.0)
-    );
-    for (h, expected) in [
-        (0.05, 8.0),
-        (0.04, 80.0),
-        (1e-6, 80.0),
-        (1e-6, 80.0),
-        (0.04, 100.0),
-    ] {
+    assert_eq!((iterate.equalities[0].multiplier, iterate.equalities[0].penalty), (-1.0, 8.0));
+    for (h, expected) in [(0.05, 8.0), (0.04, 80.0), (1e-6, 80.0), (1e-6, 80.0), (0.04, 100.0)] {
         iterate.update_equalities(&[0.0, h], 10.0, 100.0, 1e-6);
         assert_eq!(iterate.equalities[0].penalty, expected, "{h}");
     }

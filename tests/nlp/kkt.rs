@@ -50,8 +50,7 @@ fn system(rng: &mut ChaCha8Rng, columns: usize, shift: f64) -> (Kkt, DMatrix<f64
     let (norm, hessian) = (random(rng, columns, 9.0), random(rng, columns, shift));
     let of = (dense(&norm), dense(&hessian));
     let mut kkt = Kkt::new(norm).expect("the norm is positive definite");
-    kkt.gradient
-        .apply(|entry| *entry = rng.random_range(-1.0..1.0));
+    kkt.gradient.apply(|entry| *entry = rng.random_range(-1.0..1.0));
     kkt.hessian = hessian;
     (kkt, of.0, of.1)
 }
@@ -113,9 +112,7 @@ fn negative_curvature() {
         // The eigenvalues of the matrix relative to the norm.
         let half = norm.cholesky().expect("it is positive definite").l();
         let half = half.try_inverse().expect("it is regular");
-        let least = (&half * &hessian * half.transpose())
-            .symmetric_eigenvalues()
-            .min();
+        let least = (&half * &hessian * half.transpose()).symmetric_eigenvalues().min();
         let found = direction.dot(&(&hessian * &direction));
         assert!(found <= 0.9 * least, "{found} {least}");
     }
@@ -129,23 +126,14 @@ fn the_multiple_follows_the_fractions() {
     let options = Options::default();
     let used = |kkt: &mut Kkt, fraction: f64| {
         let mut progress = Progress::default();
-        kkt.step(1.0, &mut progress, &options)
-            .expect("it is definite");
+        kkt.step(1.0, &mut progress, &options).expect("it is definite");
         kkt.adapt(fraction, progress.regularisation, &options);
         progress.regularisation
     };
-    let short: Vec<f64> = (0..4)
-        .map(|_| used(&mut kkt, 0.5 * options.short_fraction))
-        .collect();
+    let short: Vec<f64> = (0..4).map(|_| used(&mut kkt, 0.5 * options.short_fraction)).collect();
     assert_eq!(short[0], 0.0);
-    assert!(
-        short[1] > 0.0 && short.windows(2).all(|pair| pair[1] > pair[0]),
-        "{short:?}"
-    );
+    assert!(short[1] > 0.0 && short.windows(2).all(|pair| pair[1] > pair[0]), "{short:?}");
     let long: Vec<f64> = (0..20).map(|_| used(&mut kkt, 1.0)).collect();
-    assert!(
-        long[0] > 0.0 && long.windows(2).all(|pair| pair[1] <= pair[0]),
-        "{long:?}"
-    );
+    assert!(long[0] > 0.0 && long.windows(2).all(|pair| pair[1] <= pair[0]), "{long:?}");
     assert_eq!(long.last(), Some(&0.0));
 }

@@ -24,53 +24,17 @@ struct Known {
 fn known() -> Vec<Known> {
     let sqrt = f64::sqrt;
     let cases: [(_, Dense, &[f64], &[f64]); 6] = [
-        (
-            "HS6",
-            Dense::new(hs6, &[-1.2, 1.0], 1, 1),
-            &[1.0, 1.0],
-            &[0.0],
-        ),
-        (
-            "HS7",
-            Dense::new(hs7, &[2.0, 2.0], 1, 1),
-            &[0.0, sqrt(3.0)],
-            &[0.5 / sqrt(3.0)],
-        ),
-        (
-            "HS21",
-            Dense::new(hs21, &[-1.0, -1.0], 0, 5),
-            &[2.0, 0.0],
-            &[0.0, 0.04, 0.0, 0.0, 0.0],
-        ),
-        (
-            "HS35",
-            Dense::new(hs35, &[0.5; 3], 0, 4),
-            &[4.0 / 3.0, 7.0 / 9.0, 4.0 / 9.0],
-            &[2.0 / 9.0, 0.0, 0.0, 0.0],
-        ),
-        (
-            "HS43",
-            Dense::new(hs43, &[0.0; 4], 0, 3),
-            &[0.0, 1.0, 2.0, -1.0],
-            &[1.0, 0.0, 2.0],
-        ),
+        ("HS6", Dense::new(hs6, &[-1.2, 1.0], 1, 1), &[1.0, 1.0], &[0.0]),
+        ("HS7", Dense::new(hs7, &[2.0, 2.0], 1, 1), &[0.0, sqrt(3.0)], &[0.5 / sqrt(3.0)]),
+        ("HS21", Dense::new(hs21, &[-1.0, -1.0], 0, 5), &[2.0, 0.0], &[0.0, 0.04, 0.0, 0.0, 0.0]),
+        ("HS35", Dense::new(hs35, &[0.5; 3], 0, 4), &[4.0 / 3.0, 7.0 / 9.0, 4.0 / 9.0], &[2.0 / 9.0, 0.0, 0.0, 0.0]),
+        ("HS43", Dense::new(hs43, &[0.0; 4], 0, 3), &[0.0, 1.0, 2.0, -1.0], &[1.0, 0.0, 2.0]),
         (
             "HS71",
             Dense::new(hs71, &[1.0, 5.0, 5.0, 1.0], 1, 10),
             // The digits of HS.
             &[1.0, 4.742_999_4, 3.821_150_3, 1.379_408_2],
-            &[
-                0.161_468_6,
-                0.552_293_7,
-                1.087_871_2,
-                0.0,
-                0.0,
-                0.0,
-                0.0,
-                0.0,
-                0.0,
-                0.0,
-            ],
+            &[0.161_468_6, 0.552_293_7, 1.087_871_2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         ),
     ];
     cases
@@ -93,21 +57,12 @@ fn hs6(x: &[HyperDual64]) -> Functions {
 
 fn hs7(x: &[HyperDual64]) -> Functions {
     let square = x[0] * x[0] + 1.0;
-    (
-        square.ln() - x[1] + 10.0,
-        vec![square * square + x[1] * x[1] - 4.0],
-    )
+    (square.ln() - x[1] + 10.0, vec![square * square + x[1] * x[1] - 4.0])
 }
 
 fn hs21(x: &[HyperDual64]) -> Functions {
     let [a, b] = [x[0], x[1]];
-    let rows = vec![
-        -a * 10.0 + b + 10.0,
-        -a + 2.0,
-        a - 50.0,
-        -b - 50.0,
-        b - 50.0,
-    ];
+    let rows = vec![-a * 10.0 + b + 10.0, -a + 2.0, a - 50.0, -b - 50.0, b - 50.0];
     (a * a * 0.01 + b * b + 1.0, rows)
 }
 
@@ -132,10 +87,7 @@ pub fn hs43(x: &[HyperDual64]) -> Functions {
 
 pub fn hs71(x: &[HyperDual64]) -> Functions {
     let [a, b, c, d] = [x[0], x[1], x[2], x[3]];
-    let mut rows = vec![
-        a * a + b * b + c * c + d * d - 40.0,
-        -(a * b * c * d) + 25.0,
-    ];
+    let mut rows = vec![a * a + b * b + c * c + d * d - 40.0, -(a * b * c * d) + 25.0];
     rows.extend(x.iter().map(|x| -*x + 1.0));
     rows.extend(x.iter().map(|x| *x - 5.0));
     (a * d * (a + b + c) + c, rows)
@@ -156,22 +108,13 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
 
 pub fn assert_near(name: &str, found: &[f64], expected: &[f64], tolerance: f64) {
     let apart = largest_difference(found, expected);
-    assert!(
-        apart <= tolerance,
-        "{name}: {found:?}, not {expected:?}: {apart:e}"
-    );
+    assert!(apart <= tolerance, "{name}: {found:?}, not {expected:?}: {apart:e}");
 }
 
 /// Unknowns and multipliers are those of the literature, and the gradient of the Lagrangian vanishes.
 #[test]
 fn solutions_are_known() {
-    for Known {
-        name,
-        mut program,
-        x,
-        multipliers,
-    } in known()
-    {
+    for Known { name, mut program, x, multipliers } in known() {
         let end = program.solve(&accurate());
         assert_eq!(end.status, Status::Converged, "{name}");
         let (found, lambda) = numbers(&end);
@@ -202,22 +145,13 @@ fn rows_in_another_order() {
 #[test]
 fn rows_in_another_unit() {
     for factor in [0.1, 1e2] {
-        for Known {
-            name,
-            mut program,
-            x,
-            multipliers,
-        } in known()
-        {
+        for Known { name, mut program, x, multipliers } in known() {
             for row in &mut program.rows {
                 row.1 = factor;
             }
             let options = accurate();
             let feasible = options.feasible * factor.max(1.0);
-            let end = program.solve(&Options {
-                feasible,
-                ..options
-            });
+            let end = program.solve(&Options { feasible, ..options });
             assert_eq!(end.status, Status::Converged, "{name} {factor}");
             let (found, mut lambda) = numbers(&end);
             for lambda in &mut lambda {
@@ -232,13 +166,7 @@ fn rows_in_another_unit() {
 /// The multiplier of a row is that per unit of its weight and of the measure.
 #[test]
 fn weights_divide_the_multipliers() {
-    for Known {
-        name,
-        mut program,
-        x,
-        multipliers,
-    } in known()
-    {
+    for Known { name, mut program, x, multipliers } in known() {
         program.measure = 3.0;
         for row in &mut program.rows {
             row.2 = 0.25;
@@ -256,13 +184,7 @@ fn weights_divide_the_multipliers() {
 /// A row twice has the same solution, and the sum of the two multipliers is that of the row.
 #[test]
 fn a_row_twice() {
-    for Known {
-        name,
-        mut program,
-        x,
-        multipliers,
-    } in known()
-    {
+    for Known { name, mut program, x, multipliers } in known() {
         let first = program.rows[0];
         program.rows.push(first);
         let end = program.solve(&accurate());
@@ -306,10 +228,7 @@ pub fn corner(x: &[HyperDual64]) -> Functions {
 /// If margins grow at the end, the barrier parameter follows, and the search ends at the solution within them soon.
 #[test]
 fn margins_that_change_at_the_end() {
-    let mut program = Dense {
-        margin: 0.5,
-        ..Dense::new(corner, &[0.0, 0.0], 0, 3)
-    };
+    let mut program = Dense { margin: 0.5, ..Dense::new(corner, &[0.0, 0.0], 0, 3) };
     let mut all = Vec::new();
     let (x, kkt) = (nalgebra::DVector::zeros(2), program.kkt());
     let end = aghf::nlp::solve(&mut program, x, None, kkt, &accurate(), &mut |progress| {
@@ -328,11 +247,7 @@ fn margins_that_change_at_the_end() {
 /// Margins that swing end when they only grow: looks at the rows at the last barrier parameter count.
 #[test]
 fn margins_that_swing() {
-    let mut program = Dense {
-        margin: 0.5,
-        swing: Some(0.4),
-        ..Dense::new(corner, &[0.0, 0.0], 0, 3)
-    };
+    let mut program = Dense { margin: 0.5, swing: Some(0.4), ..Dense::new(corner, &[0.0, 0.0], 0, 3) };
     let end = program.solve(&accurate());
     assert_eq!(end.status, Status::Converged);
     let rounds = &program.rounds;

@@ -25,20 +25,11 @@ fn known_multipliers_shorten_a_search() {
 #[test]
 fn stops_are_reported() {
     let program = || Dense::new(hs71, &[1.0, 5.0, 5.0, 1.0], 1, 10);
-    let few = Options {
-        iterations: 2,
-        ..accurate()
-    };
+    let few = Options { iterations: 2, ..accurate() };
     assert_eq!(program().solve(&few).status, Status::Iterations);
-    let mut stopped = Dense {
-        stopped: true,
-        ..program()
-    };
+    let mut stopped = Dense { stopped: true, ..program() };
     assert_eq!(stopped.solve(&accurate()).status, Status::Stopped);
-    let mut coarse = Dense {
-        coarse: true,
-        ..program()
-    };
+    let mut coarse = Dense { coarse: true, ..program() };
     assert_eq!(coarse.solve(&accurate()).status, Status::Coarse);
 }
 
@@ -46,12 +37,7 @@ fn stops_are_reported() {
 #[test]
 fn the_first_penalty_is_above_known_multipliers() {
     let first = |penalty_of_multipliers| {
-        let options = Options {
-            penalty: 1e-3,
-            penalty_of_multipliers,
-            iterations: 1,
-            ..accurate()
-        };
+        let options = Options { penalty: 1e-3, penalty_of_multipliers, iterations: 1, ..accurate() };
         let mut program = Dense::new(corner, &[0.9, 1.0], 0, 3);
         let end = program.solve_from(&[0.9, 1.0], Some(&[2.0, 0.0, 0.0]), &options);
         end.iterate.barrier.nu
@@ -68,10 +54,7 @@ fn contradiction(x: &[HyperDual64]) -> (HyperDual64, Vec<HyperDual64>) {
 /// The penalties of all rows grow if larger ones of violated rows do not reduce the violations.
 #[test]
 fn all_penalties_grow_where_violations_stay() {
-    let options = Options {
-        infeasible_cost: 1e6,
-        ..accurate()
-    };
+    let options = Options { infeasible_cost: 1e6, ..accurate() };
     let end = Dense::new(contradiction, &[0.3], 0, 3).solve(&options);
     assert_eq!(end.status, Status::Infeasible);
     let [violated, _, kept] = [0, 1, 2].map(|k: usize| end.iterate.working[k].penalty);

@@ -1,8 +1,6 @@
 //! The integrators on problems with known solutions.
 
-use crate::common::ode::{
-    both, error, oscillate, oscillate_jacobian, oscillator, solve, solve_by, system,
-};
+use crate::common::ode::{both, error, oscillate, oscillate_jacobian, oscillator, solve, solve_by, system};
 use crate::common::scenario::Scenario;
 use aghf::flow::{Flow, FlowSettings, FlowSolution};
 use aghf::motion::{Feedback, simulate, simulate_with};
@@ -15,13 +13,7 @@ fn the_error_falls_with_the_tolerance() {
     let mut previous = f64::INFINITY;
     for exponent in [-4, -7, -10] {
         let tolerance = 10_f64.powi(exponent);
-        let (result, seen) = solve(
-            &mut oscillator(),
-            0.0,
-            &[1.0, 0.0],
-            &outputs,
-            both(tolerance),
-        );
+        let (result, seen) = solve(&mut oscillator(), 0.0, &[1.0, 0.0], &outputs, both(tolerance));
         let error = error(&seen, |s| vec![s.cos(), -s.sin()]);
         assert!(error < 1000.0 * tolerance, "{error} at {tolerance}");
         assert!(error < 0.1 * previous, "{error} at {tolerance}");
@@ -33,11 +25,8 @@ fn the_error_falls_with_the_tolerance() {
 #[test]
 fn a_right_hand_side_that_depends_on_s() {
     // y = sin s + (y0 - sin s0) exp(-1000 (s - s0)), away from s0 = 0
-    let mut forced = system(
-        1,
-        |s, y, dy| dy[0] = s.cos() - 1000.0 * (y[0] - s.sin()),
-        |_, _, jac| jac[(0, 0)] = -1000.0,
-    );
+    let mut forced =
+        system(1, |s, y, dy| dy[0] = s.cos() - 1000.0 * (y[0] - s.sin()), |_, _, jac| jac[(0, 0)] = -1000.0);
     let (result, seen) = solve(&mut forced, -3.0, &[1.0], &[-2.5, 0.0, 2.0], both(1e-7));
     assert!(error(&seen, |s| vec![s.sin()]) < 1e-5);
     assert!(result.unwrap().steps < 300);
@@ -95,10 +84,7 @@ fn eigenvalues_to_minus_1e14_take_few_steps() {
 
 #[test]
 fn a_state_without_fast_components_takes_next_to_no_steps() {
-    let a = stiff_solution(1.0)
-        .iter()
-        .map(|y| y / stiff_solution(1.0)[0])
-        .collect::<Vec<_>>();
+    let a = stiff_solution(1.0).iter().map(|y| y / stiff_solution(1.0)[0]).collect::<Vec<_>>();
     let (result, seen) = solve(&mut stiff(1.0), 0.0, &a, &decades(), both(1e-6));
     let slow = |s: f64| a.iter().map(|a| a * (-s).exp()).collect();
     assert!(error(&seen, slow) < 1e-4);
@@ -128,8 +114,7 @@ fn robertson() -> impl Ode {
             dy[1] = -dy[0] - dy[2];
         },
         |_, y, jac| {
-            jac.row_mut(0)
-                .copy_from_slice(&[-0.04, 1e4 * y[2], 1e4 * y[1]]);
+            jac.row_mut(0).copy_from_slice(&[-0.04, 1e4 * y[2], 1e4 * y[1]]);
             jac[(2, 1)] = 6e7 * y[1];
             for j in 0..3 {
                 jac[(1, j)] = -jac[(0, j)] - jac[(2, j)];
@@ -140,22 +125,13 @@ fn robertson() -> impl Ode {
 
 #[test]
 fn robertson_against_published_values() {
-    let tolerance = Tolerance {
-        relative: 1e-8,
-        absolute: 1e-14,
-    };
+    let tolerance = Tolerance { relative: 1e-8, absolute: 1e-14 };
     // at 40: Hairer and Wanner; at 1e11: test set for IVP solvers, problem ROBER
     let published = [
         [0.715_827_068_7, 9.185_534_764e-6, 0.284_163_745_7],
         [2.083_340_149_7e-8, 8.333_360_770e-14, 0.999_999_979_17],
     ];
-    let (result, seen) = solve(
-        &mut robertson(),
-        0.0,
-        &[1.0, 0.0, 0.0],
-        &[40.0, 1e11],
-        tolerance,
-    );
+    let (result, seen) = solve(&mut robertson(), 0.0, &[1.0, 0.0, 0.0], &[40.0, 1e11], tolerance);
     for ((_, y), published) in seen.iter().zip(published) {
         for (y, published) in y.iter().zip(published) {
             assert!((y - published).abs() < 1e-5 * published, "{y} {published}");
@@ -224,14 +200,7 @@ fn the_runge_kutta_method_solves_stiff_systems_too() {
     for (tolerance, bound) in [(1e-4, 300), (1e-6, 900)] {
         let start = [1.0, 0.0, -1.0];
         let (system, outputs) = (&mut stiff(1.0), decades());
-        let (result, seen) = solve_by(
-            &mut Esdirk34,
-            system,
-            0.0,
-            &start,
-            &outputs,
-            both(tolerance),
-        );
+        let (result, seen) = solve_by(&mut Esdirk34, system, 0.0, &start, &outputs, both(tolerance));
         let error = error(&seen, stiff_solution);
         assert!(error < 100.0 * tolerance, "{error} at {tolerance}");
         let statistics = result.unwrap();
@@ -282,14 +251,7 @@ impl Integrator for LinearlyImplicitEuler {
 fn an_integrator_of_ones_own_has_its_order() {
     let of = |steps| {
         let mut euler = LinearlyImplicitEuler(steps);
-        let (_, seen) = solve_by(
-            &mut euler,
-            &mut oscillator(),
-            0.0,
-            &[1.0, 0.0],
-            &[1.0],
-            both(1.0),
-        );
+        let (_, seen) = solve_by(&mut euler, &mut oscillator(), 0.0, &[1.0, 0.0], &[1.0], both(1.0));
         error(&seen, |s| vec![s.cos(), -s.sin()])
     };
     let ratio = of(100) / of(200);
@@ -301,10 +263,7 @@ fn an_integrator_of_ones_own_has_its_order() {
 fn every_integrator_takes_the_flow_to_the_same_curve() {
     let scenario = Scenario::load("pendulum_1_swingup");
     let problem = scenario.problem();
-    let settings = FlowSettings {
-        tolerance: 1e-8,
-        ..FlowSettings::new(9, 1e3, 100.0)
-    };
+    let settings = FlowSettings { tolerance: 1e-8, ..FlowSettings::new(9, 1e3, 100.0) };
     let flow = || Flow::new(&problem, settings.clone());
     let run = |flow: Flow<'_>| -> FlowSolution {
         let solution = flow.run().expect("sound");
@@ -314,10 +273,7 @@ fn every_integrator_takes_the_flow_to_the_same_curve() {
     let reference = run(flow());
     for (name, kind) in IntegratorKind::by_name() {
         // The integrator can be chosen by name in the settings, or passed as an object.
-        let settings = FlowSettings {
-            integrator: kind,
-            ..settings.clone()
-        };
+        let settings = FlowSettings { integrator: kind, ..settings.clone() };
         let named = run(Flow::new(&problem, settings));
         let given = run(match kind {
             IntegratorKind::Bdf => flow().integrator(Bdf),
@@ -329,17 +285,10 @@ fn every_integrator_takes_the_flow_to_the_same_curve() {
         assert!(distance < 1e-5, "{name}: {distance}");
         for (own, other) in named.history.iter().zip(&reference.history) {
             let (own, other) = (own.action_at_nodes, other.action_at_nodes);
-            assert!(
-                (own - other).abs() < 1e-5 * other,
-                "{name}: {own} beside {other}"
-            );
+            assert!((own - other).abs() < 1e-5 * other, "{name}: {own} beside {other}");
         }
     }
-    assert_ne!(
-        run(flow().integrator(Esdirk34)).statistics,
-        reference.statistics,
-        "the two are the same method"
-    );
+    assert_ne!(run(flow().integrator(Esdirk34)).statistics, reference.statistics, "the two are the same method");
     let own = run(flow().integrator(LinearlyImplicitEuler(20)));
     let distance = (own.curve.x() - reference.curve.x()).amax();
     assert!(distance < 1e-2, "{distance}");

@@ -56,13 +56,7 @@ fn a_system_undefined_from_some_point_on_ends_there() {
         },
         oscillate_jacobian,
     );
-    let (result, seen) = solve(
-        &mut undefined,
-        0.0,
-        &[1.0, 0.0],
-        &[0.1, 0.2, 0.9],
-        both(1e-6),
-    );
+    let (result, seen) = solve(&mut undefined, 0.0, &[1.0, 0.0], &[0.1, 0.2, 0.9], both(1e-6));
     let failure = result.unwrap_err();
     println!("{failure} {:?}", failure.statistics);
     let non_finite = failure.non_finite.unwrap();
@@ -79,11 +73,7 @@ fn a_system_undefined_from_some_point_on_ends_there() {
 
 #[test]
 fn undefined_everywhere_but_at_the_start() {
-    let mut undefined = system(
-        1,
-        |s, _, dy| dy[0] = if s == 0.0 { 1.0 } else { f64::NAN },
-        |_, _, _| {},
-    );
+    let mut undefined = system(1, |s, _, dy| dy[0] = if s == 0.0 { 1.0 } else { f64::NAN }, |_, _, _| {});
     let (result, seen) = solve(&mut undefined, 0.0, &[7.0], &[2.0], both(1e-6));
     let failure = result.unwrap_err();
     assert_eq!((failure.s, failure.y.as_slice()), (0.0, [7.0].as_slice()));
@@ -95,22 +85,14 @@ fn undefined_everywhere_but_at_the_start() {
 
 #[test]
 fn undefined_at_the_start() {
-    let mut undefined = system(
-        2,
-        |_, _, dy| dy.copy_from_slice(&[0.0, f64::NEG_INFINITY]),
-        |_, _, _| {},
-    );
+    let mut undefined = system(2, |_, _, dy| dy.copy_from_slice(&[0.0, f64::NEG_INFINITY]), |_, _, _| {});
     let (result, _) = solve(&mut undefined, 1.0, &[7.0, 8.0], &[2.0], both(1e-6));
     let failure = result.unwrap_err();
     let expected = NonFinite { s: 1.0, entry: 1 };
     assert_eq!(failure.non_finite, Some(expected));
     assert_eq!(failure.y, [7.0, 8.0]);
     assert_eq!(failure.statistics.rhs_evaluations, 1);
-    assert!(
-        failure
-            .to_string()
-            .ends_with("initial state (entry 1 of f not finite at s = 1)")
-    );
+    assert!(failure.to_string().ends_with("initial state (entry 1 of f not finite at s = 1)"));
 }
 
 #[test]
@@ -206,11 +188,8 @@ fn a_system_that_answers_at_random_neither_panics_nor_hangs() {
     };
     for _ in 0..100 {
         let mut other = random;
-        let mut wild = system(
-            2,
-            |_, _, dy| dy.fill_with(&mut random),
-            |_, _, jac| jac.iter_mut().for_each(|x| *x = other()),
-        );
+        let mut wild =
+            system(2, |_, _, dy| dy.fill_with(&mut random), |_, _, jac| jac.iter_mut().for_each(|x| *x = other()));
         let (result, _) = solve(&mut wild, 0.0, &[1.0, 0.0], &[0.5, 1.0], both(1e-3));
         assert!(result.is_ok() || !result.unwrap_err().reason.is_empty());
     }

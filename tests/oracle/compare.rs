@@ -3,10 +3,9 @@
 use crate::python::{Oracle, Quantities};
 use aghf::dynamics::{
     Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, InverseDynamicsSecondDerivatives,
-    RneaWeightedHessian, RootWrenchDerivatives, aba, aba_derivatives, bias, crba,
-    forward_kinematics, frame_jacobian, frame_placement, kinetic_energy, mass_matrix_and_rate,
-    potential_energy, rnea, rnea_derivatives, rnea_second_derivatives, root_wrench,
-    root_wrench_second_order,
+    RneaWeightedHessian, RootWrenchDerivatives, aba, aba_derivatives, bias, crba, forward_kinematics, frame_jacobian,
+    frame_placement, kinetic_energy, mass_matrix_and_rate, potential_energy, rnea, rnea_derivatives,
+    rnea_second_derivatives, root_wrench, root_wrench_second_order,
 };
 use aghf::model::Model;
 use aghf::spatial::{Motion, Placement};
@@ -37,9 +36,7 @@ impl Comparison {
         let worst = self.worst.entry(name.to_owned()).or_default();
         *worst = worst.max(error);
         if error > bound {
-            self.off.push(format!(
-                "{name} is off by {error:.1e}, more than {bound:.1e}"
-            ));
+            self.off.push(format!("{name} is off by {error:.1e}, more than {bound:.1e}"));
         }
     }
 
@@ -80,22 +77,13 @@ pub type State = [Vec<f64>; 4];
 pub fn state(model: &Model) -> impl Strategy<Value = State> + use<> {
     let within = model.joints().iter().map(|joint| {
         let limits = joint.limits();
-        let lower = if limits.lower.is_finite() {
-            limits.lower
-        } else {
-            limits.upper.min(3.0) - 6.0
-        };
-        let upper = if limits.upper.is_finite() {
-            limits.upper
-        } else {
-            lower.max(-3.0) + 6.0
-        };
+        let lower = if limits.lower.is_finite() { limits.lower } else { limits.upper.min(3.0) - 6.0 };
+        let upper = if limits.upper.is_finite() { limits.upper } else { lower.max(-3.0) + 6.0 };
         lower..=upper
     });
     let n = model.dof();
     let numbers = || crate::common::numbers(n);
-    (within.collect::<Vec<_>>(), numbers(), numbers(), numbers())
-        .prop_map(|(q, v, a, tau)| [q, v, a, tau])
+    (within.collect::<Vec<_>>(), numbers(), numbers(), numbers()).prop_map(|(q, v, a, tau)| [q, v, a, tau])
 }
 
 /// The largest difference relative to the largest entry of `theirs`, or to `floor` where that is smaller.
@@ -113,9 +101,7 @@ pub fn assert_same_names(model: &Model, oracle: &Oracle) {
     let name = |i: usize| model.joints()[i].name().to_owned();
     let joints: Vec<_> = (0..model.dof()).map(name).collect();
     let parents = model.joints().iter().map(|j| j.parent());
-    let parents: Vec<_> = parents
-        .map(|p| p.map_or("universe".to_owned(), name))
-        .collect();
+    let parents: Vec<_> = parents.map(|p| p.map_or("universe".to_owned(), name)).collect();
     let links: Vec<_> = model.frames().iter().map(|f| f.name.clone()).collect();
     for (what, ours) in [("joints", joints), ("parents", parents), ("links", links)] {
         assert_eq!(ours, theirs[what], "{what} of {}", model.name());
@@ -149,15 +135,7 @@ pub fn compare_second_derivatives(model: &Model, oracle: &Oracle, state: &State)
     rnea_second_derivatives(model, &mut data, q, v, a, &mut second).expect("lengths agree");
     let (mut root, mut of_root) = (RootWrenchDerivatives::new(n), RneaWeightedHessian::new(n));
     let motion = Motion::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(4.0, 5.0, 6.0));
-    root_wrench_second_order(
-        model,
-        &mut data,
-        [q, v, a],
-        |_| motion,
-        &mut root,
-        &mut of_root,
-    )
-    .expect("lengths agree");
+    root_wrench_second_order(model, &mut data, [q, v, a], |_| motion, &mut root, &mut of_root).expect("lengths agree");
     let tensors = [
         ("d2ID/dqdq", second.dqdq(), &first.dq),
         ("d2ID/dqdv", second.dqdv(), &first.dq),
@@ -174,14 +152,9 @@ pub fn compare_second_derivatives(model: &Model, oracle: &Oracle, state: &State)
     ];
     let matrices = matrices.map(|(name, m)| (name, column(m.as_slice()), &root.jacobian));
     let all: Vec<_> = tensors.into_iter().chain(matrices).collect();
-    let floors = all
-        .iter()
-        .map(|(name, _, first)| (*name, first.amax().max(FLOOR)));
+    let floors = all.iter().map(|(name, _, first)| (*name, first.amax().max(FLOOR)));
     let floors: BTreeMap<_, _> = floors.collect();
-    let ours: Quantities = all
-        .into_iter()
-        .map(|(name, ours, _)| (name.to_owned(), ours))
-        .collect();
+    let ours: Quantities = all.into_iter().map(|(name, ours, _)| (name.to_owned(), ours)).collect();
     let theirs = oracle.call("second_derivatives", &[q, v, a]);
     let mut comparison = Comparison::default();
     comparison.compare(&ours, &theirs, |name| floors[name], |_| BOUND);
@@ -198,19 +171,14 @@ fn dynamics(model: &Model, [q, v, a, tau]: &State) -> Quantities {
         f(out.as_mut_slice()).expect("lengths agree");
         out
     };
-    let (mut h, mut hdot, mut h_too) = (
-        DMatrix::zeros(n, n),
-        DMatrix::zeros(n, n),
-        DMatrix::zeros(n, n),
-    );
+    let (mut h, mut hdot, mut h_too) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n), DMatrix::zeros(n, n));
     crba(model, data, q, &mut h).expect("lengths agree");
     mass_matrix_and_rate(model, data, q, v, &mut h_too, &mut hdot).expect("lengths agree");
     let mut id = InverseDynamicsDerivatives::new(n);
     rnea_derivatives(model, data, q, v, a, &mut id).expect("lengths agree");
     let (mut root, mut of_root) = (RootWrenchDerivatives::new(n), RneaWeightedHessian::new(n));
     let still = |_: &_| Motion::zero();
-    root_wrench_second_order(model, data, [q, v, a], still, &mut root, &mut of_root)
-        .expect("lengths agree");
+    root_wrench_second_order(model, data, [q, v, a], still, &mut root, &mut of_root).expect("lengths agree");
     let wrench = root_wrench(model, data, q, v, a).expect("lengths agree");
     let wrench = [wrench.angular.as_slice(), wrench.linear.as_slice()].concat();
     let of_part = |part: usize| root.jacobian.columns(part * n, n).into_owned();
@@ -221,10 +189,7 @@ fn dynamics(model: &Model, [q, v, a, tau]: &State) -> Quantities {
     let all = [
         ("ID", vector(&mut |out| rnea(model, data, q, v, a, out))),
         ("C", vector(&mut |out| bias(model, data, q, v, out))),
-        (
-            "gravity",
-            vector(&mut |out| bias(model, data, q, &zeros, out)),
-        ),
+        ("gravity", vector(&mut |out| bias(model, data, q, &zeros, out))),
         ("FD", vector(&mut |out| aba(model, data, q, v, tau, out))),
         ("kinetic energy", DMatrix::from_element(1, 1, kinetic)),
         ("potential energy", DMatrix::from_element(1, 1, potential)),
@@ -273,8 +238,7 @@ fn kinematics(model: &Model, data: &mut Data, q: &[f64]) -> [(&'static str, DMat
 
 /// One row per placement: its rotation by rows, and its translation.
 fn rows(placements: impl Iterator<Item = Placement<f64>>) -> DMatrix<f64> {
-    let numbers: Vec<f64> = placements
-        .flat_map(|p| [p.rotation.transpose().as_slice(), p.translation.as_slice()].concat())
-        .collect();
+    let numbers: Vec<f64> =
+        placements.flat_map(|p| [p.rotation.transpose().as_slice(), p.translation.as_slice()].concat()).collect();
     DMatrix::from_row_slice(numbers.len() / 12, 12, &numbers)
 }

@@ -2,9 +2,7 @@
 //! stated reason.
 
 use crate::common::config;
-use crate::compare::{
-    Comparison, assert_same_names, compare_dynamics, compare_second_derivatives, state,
-};
+use crate::compare::{Comparison, assert_same_names, compare_dynamics, compare_second_derivatives, state};
 use crate::python::{Oracle, venv};
 use aghf::model::Model;
 use aghf::urdf::{Mimic, UrdfOptions, parse_urdf_with};
@@ -16,23 +14,11 @@ use std::path::{Path, PathBuf};
 
 /// The refused robots, and words of the reason.
 const REFUSED: [(&str, &str); 5] = [
-    (
-        "hector_description/robots/quadrotor_base.urdf",
-        "has no moving joint",
-    ),
-    (
-        "iris_description/robots/iris_simple.urdf",
-        "has no moving joint",
-    ),
+    ("hector_description/robots/quadrotor_base.urdf", "has no moving joint"),
+    ("iris_description/robots/iris_simple.urdf", "has no moving joint"),
     // Massless fingers and grippers, the former with mimic joints.
-    (
-        "romeo_description/urdf/romeo.urdf",
-        "the mass matrix is singular",
-    ),
-    (
-        "romeo_description/urdf/romeo_laas_small.urdf",
-        "the mass matrix is singular",
-    ),
+    ("romeo_description/urdf/romeo.urdf", "the mass matrix is singular"),
+    ("romeo_description/urdf/romeo_laas_small.urdf", "the mass matrix is singular"),
     // A file without a link.
     ("ur_description/urdf/ur3.urdf", "has no links"),
 ];
@@ -62,27 +48,14 @@ const COLUMNS: [(&str, &[&str]); 10] = [
     ("FD", &["FD", "dFD/dtau"]),
     ("dID", &["dID/dq", "dID/dv"]),
     ("dFD", &["dFD/dq", "dFD/dv"]),
-    (
-        "root wrench",
-        &["root wrench", "droot/dq", "droot/dv", "droot/da"],
-    ),
-    (
-        "d2ID",
-        &["d2ID/dqdq", "d2ID/dqdv", "d2ID/dvdv", "d2ID/dadq"],
-    ),
+    ("root wrench", &["root wrench", "droot/dq", "droot/dv", "droot/da"]),
+    ("d2ID", &["d2ID/dqdq", "d2ID/dqdv", "d2ID/dvdv", "d2ID/dadq"]),
 ];
 
 /// The outcome for a robot.
 enum Outcome {
-    Compared {
-        joints: usize,
-        mimic: bool,
-        comparison: Comparison,
-    },
-    Refused {
-        reason: String,
-        pinocchio: String,
-    },
+    Compared { joints: usize, mimic: bool, comparison: Comparison },
+    Refused { reason: String, pinocchio: String },
 }
 
 #[test]
@@ -96,12 +69,7 @@ fn every_robot_agrees_or_is_refused_for_a_stated_reason() {
         table += &row(name, &outcome);
         let words = expected.map(|(_, words)| *words);
         match (outcome, words) {
-            (
-                Outcome::Compared {
-                    comparison, mimic, ..
-                },
-                None,
-            ) => {
+            (Outcome::Compared { comparison, mimic, .. }, None) => {
                 if mimic != MIMIC.contains(&name.as_str()) {
                     wrong.push(format!("{name}: mimic joints were {mimic}"));
                 }
@@ -109,16 +77,11 @@ fn every_robot_agrees_or_is_refused_for_a_stated_reason() {
                 wrong.extend(comparison.off.iter().map(|off| format!("{name}: {off}")));
             }
             (Outcome::Compared { .. }, Some(_)) => wrong.push(format!("{name}: no longer refused")),
-            (Outcome::Refused { reason, .. }, Some(words)) if reason.contains(words) => {
-                refused += 1
-            }
+            (Outcome::Refused { reason, .. }, Some(words)) if reason.contains(words) => refused += 1,
             (Outcome::Refused { reason, .. }, _) => wrong.push(format!("{name}: {reason}")),
         }
     }
-    let summary = format!(
-        "\n{agreed} of {} robots agree, {refused} are refused.\n",
-        robots.len()
-    );
+    let summary = format!("\n{agreed} of {} robots agree, {refused} are refused.\n", robots.len());
     table += &summary;
     println!("{table}");
     let file = venv().with_file_name("corpus.md");
@@ -132,25 +95,10 @@ fn every_robot_agrees_or_is_refused_for_a_stated_reason() {
 fn outcome(path: &Path) -> Outcome {
     let file = path.display().to_string();
     let text = std::fs::read_to_string(path).expect("it can be read");
-    let read = |mimic| {
-        parse_urdf_with(
-            &text,
-            &file,
-            UrdfOptions {
-                mimic,
-                ..UrdfOptions::default()
-            },
-        )
-    };
+    let read = |mimic| parse_urdf_with(&text, &file, UrdfOptions { mimic, ..UrdfOptions::default() });
     let strict = read(Mimic::Refuse);
-    let mimic = strict
-        .as_ref()
-        .is_err_and(|e| e.to_string().contains("mimic"));
-    let loaded = if mimic {
-        read(Mimic::Independent)
-    } else {
-        strict
-    };
+    let mimic = strict.as_ref().is_err_and(|e| e.to_string().contains("mimic"));
+    let loaded = if mimic { read(Mimic::Independent) } else { strict };
     let oracle = Oracle::load(&text);
     match loaded {
         Ok((model, _)) => Outcome::Compared {
@@ -174,10 +122,7 @@ fn compare(model: &Model, oracle: &Oracle) -> Comparison {
     let mut comparison = Comparison::default();
     let mut runner = TestRunner::new(config(STATES));
     for case in 0..STATES {
-        let state = state(model)
-            .new_tree(&mut runner)
-            .expect("no filter")
-            .current();
+        let state = state(model).new_tree(&mut runner).expect("no filter").current();
         comparison.merge(compare_dynamics(model, oracle, &state));
         if case == 0 {
             comparison.merge(compare_second_derivatives(model, oracle, &state));
@@ -196,11 +141,7 @@ fn robots() -> Vec<(String, PathBuf)> {
         assert_eq!(files.len(), count, "robots in {}", folder.display());
         files.sort();
         let name = |p: &PathBuf| p.strip_prefix(folder).map(|p| p.display().to_string());
-        found.extend(
-            files
-                .into_iter()
-                .map(|p| (name(&p).expect("it is below"), p)),
-        );
+        found.extend(files.into_iter().map(|p| (name(&p).expect("it is below"), p)));
     };
     of_collection(&crate::python::share("example-robot-data/robots"), 69);
     of_collection(&venv().join("share/iCub/robots"), 16);
@@ -230,18 +171,9 @@ fn header() -> String {
 fn row(name: &str, outcome: &Outcome) -> String {
     let mut row = format!("| {name} |");
     let written = match outcome {
-        Outcome::Compared {
-            joints,
-            mimic,
-            comparison,
-        } => {
-            let note = if *mimic {
-                ", mimic joints independent"
-            } else {
-                ""
-            };
-            let worst =
-                COLUMNS.map(|(_, of)| of.iter().map(|q| comparison.worst[*q]).fold(0.0, f64::max));
+        Outcome::Compared { joints, mimic, comparison } => {
+            let note = if *mimic { ", mimic joints independent" } else { "" };
+            let worst = COLUMNS.map(|(_, of)| of.iter().map(|q| comparison.worst[*q]).fold(0.0, f64::max));
             let worst = worst.map(|e| format!("{e:.0e}")).join(" | ");
             writeln!(row, " {joints}{note} | {worst} |")
         }

@@ -21,11 +21,7 @@ type Parts = [Vec<f64>; 3];
 #[test]
 fn omega_and_its_jacobians() {
     let all = RefCell::new(Comparison::default());
-    let config = Config {
-        source_file: Some(file!()),
-        max_shrink_iters: 100,
-        ..config(128)
-    };
+    let config = Config { source_file: Some(file!()), max_shrink_iters: 100, ..config(128) };
     let run = TestRunner::new(config).run(&robot_and_node(), |(robot, parts)| {
         let (model, oracle) = (&robot.model, robot.oracle());
         for k in PENALTIES {
@@ -60,14 +56,11 @@ fn compare_omega(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> Compa
     let m = parts[0].len();
     let of = |rhs: &mut dyn RightHandSide<f64, f64>| {
         let mut omega = DMatrix::zeros(m, 1);
-        rhs.omega(node(parts), k, omega.as_mut_slice())
-            .expect("lengths agree");
+        rhs.omega(node(parts), k, omega.as_mut_slice()).expect("lengths agree");
         omega
     };
     let mut by_theorem = DMatrix::zeros(m, 1);
-    theorem_b3(oracle, parts)
-        .omega(node(parts), k, by_theorem.as_mut_slice())
-        .expect("lengths agree");
+    theorem_b3(oracle, parts).omega(node(parts), k, by_theorem.as_mut_slice()).expect("lengths agree");
     let theirs = oracle.define("omega", &parts.concat(), k);
     let ways = [
         ("control form", of(&mut ControlForm::new(model))),
@@ -95,9 +88,7 @@ fn compare_jacobians(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> C
     for (name, kind) in JacobianKind::by_name() {
         let mut ours = NodeBlocks::new(model.dof());
         let mut jacobian = kind.build(model);
-        jacobian
-            .evaluate(node(parts), k, &mut ours)
-            .expect("lengths agree");
+        jacobian.evaluate(node(parts), k, &mut ours).expect("lengths agree");
         let (floors, bound) = match kind {
             // Differences lose entries that are small beside Omega, and their step preserves only half of the digits.
             JacobianKind::Difference => {
@@ -106,11 +97,7 @@ fn compare_jacobians(model: &Model, oracle: &Oracle, parts: &Parts, k: f64) -> C
             }
             _ => ([1.0 / k, 1.0], rounding),
         };
-        for (block, ours) in [
-            ("dx", &ours.dx),
-            ("dxdot", &ours.dxdot),
-            ("dxddot", &ours.dxddot),
-        ] {
+        for (block, ours) in [("dx", &ours.dx), ("dxdot", &ours.dxdot), ("dxddot", &ours.dxddot)] {
             let error = halves_error(ours, &theirs[block], floors);
             comparison.add(&format!("Jacobian, {name}"), error, bound);
         }

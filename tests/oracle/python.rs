@@ -74,10 +74,7 @@ pub fn venv() -> PathBuf {
 pub fn share(folder: &str) -> PathBuf {
     let version = Python::attach(|py| (py.version_info().major, py.version_info().minor));
     let packages = format!("lib/python{}.{}/site-packages", version.0, version.1);
-    venv()
-        .join(packages)
-        .join("cmeel.prefix/share")
-        .join(folder)
+    venv().join(packages).join("cmeel.prefix/share").join(folder)
 }
 
 fn or_panic<'py>(py: Python<'py>, result: PyResult<Bound<'py, PyAny>>) -> Bound<'py, PyAny> {
@@ -106,10 +103,7 @@ fn namespace(py: Python<'_>) -> &Bound<'_, PyDict> {
     let made = NAMESPACE.get_or_init_py_attached(py, || {
         open_venv(py);
         let names = PyDict::new(py);
-        for source in [
-            include_str!("ground_truth.py"),
-            include_str!("definition.py"),
-        ] {
+        for source in [include_str!("ground_truth.py"), include_str!("definition.py")] {
             let source = CString::new(source).expect("no zero in it");
             if let Err(error) = py.run(&source, Some(&names), None) {
                 panic!("{error}: run `tests/run`, which installs what is needed");

@@ -1,9 +1,7 @@
 //! Pendulums, random trees and chains, and two built-in robots at random states.
 
 use crate::common::{config, robot};
-use crate::compare::{
-    Comparison, assert_same_names, compare_dynamics, compare_second_derivatives, state,
-};
+use crate::compare::{Comparison, assert_same_names, compare_dynamics, compare_second_derivatives, state};
 use crate::python::Oracle;
 use aghf::model::{Drive, Model, pendulum, random_chain, random_tree};
 use aghf::urdf::parse_urdf;
@@ -87,11 +85,7 @@ pub fn any_robot() -> impl Strategy<Value = Robot> {
 fn dynamics() {
     let all = RefCell::new(Comparison::default());
     let robot_and_state = any_robot().prop_flat_map(|r| (Just(r.clone()), state(&r.model)));
-    let config = Config {
-        source_file: Some(file!()),
-        max_shrink_iters: 100,
-        ..config(512)
-    };
+    let config = Config { source_file: Some(file!()), max_shrink_iters: 100, ..config(512) };
     let run = TestRunner::new(config).run(&robot_and_state, |(robot, state)| {
         let (model, oracle) = (&robot.model, robot.oracle());
         assert_same_names(model, &oracle);

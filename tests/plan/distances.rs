@@ -2,8 +2,8 @@
 
 use crate::common::tree;
 use aghf::constraint::{
-    AnyConstraint, Bounds, CollisionSphere, Constraint, CoverClearance, Evaluator, SelfClearance,
-    SolidClearance, Sphere, SphereClearance,
+    AnyConstraint, Bounds, CollisionSphere, Constraint, CoverClearance, Evaluator, SelfClearance, SolidClearance,
+    Sphere, SphereClearance,
 };
 use aghf::geometry::{BallTree, Shape, Solid};
 use aghf::model::Model;
@@ -27,35 +27,21 @@ fn rows(model: &Model, size: f64, rng: &mut ChaCha8Rng) -> Vec<AnyConstraint> {
         }));
     }
     let mut solid = |shape| Solid {
-        placement: Placement::new(
-            Matrix3::identity(),
-            Vector3::from_fn(|_, _| 3.0 * rng.random::<f64>() - 1.5),
-        ),
+        placement: Placement::new(Matrix3::identity(), Vector3::from_fn(|_, _| 3.0 * rng.random::<f64>() - 1.5)),
         shape,
     };
     let (radius, half_length) = (0.1, 0.2);
     let half_extents = Vector3::new(0.1, 0.05, 0.3);
     let solids = vec![
         solid(Shape::Cuboid { half_extents }),
-        solid(Shape::Cylinder {
-            radius,
-            half_length,
-        }),
-        solid(Shape::Capsule {
-            radius,
-            half_length,
-        }),
+        solid(Shape::Cylinder { radius, half_length }),
+        solid(Shape::Capsule { radius, half_length }),
         Solid::half_space(&Vector3::new(0.1, 0.2, 1.0), -2.0),
     ];
-    let spheres = [(); 2].map(|()| Sphere {
-        centre: solid(Shape::HalfSpace).placement.translation,
-        radius,
-    });
+    let spheres = [(); 2].map(|()| Sphere { centre: solid(Shape::HalfSpace).placement.translation, radius });
     let last = balls.len() - BALLS;
     // Every other ball of the first body and those of the last one.
-    let pairs = (0..BALLS)
-        .step_by(2)
-        .flat_map(|i| (last..balls.len()).map(move |j| [i, j]));
+    let pairs = (0..BALLS).step_by(2).flat_map(|i| (last..balls.len()).map(move |j| [i, j]));
     let link = |i: usize| BallTree::new(&balls, (i * BALLS..(i + 1) * BALLS).collect());
     let cover = CoverClearance {
         links: vec![link(1), link(model.dof())],
@@ -70,19 +56,9 @@ fn rows(model: &Model, size: f64, rng: &mut ChaCha8Rng) -> Vec<AnyConstraint> {
     };
     vec![
         AnyConstraint::Bounds(Bounds::positions(model)),
-        AnyConstraint::Spheres(SphereClearance {
-            balls: balls.clone(),
-            spheres: spheres.to_vec(),
-        }),
-        AnyConstraint::Solids(SolidClearance {
-            balls: balls.clone(),
-            solids,
-            names: Vec::new(),
-        }),
-        AnyConstraint::SelfCollision(SelfClearance {
-            pairs: pairs.collect(),
-            balls: balls.clone(),
-        }),
+        AnyConstraint::Spheres(SphereClearance { balls: balls.clone(), spheres: spheres.to_vec() }),
+        AnyConstraint::Solids(SolidClearance { balls: balls.clone(), solids, names: Vec::new() }),
+        AnyConstraint::SelfCollision(SelfClearance { pairs: pairs.collect(), balls: balls.clone() }),
         AnyConstraint::Cover(cover),
     ]
 }

@@ -8,9 +8,7 @@ use aghf::plan::{PlanSettings, curve_along};
 
 /// A path around two corners.
 fn detour() -> Vec<Vec<f64>> {
-    [[0.0, 0.0], [0.3, 0.6], [0.7, 0.6], [1.0, 0.0]]
-        .map(|q| q.to_vec())
-        .to_vec()
+    [[0.0, 0.0], [0.3, 0.6], [0.7, 0.6], [1.0, 0.0]].map(|q| q.to_vec()).to_vec()
 }
 
 fn along(problem: &Problem<'_>, state: &[AnyConstraint], basis: Basis) -> Curve {
@@ -26,11 +24,7 @@ fn the_ends_are_those_of_the_problem() {
     let (start, goal) = (vec![0.0, 0.0, 0.5, -1.0], vec![1.0, 0.0, -2.0, 0.25]);
     let problem = Problem::new(&model, start.clone(), goal.clone(), 2.0).expect("valid");
     for (segments, degree) in [(3, 5), (3, 8), (8, 5)] {
-        let curve = along(
-            &problem,
-            &[],
-            Basis::new(segments, degree, Continuity::default()),
-        );
+        let curve = along(&problem, &[], Basis::new(segments, degree, Continuity::default()));
         for (time, state) in [(0.0, &start), (2.0, &goal)] {
             let (x, xdot) = curve.at(time);
             assert_close!(x.as_slice(), &state[..], 1e-12);
@@ -39,11 +33,7 @@ fn the_ends_are_those_of_the_problem() {
         for e in 1..segments {
             let (before, after) = (curve.segment_rates(e - 1), curve.segment_rates(e));
             let last = before.column(before.ncols() - 1);
-            assert_close!(
-                last.rows(0, 2).as_slice(),
-                after.column(0).rows(0, 2).as_slice(),
-                1e-9
-            );
+            assert_close!(last.rows(0, 2).as_slice(), after.column(0).rows(0, 2).as_slice(), 1e-9);
         }
     }
 }

@@ -13,9 +13,7 @@ use std::f64::consts::{PI, TAU};
 
 fn limits(model: &Model) -> Vec<[f64; 2]> {
     let joints = model.joints().iter();
-    joints
-        .map(|joint| [joint.limits().lower, joint.limits().upper])
-        .collect()
+    joints.map(|joint| [joint.limits().lower, joint.limits().upper]).collect()
 }
 
 fn pose(model: &Model, frame: &Frame<f64>, q: &[f64]) -> Placement<f64> {
@@ -28,13 +26,9 @@ fn largest(rows: &impl Constraint, model: &Model, q: &[f64]) -> f64 {
     let x = [q, &vec![0.0; q.len()]].concat();
     let mut g = vec![0.0; rows.dim()];
     let mut evaluator = Evaluator::<f64>::new(model);
-    evaluator
-        .at(&x)
-        .and_then(|at| at.value(rows, &mut g))
-        .expect("its rows");
+    evaluator.at(&x).and_then(|at| at.value(rows, &mut g)).expect("its rows");
     let rows = g.iter().enumerate();
-    rows.map(|(i, g)| if rows_equal(i) { g.abs() } else { *g })
-        .fold(f64::NEG_INFINITY, f64::max)
+    rows.map(|(i, g)| if rows_equal(i) { g.abs() } else { *g }).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// The last row of a pose excludes half a turn.
@@ -53,9 +47,7 @@ fn reachable_poses_are_found_within_the_limits() {
         for _ in 0..60 {
             let drawn = model.random_configuration(&mut rng);
             let wanted = pose(&model, &tool, &drawn);
-            let rows = FrameRows::new(&tool, Frame::new("goal", None, wanted))
-                .at_origin()
-                .oriented();
+            let rows = FrameRows::new(&tool, Frame::new("goal", None, wanted)).at_origin().oriented();
             let mut search = InverseKinematics::new(&model, &rows, limits(&model)).expect("bounds");
             let start = model.random_configuration(&mut rng);
             let mut guesses = search.guesses(&start, 3).take(64);
@@ -86,18 +78,11 @@ fn an_arm_stretches_towards_a_point_beyond_its_reach() {
     let link = model.joints()[2].origin().translation;
     let tip = Frame::new("tip", Some(2), Placement::new(Matrix3::identity(), link));
     let far = pose(&model, &tip, &[0.4, 0.0, 0.0]).translation * 2.0;
-    let rows = FrameRows::new(
-        &tip,
-        Frame::new("goal", None, Placement::new(Matrix3::identity(), far)),
-    );
+    let rows = FrameRows::new(&tip, Frame::new("goal", None, Placement::new(Matrix3::identity(), far)));
     let rows = rows.at_origin();
     let mut search = InverseKinematics::new(&model, &rows, vec![[-PI, PI]; 3]).expect("bounds");
     let end = search.solve(&[0.1, 0.3, -0.2]).expect("its joints");
-    assert!(
-        (end.violation - 0.5 * far.norm()).abs() < 1e-5,
-        "{}",
-        end.violation
-    );
+    assert!((end.violation - 0.5 * far.norm()).abs() < 1e-5, "{}", end.violation);
     for (q, stretched) in end.q.iter().zip([0.4, 0.0, 0.0]) {
         assert!((q - stretched).abs() < 1e-2, "{:?}", end.q);
     }
@@ -111,10 +96,7 @@ fn a_guess_within_the_rows_is_the_end() {
     let q = [0.3, -0.4, 0.1, 1.0, 0.2, -0.3, 0.5];
     let here = pose(&model, tool, &q);
     let rows = FrameRows::new(tool, Frame::new("goal", None, here));
-    let rows = rows
-        .within_distance(0.1)
-        .and_then(|rows| rows.within_angle(0.2))
-        .expect("bounds");
+    let rows = rows.within_distance(0.1).and_then(|rows| rows.within_angle(0.2)).expect("bounds");
     let mut search = InverseKinematics::new(&model, &rows, limits(&model)).expect("bounds");
     let end = search.solve(&q).expect("its joints");
     assert_eq!((end.q, end.violation), (q.to_vec(), 0.0));
@@ -150,10 +132,7 @@ fn turns_are_taken_back() {
     let mut bounds = vec![[f64::NEG_INFINITY, f64::INFINITY]; 7];
     bounds[1] = [-4.0, 4.0];
     let search = InverseKinematics::new(&model, &none, bounds).expect("bounds");
-    let found = search.nearer(
-        &[7.0, -3.5, 0.1, 0.0, 0.0, 0.0, 0.0],
-        &[0.5, 3.0, 6.0, 0.0, 0.0, 0.0, 40.0],
-    );
+    let found = search.nearer(&[7.0, -3.5, 0.1, 0.0, 0.0, 0.0, 0.0], &[0.5, 3.0, 6.0, 0.0, 0.0, 0.0, 40.0]);
     let expected = [7.0 - TAU, TAU - 3.5, 0.1 + TAU, 0.0, 0.0, 0.0, 6.0 * TAU];
     for (found, expected) in found.iter().zip(expected) {
         assert!((found - expected).abs() < 1e-14);
@@ -184,10 +163,7 @@ fn bounds_that_nothing_is_between_are_refused() {
         let found = InverseKinematics::new(&model, &none, vec![[0.0, 1.0], bad]);
         assert_refused(found, "which nothing is between");
     }
-    assert_refused(
-        InverseKinematics::new(&model, &none, Vec::new()),
-        "expected 2 entries, found 0",
-    );
+    assert_refused(InverseKinematics::new(&model, &none, Vec::new()), "expected 2 entries, found 0");
     let turned = Rotation3::from_euler_angles(0.0, 0.1, 0.0).into_inner();
     let frame = Frame::new("tool", Some(5), Placement::new(turned, Vector3::zeros()));
     let rows = FrameRows::new(&frame, Frame::new("goal", None, Placement::identity())).at_origin();

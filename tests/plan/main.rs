@@ -28,19 +28,9 @@ fn across(model: &Model) -> Problem<'_> {
 
 /// The constraint that keeps the point outside balls of this radius.
 fn outside(centres: impl IntoIterator<Item = [f64; 2]>, radius: f64) -> Vec<AnyConstraint> {
-    let ball = CollisionSphere {
-        body: Some(1),
-        centre: Vector3::zeros(),
-        radius: 0.0,
-    };
-    let spheres = centres.into_iter().map(|[x, y]| Sphere {
-        centre: Vector3::new(x, y, 0.0),
-        radius,
-    });
-    vec![AnyConstraint::Spheres(SphereClearance {
-        balls: vec![ball],
-        spheres: spheres.collect(),
-    })]
+    let ball = CollisionSphere { body: Some(1), centre: Vector3::zeros(), radius: 0.0 };
+    let spheres = centres.into_iter().map(|[x, y]| Sphere { centre: Vector3::new(x, y, 0.0), radius });
+    vec![AnyConstraint::Spheres(SphereClearance { balls: vec![ball], spheres: spheres.collect() })]
 }
 
 /// A wall of balls across the path, beyond both ends of the range of y, open in these ranges less 0.1 at each end.

@@ -59,18 +59,10 @@ fn it_finds_the_gap() {
     let problem = across(&model);
     let line = [vec![0.0, 0.0], vec![1.0, 0.0]];
     let mut checker = Checker::new(&model, &state, 0.04).expect("same robot");
-    assert!(
-        !checker
-            .is_line_free(&line[0], &line[1])
-            .expect("two numbers")
-    );
+    assert!(!checker.is_line_free(&line[0], &line[1]).expect("two numbers"));
     assert!(worst(&problem, &state, &line) > 0.0);
     for number in 0..8 {
-        let settings = PlanSettings {
-            number,
-            resolution: 0.01,
-            ..PlanSettings::default()
-        };
+        let settings = PlanSettings { number, resolution: 0.01, ..PlanSettings::default() };
         let found = path(&problem, &state, &settings);
         assert_eq!([&found[0], &found[found.len() - 1]], [&line[0], &line[1]]);
         let worst = worst(&problem, &state, &found);
@@ -98,11 +90,7 @@ fn a_seed_and_a_number_have_one_path() {
     let (model, state) = (point(), wall_with_a_gap());
     let problem = across(&model);
     let of = |seed, number| {
-        let settings = PlanSettings {
-            seed,
-            number,
-            ..PlanSettings::default()
-        };
+        let settings = PlanSettings { seed, number, ..PlanSettings::default() };
         path(&problem, &state, &settings)
     };
     assert_eq!(of(3, 2), of(3, 2));
@@ -118,19 +106,12 @@ fn of_several_paths_the_shortest_is_taken() {
     let problem = across(&model);
     let lengths = |state: &[AnyConstraint], number| -> Vec<f64> {
         let of = |paths| {
-            let settings = PlanSettings {
-                number,
-                paths,
-                ..PlanSettings::default()
-            };
+            let settings = PlanSettings { number, paths, ..PlanSettings::default() };
             length(&path(&problem, state, &settings))
         };
         (1..=8).map(of).collect()
     };
-    let (two_gaps, post) = (
-        wall(&[[0.41, 0.79], [-0.99, -0.66]]),
-        outside([[0.5, 0.0]], 0.1),
-    );
+    let (two_gaps, post) = (wall(&[[0.41, 0.79], [-0.99, -0.66]]), outside([[0.5, 0.0]], 0.1));
     let mut shorter = 0;
     for number in 0..12 {
         let found = lengths(&two_gaps, number);
@@ -138,10 +119,7 @@ fn of_several_paths_the_shortest_is_taken() {
         assert!(found[7] < 1.7, "{found:?}");
         shorter += usize::from(found[0] > 1.75);
         let found = lengths(&post, number);
-        assert!(
-            found[0] < 1.25 && found.iter().all(|x| *x == found[0]),
-            "{found:?}"
-        );
+        assert!(found[0] < 1.25 && found.iter().all(|x| *x == found[0]), "{found:?}");
     }
     assert!(shorter > 1, "{shorter} of 12 take the farther gap");
 }
@@ -215,19 +193,12 @@ fn a_margin_is_no_more_than_the_ends_have() {
 fn what_cannot_be_ends_by_its_budget() {
     let model = point();
     let problem = across(&model);
-    let settings = PlanSettings {
-        most_checks: 5000,
-        ..PlanSettings::default()
-    };
+    let settings = PlanSettings { most_checks: 5000, ..PlanSettings::default() };
     let Plan::OutOfBudget { checks } = planned(&problem, &ring(), &settings) else {
         panic!("there is no way through");
     };
     assert!((5000..6000).contains(&checks), "{checks}");
-    let inside = planned(
-        &problem,
-        &outside([[1.0, 0.05], [2.0, 0.0]], 0.1),
-        &settings,
-    );
+    let inside = planned(&problem, &outside([[1.0, 0.05], [2.0, 0.0]], 0.1), &settings);
     let Plan::EndBlocked { goal, row, by } = inside else {
         panic!("{inside:?}");
     };
@@ -241,12 +212,7 @@ fn long_lines_end_by_the_budget() {
     let model = point();
     let problem = across(&model);
     let checks = |state: &[AnyConstraint], range| {
-        let settings = PlanSettings {
-            most_checks: 100,
-            margin: 0.0,
-            range,
-            ..PlanSettings::default()
-        };
+        let settings = PlanSettings { most_checks: 100, margin: 0.0, range, ..PlanSettings::default() };
         match planned(&problem, state, &settings) {
             Plan::OutOfBudget { checks } => checks,
             other => panic!("{other:?}"),
@@ -296,10 +262,7 @@ fn a_path_that_is_found_remains_when_it_is_stopped() {
         assert!(worst(&problem, &state, path) <= 0.0);
     }
     let lengths = paths.map(|path| length(&path));
-    assert!(
-        lengths[0] > lengths[1] && lengths[1] > lengths[2],
-        "{lengths:?}"
-    );
+    assert!(lengths[0] > lengths[1] && lengths[1] > lengths[2], "{lengths:?}");
 }
 
 #[test]
@@ -308,45 +271,12 @@ fn what_it_cannot_do_is_refused() {
     let problem = across(&model);
     let go = |settings: PlanSettings| plan(&problem, &ring(), &settings, &|| false);
     let default = PlanSettings::default;
-    assert_refused(
-        go(PlanSettings {
-            resolution: 0.0,
-            ..default()
-        }),
-        "resolution",
-    );
-    assert_refused(
-        go(PlanSettings {
-            range: f64::NAN,
-            ..default()
-        }),
-        "range",
-    );
-    assert_refused(
-        go(PlanSettings {
-            margin: -1.0,
-            ..default()
-        }),
-        "margin",
-    );
-    assert_refused(
-        go(PlanSettings {
-            paths: 0,
-            ..default()
-        }),
-        "paths",
-    );
-    assert_refused(
-        go(PlanSettings {
-            most_checks: 0,
-            ..default()
-        }),
-        "most_checks",
-    );
-    assert_refused(
-        plan(&problem, &Held(0.0), &default(), &|| false),
-        "equality",
-    );
+    assert_refused(go(PlanSettings { resolution: 0.0, ..default() }), "resolution");
+    assert_refused(go(PlanSettings { range: f64::NAN, ..default() }), "range");
+    assert_refused(go(PlanSettings { margin: -1.0, ..default() }), "margin");
+    assert_refused(go(PlanSettings { paths: 0, ..default() }), "paths");
+    assert_refused(go(PlanSettings { most_checks: 0, ..default() }), "most_checks");
+    assert_refused(plan(&problem, &Held(0.0), &default(), &|| false), "equality");
     // Bodies that the robot does not have.
     let other = robot("pendulum_1");
     let swing = Problem::new(&other, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
@@ -371,10 +301,7 @@ fn paths_stay_in_a_plane() {
     let plane = plane.in_box(&low, &high).expect("bounds");
     let bounds = vec![[-2.2, 2.2]; 7];
     let mut search = InverseKinematics::new(&model, &plane, bounds).expect("seven joints");
-    let ends = [
-        [0.0, 0.5, 0.0, 1.6, 0.0, 1.0, 0.0],
-        [1.4, 0.9, 0.0, 1.9, 0.0, 0.9, 0.0],
-    ];
+    let ends = [[0.0, 0.5, 0.0, 1.6, 0.0, 1.0, 0.0], [1.4, 0.9, 0.0, 1.9, 0.0, 0.9, 0.0]];
     let ends = ends.map(|q| search.solve(&q).expect("seven joints").q);
     let [start, goal] = ends.clone().map(|q| [q, vec![0.0; 7]].concat());
     let problem = Problem::new(&model, start, goal, 1.0).expect("valid");

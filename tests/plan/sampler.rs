@@ -29,19 +29,13 @@ fn lengths(sampler: &Sampler<'_>) -> Vec<f64> {
 fn samples_are_on_shorter_paths() {
     let far = distance(ENDS[0], ENDS[1]);
     let length = 1.5 * far;
-    let mut sampler = Sampler {
-        ends: ENDS,
-        ranges: vec![[-9.0, 9.0]; 3],
-        shortest: Some(length),
-    };
+    let mut sampler = Sampler { ends: ENDS, ranges: vec![[-9.0, 9.0]; 3], shortest: Some(length) };
     let all = lengths(&sampler);
     assert!(all.iter().all(|of| *of <= length * (1.0 + 1e-12)));
     // The volume is that of a ball times the product of the semi-axes, with one along the chord and two across it.
     let volume = |length: f64| length * (length * length - far * far);
     for share in [0.1, 0.5, 0.9] {
-        let within = all
-            .iter()
-            .filter(|of| volume(**of) <= share * volume(length));
+        let within = all.iter().filter(|of| volume(**of) <= share * volume(length));
         let found = within.count() as f64 / all.len() as f64;
         // Five standard deviations.
         let off = 5.0 * (share * (1.0 - share) / all.len() as f64).sqrt();
@@ -55,11 +49,7 @@ fn samples_are_on_shorter_paths() {
 /// Without one they fill the ranges.
 #[test]
 fn samples_fill_the_ranges() {
-    let sampler = Sampler {
-        ends: ENDS,
-        ranges: vec![[-2.0, 4.0], [-1.0, 1.0], [-1.0, 0.0]],
-        shortest: None,
-    };
+    let sampler = Sampler { ends: ENDS, ranges: vec![[-2.0, 4.0], [-1.0, 1.0], [-1.0, 0.0]], shortest: None };
     let all = lengths(&sampler);
     let longest = all.iter().copied().fold(0.0, f64::max);
     assert!(longest > 5.5, "{longest}");

@@ -9,27 +9,14 @@ use std::time::Duration;
 
 /// Rows of the state alone.
 fn keeping(state: Vec<AnyConstraint>) -> Constraints<Vec<AnyConstraint>> {
-    Constraints {
-        state,
-        torque: TorqueLimits(Vec::new()),
-        stage: Default::default(),
-    }
+    Constraints { state, torque: TorqueLimits(Vec::new()), stage: Default::default() }
 }
 
-fn solve(
-    state: Vec<AnyConstraint>,
-    planned_starts: PlannedStarts,
-    threads: usize,
-) -> DirectSolution {
+fn solve(state: Vec<AnyConstraint>, planned_starts: PlannedStarts, threads: usize) -> DirectSolution {
     let model = point();
     let problem = across(&model);
     let kept = keeping(state);
-    let settings = DirectSettings {
-        degree: 9,
-        planned_starts,
-        threads,
-        ..DirectSettings::constrained()
-    };
+    let settings = DirectSettings { degree: 9, planned_starts, threads, ..DirectSettings::constrained() };
     solved_within(&problem, &settings, &kept)
 }
 
@@ -42,8 +29,7 @@ fn last_start(found: &DirectSolution) -> Option<usize> {
 /// number of threads.
 #[test]
 fn a_planned_start_gets_through_a_gap() {
-    let [found, again] =
-        [1, 3].map(|threads| solve(wall_with_a_gap(), PlannedStarts::Later, threads));
+    let [found, again] = [1, 3].map(|threads| solve(wall_with_a_gap(), PlannedStarts::Later, threads));
     assert!(found.converged, "{}", found.largest_violation);
     assert_eq!(last_start(&found), Some(1));
     assert_eq!(found.curve.x(), again.curve.x());
@@ -82,11 +68,8 @@ fn later_planned_starts_have_larger_penalties() {
     let problem = across(&model);
     let kept = keeping(wall_with_a_gap());
     let found = |factor, largest| {
-        let mut settings = DirectSettings {
-            degree: 9,
-            planned_starts: PlannedStarts::Later,
-            ..DirectSettings::constrained()
-        };
+        let mut settings =
+            DirectSettings { degree: 9, planned_starts: PlannedStarts::Later, ..DirectSettings::constrained() };
         settings.search.planned_penalty = 1e-6;
         settings.search.planned_penalty_factor = factor;
         settings.search.largest_planned_penalty = largest;
@@ -104,8 +87,7 @@ fn later_planned_starts_have_larger_penalties() {
 #[test]
 fn planned_starts_are_for_what_is_not_found() {
     let easy = || outside([[0.5, 0.05]], 0.1);
-    let [with, without] =
-        [PlannedStarts::Later, PlannedStarts::Never].map(|planned| solve(easy(), planned, 1));
+    let [with, without] = [PlannedStarts::Later, PlannedStarts::Never].map(|planned| solve(easy(), planned, 1));
     assert!(with.converged);
     assert_eq!(with.curve.x(), without.curve.x());
     let none = solve(ring(), PlannedStarts::Later, 2);
@@ -113,11 +95,7 @@ fn planned_starts_are_for_what_is_not_found() {
     assert_eq!(none.start_costs.len(), 64);
     // Without paths all starts are bent, each in another way.
     let pairs = none.start_costs.windows(2);
-    assert!(
-        pairs.filter(|pair| pair[0] == pair[1]).count() < 8,
-        "{:?}",
-        none.start_costs
-    );
+    assert!(pairs.filter(|pair| pair[0] == pair[1]).count() < 8, "{:?}", none.start_costs);
 }
 
 /// A planned first start satisfies the constraints from the beginning: after any number of iterations, so does the
@@ -128,11 +106,8 @@ fn a_planned_first_start_keeps_what_is_asked() {
     let problem = across(&model);
     let kept = keeping(wall_with_a_gap());
     let solve = |iterations| {
-        let settings = DirectSettings {
-            planned_starts: PlannedStarts::First,
-            iterations,
-            ..DirectSettings::constrained()
-        };
+        let settings =
+            DirectSettings { planned_starts: PlannedStarts::First, iterations, ..DirectSettings::constrained() };
         let solver = Direct::new(&problem).constraints(&kept);
         let found = solver.settings(settings).solve().expect("valid");
         assert!(found.largest_violation <= DirectSettings::FEASIBLE);
@@ -175,10 +150,7 @@ fn a_planned_first_start_has_the_time_that_it_needs() {
     assert_eq!(solve(None), horizon);
     assert_eq!(solve(Some(1.1 * horizon)), 1.1 * horizon);
     let [long, longer] = [50.0, 100.0].map(|most| solve(Some(most * horizon)));
-    assert!(
-        long > 1.1 * horizon && long < 20.0 * horizon && long == longer,
-        "{long}"
-    );
+    assert!(long > 1.1 * horizon && long < 20.0 * horizon && long == longer, "{long}");
 }
 
 /// Where the horizon is free, any planned start has the time that its limits need, and begins within them.
@@ -186,18 +158,11 @@ fn a_planned_first_start_has_the_time_that_it_needs() {
 fn a_planned_start_has_the_time_that_it_needs() {
     let model = point();
     let problem = across(&model);
-    let kept = Constraints {
-        state: wall_with_a_gap(),
-        torque: TorqueLimits(vec![Some(30.0); 2]),
-        stage: Default::default(),
-    };
+    let kept =
+        Constraints { state: wall_with_a_gap(), torque: TorqueLimits(vec![Some(30.0); 2]), stage: Default::default() };
     let settings = DirectSettings {
         degree: 9,
-        free_horizon: Some(FreeHorizon {
-            shortest: 0.1,
-            longest: 50.0,
-            weight: 100.0,
-        }),
+        free_horizon: Some(FreeHorizon { shortest: 0.1, longest: 50.0, weight: 100.0 }),
         ..DirectSettings::constrained()
     };
     let found = solved_within(&problem, &settings, &kept);
@@ -206,16 +171,8 @@ fn a_planned_start_has_the_time_that_it_needs() {
     let first = |start| found.iterations.iter().find(|i| i.start == Some(start));
     let [straight, planned] = [0, 1].map(|start| first(start).expect("it was tried"));
     assert!(straight.horizon == problem.horizon() && straight.violation > 0.01);
-    assert!(
-        planned.horizon > 1.1 * problem.horizon(),
-        "{}",
-        planned.horizon
-    );
-    assert!(
-        planned.violation <= DirectSettings::FEASIBLE,
-        "{}",
-        planned.violation
-    );
+    assert!(planned.horizon > 1.1 * problem.horizon(), "{}", planned.horizon);
+    assert!(planned.violation <= DirectSettings::FEASIBLE, "{}", planned.violation);
 }
 
 /// A search with a time limit that is stopped at its first iteration ends with the planned start, which satisfies the
@@ -227,11 +184,7 @@ fn a_search_that_is_cut_off_has_a_planned_motion() {
     let kept = keeping(wall_with_a_gap());
     let cut_off = |time_limit| {
         let interrupt = Interrupt::default();
-        let settings = DirectSettings {
-            time_limit,
-            interrupt: interrupt.clone(),
-            ..DirectSettings::constrained()
-        };
+        let settings = DirectSettings { time_limit, interrupt: interrupt.clone(), ..DirectSettings::constrained() };
         let solver = Direct::new(&problem).constraints(&kept).settings(settings);
         let solver = solver.observe(|_| interrupt.raise());
         solver.solve().expect("valid")
@@ -275,8 +228,5 @@ fn paths_are_planned_until_something_is_found() {
         let mut of = found.iterations.iter().filter(|i| i.start == Some(start));
         of.next().expect("it was tried").segments
     };
-    assert_eq!(
-        [0, 1, 3].map(|start| segments(start) > 1),
-        [false, true, false]
-    );
+    assert_eq!([0, 1, 3].map(|start| segments(start) > 1), [false, true, false]);
 }

@@ -116,10 +116,7 @@ impl AlgebraOver<f64> for Double {
 #[test]
 fn an_angle_has_the_sine_of_a_table() {
     let (sin, cos) = Double::from(1.0).sin_cos();
-    for (found, wanted) in [
-        (sin, 0.841_470_984_807_896_5),
-        (cos, 0.540_302_305_868_139_8),
-    ] {
+    for (found, wanted) in [(sin, 0.841_470_984_807_896_5), (cos, 0.540_302_305_868_139_8)] {
         assert!((found - Double::from(wanted)).rounded().abs() < 6e-17);
     }
     let (s, c) = Double::from(2.5).sin_cos();

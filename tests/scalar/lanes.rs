@@ -63,13 +63,9 @@ fn model_and_lanes() -> impl Strategy<Value = (Model, Vec<Vec<f64>>)> {
 /// The dynamics evaluated in SIMD lanes, lane by lane.
 fn in_lanes<const W: usize>(model: &Model, states: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let n = model.dof();
-    let packed: Vec<Lanes<f64, W>> = (0..3 * n)
-        .map(|i| Lanes(std::array::from_fn(|lane| states[lane][i])))
-        .collect();
+    let packed: Vec<Lanes<f64, W>> = (0..3 * n).map(|i| Lanes(std::array::from_fn(|lane| states[lane][i]))).collect();
     let out = dynamics(model, [&packed[..n], &packed[n..2 * n], &packed[2 * n..]]);
-    (0..W)
-        .map(|lane| out.iter().map(|x| x.0[lane]).collect())
-        .collect()
+    (0..W).map(|lane| out.iter().map(|x| x.0[lane]).collect()).collect()
 }
 
 proptest! {

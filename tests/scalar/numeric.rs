@@ -17,11 +17,7 @@ fn mixed<S: Tanh>(x: S) -> S {
 fn mixed_by_hand(x: f64) -> [f64; 3] {
     let t = x.tanh();
     let sech2 = 1.0 - t * t;
-    [
-        x.sin() * x.cos() + t,
-        (2.0 * x).cos() + sech2,
-        -2.0 * (2.0 * x).sin() - 2.0 * t * sech2,
-    ]
+    [x.sin() * x.cos() + t, (2.0 * x).cos() + sech2, -2.0 * (2.0 * x).sin() - 2.0 * t * sech2]
 }
 
 proptest! {
@@ -92,28 +88,19 @@ fn roots_and_choices() {
         near(chosen(Dual64::new(x, 3.0)).eps, 3.0 * first);
         near(chosen(Dual2_64::new(x, 1.0, 0.0)).v2, second);
         near(chosen(HyperDual64::new(x, 1.0, 1.0, 0.0)).eps1eps2, second);
-        let nested = chosen(Jet::new(
-            Jet::new(x, [1.0]),
-            [Jet::constant(1.0), Jet::constant(0.0)],
-        ));
+        let nested = chosen(Jet::new(Jet::new(x, [1.0]), [Jet::constant(1.0), Jet::constant(0.0)]));
         near(nested.re.re, value);
         near(nested.eps[0].re, first);
         near(nested.eps[0].eps[0], second);
         near(nested.eps[1].eps[0], 0.0);
-        let lanes = chosen(Jet::new(
-            Lanes([x, -x, x, 1.0]),
-            [Lanes([1.0, 1.0, 2.0, 0.0])],
-        ));
+        let lanes = chosen(Jet::new(Lanes([x, -x, x, 1.0]), [Lanes([1.0, 1.0, 2.0, 0.0])]));
         let [_, other, _] = chosen_by_hand(-x);
         for (lane, slope) in [first, other, 2.0 * first, 0.0].into_iter().enumerate() {
             near(lanes.eps[0].0[lane], slope);
         }
     }
     let choose = |x: f64| x.if_negative(1.0, 2.0);
-    assert_eq!(
-        [-1e-300, -0.0, 0.0, 1e-300, f64::NAN].map(choose),
-        [1.0, 2.0, 2.0, 2.0, 2.0]
-    );
+    assert_eq!([-1e-300, -0.0, 0.0, 1e-300, f64::NAN].map(choose), [1.0, 2.0, 2.0, 2.0, 2.0]);
 }
 
 /// Only numbers without derivatives are known to vanish: `num-dual` does not report derivatives.

@@ -108,15 +108,7 @@ fn the_dynamics_run_over_the_field() {
     let model = random_tree(5, 8).expect("five joints").cast::<F>();
     let numbers = |seed: u64| (0..5).map(|i| F::new(seed + 7 * i)).collect::<Vec<F>>();
     let mut tau = vec![F::zero(); 5];
-    rnea(
-        &model,
-        &mut Data::new(&model),
-        &numbers(1),
-        &numbers(2),
-        &numbers(3),
-        &mut tau,
-    )
-    .expect("lengths agree");
+    rnea(&model, &mut Data::new(&model), &numbers(1), &numbers(2), &numbers(3), &mut tau).expect("lengths agree");
     assert!(tau.iter().all(|t| !t.is_zero()));
 }
 
@@ -125,11 +117,7 @@ fn the_dynamics_run_over_the_field() {
 fn definition_and_control_form(p: &RandomInstance, factor: F) -> aghf::Result<Vec<Equality>> {
     let mut definition = nalgebra::DVector::from_element(2 * p.dof(), F::zero());
     let mut control_form = definition.clone();
-    LagrangianFlow::new(&p.model, AghfLagrangian).omega(
-        p.node(),
-        p.k,
-        definition.as_mut_slice(),
-    )?;
+    LagrangianFlow::new(&p.model, AghfLagrangian).omega(p.node(), p.k, definition.as_mut_slice())?;
     ControlForm::new(&p.model).omega(p.node(), p.k * factor, control_form.as_mut_slice())?;
     Ok(vec![Equality::vectors("Omega", &definition, &control_form)])
 }

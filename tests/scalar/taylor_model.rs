@@ -10,9 +10,7 @@ use proptest::prelude::*;
 /// The value of a polynomial at `s`.
 fn value(c: &[f64], s: f64) -> Double {
     let s = Double::from(s);
-    c.iter()
-        .rev()
-        .fold(Double::zero(), |sum, c| sum * s + Double::from(*c))
+    c.iter().rev().fold(Double::zero(), |sum, c| sum * s + Double::from(*c))
 }
 
 /// The distance of a value from the polynomial of a model at `s`, less the radius: at most zero.
@@ -33,18 +31,7 @@ fn operations<S: AlgebraOver<f64>>(x: S, y: S) -> Vec<S> {
     let positive = y * y + S::from_f64(3.0);
     let ratio = x / positive;
     let switched = (y - S::from_f64(0.25)).if_negative(x, positive);
-    vec![
-        x + y,
-        x - y,
-        x * y,
-        -x,
-        x.scale(0.3),
-        sin,
-        cos,
-        positive.sqrt(),
-        ratio,
-        switched,
-    ]
+    vec![x + y, x - y, x * y, -x, x.scale(0.3), sin, cos, positive.sqrt(), ratio, switched]
 }
 
 fn contains<const N: usize>(of: &[Vec<f64>]) -> Result<(), TestCaseError> {
@@ -102,35 +89,21 @@ proptest! {
 fn model_and_motion(size: f64) -> impl Strategy<Value = (Model, Vec<Vec<f64>>)> {
     any_model().prop_flat_map(move |model| {
         let n = model.dof();
-        (Just(model), prop::collection::vec(numbers(4), 3 * n)).prop_map(
-            move |(model, mut motion)| {
-                for c in &mut motion {
-                    c[1..].iter_mut().for_each(|c| *c *= size);
-                }
-                (model, motion)
-            },
-        )
+        (Just(model), prop::collection::vec(numbers(4), 3 * n)).prop_map(move |(model, mut motion)| {
+            for c in &mut motion {
+                c[1..].iter_mut().for_each(|c| *c *= size);
+            }
+            (model, motion)
+        })
     })
 }
 
-fn inverse_dynamics<S: AlgebraOver<f64>>(
-    model: &Model,
-    motion: &[Vec<f64>],
-    of: impl Fn(&[f64]) -> S,
-) -> Vec<S> {
+fn inverse_dynamics<S: AlgebraOver<f64>>(model: &Model, motion: &[Vec<f64>], of: impl Fn(&[f64]) -> S) -> Vec<S> {
     let n = model.dof();
     let all: Vec<S> = motion.iter().map(|c| of(c)).collect();
     let mut torques = vec![S::zero(); n];
     let data = &mut Data::new(model);
-    rnea(
-        model,
-        data,
-        &all[..n],
-        &all[n..2 * n],
-        &all[2 * n..],
-        &mut torques,
-    )
-    .expect("lengths agree");
+    rnea(model, data, &all[..n], &all[n..2 * n], &all[2 * n..], &mut torques).expect("lengths agree");
     torques
 }
 
@@ -139,12 +112,7 @@ fn inverse_dynamics<S: AlgebraOver<f64>>(
 fn what_is_not_known_proves_nothing() {
     let x = TaylorModel::<3>::new(&[0.1, 1.0], 0.0);
     let one = TaylorModel::constant(1.0);
-    for unknown in [
-        one / x,
-        x.sqrt(),
-        (one / x) * TaylorModel::constant(0.0),
-        x.if_negative(one / x, one),
-    ] {
+    for unknown in [one / x, x.sqrt(), (one / x) * TaylorModel::constant(0.0), x.if_negative(one / x, one)] {
         let is_known = unknown.radius() < f64::MAX;
         assert!(!is_known, "{unknown:?}");
     }

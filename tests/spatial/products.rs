@@ -20,18 +20,13 @@ fn placement(x: &[f64]) -> Placement<f64> {
 
 /// A body of four particles, and the particles.
 fn particles(x: &[f64]) -> Vec<(f64, Vector3<f64>)> {
-    x.chunks(4)
-        .map(|p| (p[0].abs() + 0.1, vector(&p[1..])))
-        .collect()
+    x.chunks(4).map(|p| (p[0].abs() + 0.1, vector(&p[1..]))).collect()
 }
 
 /// The inertia of particles, summed from that of each.
 fn body(particles: &[(f64, Vector3<f64>)]) -> Inertia<f64> {
     let one = |(mass, r): &(f64, Vector3<f64>)| Inertia::from_com(*mass, *r, Matrix3::zeros());
-    particles
-        .iter()
-        .map(one)
-        .fold(Inertia::zero(), |sum, i| sum + i)
+    particles.iter().map(one).fold(Inertia::zero(), |sum, i| sum + i)
 }
 
 fn close(a: Force<f64>, b: Force<f64>) {

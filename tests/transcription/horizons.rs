@@ -33,9 +33,7 @@ fn compare<P: PointCost<f64>, D: PointCost<Twice>>(n: usize, cost: P, by_duals: 
     objective.set_horizons(&Horizons::of_parts(PARTS.to_vec(), REFERENCE));
     objective.free_horizon(DMatrix::zeros(n, basis.count()));
     let mut found = Derivatives::new(&grid, n);
-    objective
-        .derivatives(&coefficients, &mut found)
-        .expect("sizes agree");
+    objective.derivatives(&coefficients, &mut found).expect("sizes agree");
     let (unknowns, lifted_grid) = (free.len() * n, grid.map(lift));
     let second_order = |moving: [usize; 2]| {
         let (mut lifted, mut parts) = (coefficients.map(lift), PARTS.map(lift));
@@ -57,10 +55,7 @@ fn compare<P: PointCost<f64>, D: PointCost<Twice>>(n: usize, cost: P, by_duals: 
     for i in 0..unknowns {
         let close = |found: f64, dual: f64| {
             let scale = hessian[(i, i)].abs().max(1.0);
-            assert!(
-                (found - dual).abs() <= 1e-10 * scale,
-                "{i}: {found}, {dual}"
-            );
+            assert!((found - dual).abs() <= 1e-10 * scale, "{i}: {found}, {dual}");
         };
         close(found.gradient[i], second_order([i, i]).re.eps[0]);
         for j in 0..=i {
@@ -73,11 +68,7 @@ fn compare<P: PointCost<f64>, D: PointCost<Twice>>(n: usize, cost: P, by_duals: 
     }
     for (part, of) in found.horizons.iter().enumerate() {
         let own = second_order([unknowns + part; 2]);
-        assert_close!(
-            &[of.first, of.second],
-            &[own.re.eps[0], own.eps[0].eps[0]],
-            1e-10
-        );
+        assert_close!(&[of.first, of.second], &[own.re.eps[0], own.eps[0].eps[0]], 1e-10);
     }
     let both = second_order([unknowns, unknowns + 1]);
     assert_eq!(both.eps[0].eps[0], 0.0);
@@ -86,9 +77,7 @@ fn compare<P: PointCost<f64>, D: PointCost<Twice>>(n: usize, cost: P, by_duals: 
 #[test]
 fn derivatives_in_parts_are_those_of_duals() {
     let model = tree(2, 5);
-    compare(2, effort_and_jerk(&model), || {
-        effort_and_jerk::<Twice>(&model)
-    });
+    compare(2, effort_and_jerk(&model), || effort_and_jerk::<Twice>(&model));
     compare(2, OfJerk, || OfJerk);
 }
 

@@ -2,8 +2,8 @@
 
 use crate::common::{constraint::in_balls, direct::solved_within, robot};
 use aghf::constraint::{
-    AnyConstraint, Bounds, CollisionSphere, Constraints, Evaluator, SelfClearance, SolidClearance,
-    Sphere, SphereClearance, TorqueLimits,
+    AnyConstraint, Bounds, CollisionSphere, Constraints, Evaluator, SelfClearance, SolidClearance, Sphere,
+    SphereClearance, TorqueLimits,
 };
 use aghf::direct::{DirectSettings, DirectSolution};
 use aghf::geometry::{Shape, Solid};
@@ -22,9 +22,7 @@ fn crowded(model: &Model) -> Kept {
     }
     let count = balls.len();
     // The hand is in the middle of the post half way of the shortest motion.
-    let middle = [
-        0.85, 0.6, 0.0, 1.6, 0.0, 0.8, 0.0, 0., 0., 0., 0., 0., 0., 0.,
-    ];
+    let middle = [0.85, 0.6, 0.0, 1.6, 0.0, 0.8, 0.0, 0., 0., 0., 0., 0., 0., 0.];
     let mut evaluator = Evaluator::new(model);
     let placed = evaluator.at(&middle).expect("valid");
     let hand = placed.state().placements[6].translation;
@@ -33,59 +31,30 @@ fn crowded(model: &Model) -> Kept {
         placement: Placement::new(Matrix3::identity(), Vector3::new(x, y, z)),
         shape,
     };
-    let table = Shape::Cuboid {
-        half_extents: Vector3::new(0.3, 0.6, 0.02),
-    };
-    let post = Shape::Cylinder {
-        radius: 0.06,
-        half_length: 0.2,
-    };
+    let table = Shape::Cuboid { half_extents: Vector3::new(0.3, 0.6, 0.02) };
+    let post = Shape::Cylinder { radius: 0.06, half_length: 0.2 };
     let state = vec![
         AnyConstraint::Bounds(Bounds::velocities(model)),
         AnyConstraint::Solids(SolidClearance {
             balls: balls.clone(),
-            solids: vec![
-                solid(table, [hand.x, hand.y, hand.z - 0.5]),
-                solid(post, hand.into()),
-            ],
+            solids: vec![solid(table, [hand.x, hand.y, hand.z - 0.5]), solid(post, hand.into())],
             names: Vec::new(),
         }),
         AnyConstraint::Spheres(SphereClearance {
             balls: balls.clone(),
-            spheres: vec![Sphere {
-                centre: Vector3::new(0.0, hand.y, hand.z + 0.3),
-                radius: 0.1,
-            }],
+            spheres: vec![Sphere { centre: Vector3::new(0.0, hand.y, hand.z + 0.3), radius: 0.1 }],
         }),
-        AnyConstraint::SelfCollision(SelfClearance {
-            balls,
-            pairs: pairs.collect(),
-        }),
+        AnyConstraint::SelfCollision(SelfClearance { balls, pairs: pairs.collect() }),
     ];
-    Constraints {
-        state,
-        torque: TorqueLimits::of(model),
-        stage: Default::default(),
-    }
+    Constraints { state, torque: TorqueLimits::of(model), stage: Default::default() }
 }
 
 /// A motion around the post, where all rows are evaluated as soon as a ball has moved by `moved` of the reach.
-fn around_the_post(
-    model: &Model,
-    kept: &Kept,
-    (segments, degree): (usize, usize),
-    moved: f64,
-) -> DirectSolution {
-    let ends =
-        [0.0, 1.7].map(|q| vec![q, 0.6, 0.0, 1.6, 0.0, 0.8, 0.0, 0., 0., 0., 0., 0., 0., 0.]);
+fn around_the_post(model: &Model, kept: &Kept, (segments, degree): (usize, usize), moved: f64) -> DirectSolution {
+    let ends = [0.0, 1.7].map(|q| vec![q, 0.6, 0.0, 1.6, 0.0, 0.8, 0.0, 0., 0., 0., 0., 0., 0., 0.]);
     let [start, goal] = ends;
     let problem = Problem::new(model, start, goal, 2.5).expect("valid");
-    let mut settings = DirectSettings {
-        segments,
-        degree,
-        starts: 1,
-        ..DirectSettings::constrained()
-    };
+    let mut settings = DirectSettings { segments, degree, starts: 1, ..DirectSettings::constrained() };
     settings.search.moved = moved;
     solved_within(&problem, &settings, kept)
 }
@@ -116,12 +85,7 @@ fn rows_that_are_far_change_nothing() {
     let mut free = kept.clone();
     free.state.truncate(1);
     let [near, free] = [&kept, &free].map(|kept| around_the_post(&model, kept, (1, 12), default));
-    assert!(
-        near.cost > 1.0005 * free.cost,
-        "{} {}",
-        near.cost,
-        free.cost
-    );
+    assert!(near.cost > 1.0005 * free.cost, "{} {}", near.cost, free.cost);
 }
 
 /// Lists of rows that are maxima of many functions change no motion, whether they are made anew at each point or not.
@@ -129,9 +93,7 @@ fn rows_that_are_far_change_nothing() {
 fn rows_of_covers_that_are_far_change_nothing() {
     let model = robot("kinova_gen3");
     let mut kept = crowded(&model);
-    let Some(AnyConstraint::Solids(of)) = kept.state.get(1) else {
-        panic!("solids are the second")
-    };
+    let Some(AnyConstraint::Solids(of)) = kept.state.get(1) else { panic!("solids are the second") };
     let cover = in_balls(&model, of.solids.clone());
     kept.state[1] = AnyConstraint::Cover(cover);
     kept.state.truncate(2);
@@ -140,20 +102,10 @@ fn rows_of_covers_that_are_far_change_nothing() {
     for end in [&lists, &anew] {
         assert!(end.converged && end.largest_violation < 1e-6, "{end:?}");
     }
-    assert!(
-        (lists.cost - anew.cost).abs() < 1e-6 * lists.cost,
-        "{} {}",
-        lists.cost,
-        anew.cost
-    );
+    assert!((lists.cost - anew.cost).abs() < 1e-6 * lists.cost, "{} {}", lists.cost, anew.cost);
     kept.state.truncate(1);
     let free = around_the_post(&model, &kept, (1, 12), default);
-    assert!(
-        lists.cost > 1.001 * free.cost,
-        "{} {}",
-        lists.cost,
-        free.cost
-    );
+    assert!(lists.cost > 1.001 * free.cost, "{} {}", lists.cost, free.cost);
 }
 
 /// An obstacle out of reach changes nothing.
@@ -161,13 +113,8 @@ fn rows_of_covers_that_are_far_change_nothing() {
 fn an_obstacle_out_of_reach_changes_nothing() {
     let model = robot("kinova_gen3");
     let (kept, mut more) = (crowded(&model), crowded(&model));
-    let far = Sphere {
-        centre: Vector3::new(0.0, 9.0, 9.0),
-        radius: 0.3,
-    };
-    let Some(AnyConstraint::Spheres(clearance)) = more.state.get_mut(2) else {
-        panic!("spheres are the third")
-    };
+    let far = Sphere { centre: Vector3::new(0.0, 9.0, 9.0), radius: 0.3 };
+    let Some(AnyConstraint::Spheres(clearance)) = more.state.get_mut(2) else { panic!("spheres are the third") };
     clearance.spheres.push(far);
     let moved = DirectSettings::constrained().search.moved;
     let [one, other] = [&kept, &more].map(|kept| around_the_post(&model, kept, (1, 12), moved));

@@ -23,12 +23,7 @@ pub fn effort_and_jerk<S: AlgebraOver<f64>>(model: &Model) -> ControlEffort<'_, 
 }
 
 /// The objective over numbers that move twice.
-fn second_order(
-    model: &Model,
-    basis: &Basis,
-    coefficients: &DMatrix<f64>,
-    moving: [usize; 2],
-) -> Jet<Jet<f64, 1>, 1> {
+fn second_order(model: &Model, basis: &Basis, coefficients: &DMatrix<f64>, moving: [usize; 2]) -> Jet<Jet<f64, 1>, 1> {
     type Twice = Jet<Jet<f64, 1>, 1>;
     let grid = Grid::new(basis, 7, 1.3).map(<Twice as AlgebraOver<f64>>::lift);
     let mut lifted = coefficients.map(<Twice as AlgebraOver<f64>>::lift);
@@ -36,9 +31,7 @@ fn second_order(
     let entry = |unknown: usize| (unknown % n, free[unknown / n]);
     lifted[entry(moving[0])].re.eps[0] += 1.0;
     lifted[entry(moving[1])].eps[0].re += 1.0;
-    Objective::new(&grid, effort_and_jerk::<Twice>(model), model.dof())
-        .value(&lifted)
-        .expect("sizes agree")
+    Objective::new(&grid, effort_and_jerk::<Twice>(model), model.dof()).value(&lifted).expect("sizes agree")
 }
 
 /// Continuous velocities, or accelerations as well, with rest at the start and a given or a free final state.
@@ -70,9 +63,7 @@ fn derivatives_are_those_of_duals() {
         let coefficients = random(&mut rng, n, basis.count());
         let mut objective = Objective::new(&grid, effort_and_jerk(&model), n);
         let mut derivatives = Derivatives::new(&grid, n);
-        let value = objective
-            .derivatives(&coefficients, &mut derivatives)
-            .expect("sizes agree");
+        let value = objective.derivatives(&coefficients, &mut derivatives).expect("sizes agree");
         let again = objective.value(&coefficients).expect("sizes agree");
         assert!((value - again).abs() <= 1e-13 * value);
         let hessian = derivatives.hessian.to_dense();
@@ -104,10 +95,7 @@ fn on_a_linear_robot_metric_and_hessian_are_one() {
     Objective::new(&grid, ControlEffort::new(&model), 1)
         .derivatives(&random(&mut rng, 1, basis.count()), &mut derivatives)
         .expect("sizes agree");
-    let (hessian, metric) = (
-        derivatives.hessian.to_dense(),
-        derivatives.metric.to_dense(),
-    );
+    let (hessian, metric) = (derivatives.hessian.to_dense(), derivatives.metric.to_dense());
     assert_close!(&hessian, &metric, 1e-14);
     // Second derivatives of bubbles are orthonormal in normalised time: 2 m^2 T^-3 on the diagonal, zero beside it.
     let bubbles = hessian.view((0, 0), (4, 4)).into_owned();
@@ -143,11 +131,7 @@ impl<S: Scalar> PointCost<S> for OfJerk {
         Ok(())
     }
 
-    fn all_derivatives(
-        &mut self,
-        points: Points<'_, S>,
-        out: &mut PointsDerivatives<S>,
-    ) -> Result<()> {
+    fn all_derivatives(&mut self, points: Points<'_, S>, out: &mut PointsDerivatives<S>) -> Result<()> {
         let jerks = points.jerks.expect("the cost needs it");
         self.values(points, &mut out.costs)?;
         let [two, four, twelve] = [2.0, 4.0, 12.0].map(S::from_f64);
@@ -160,15 +144,11 @@ impl<S: Scalar> PointCost<S> for OfJerk {
             });
             out.hessians.set(g, &hessian);
             for x in 0..3 {
-                let slopes =
-                    DVector::from_fn(n, |i, _| if x == 0 { two * q[i] } else { S::zero() });
+                let slopes = DVector::from_fn(n, |i, _| if x == 0 { two * q[i] } else { S::zero() });
                 out.gradients.set_column(3 * g + x, &slopes);
             }
         }
-        out.by_jerk = [
-            jerks.map(|j| four * j * j * j),
-            jerks.map(|j| twelve * j * j),
-        ];
+        out.by_jerk = [jerks.map(|j| four * j * j * j), jerks.map(|j| twelve * j * j)];
         Ok(())
     }
 }
@@ -192,9 +172,7 @@ fn derivatives_in_the_jerk_are_those_of_duals() {
         objective.free_horizon(rates.clone());
         objective.set_horizon(horizon);
         let mut derivatives = Derivatives::new(&grid, n);
-        objective
-            .derivatives(&coefficients, &mut derivatives)
-            .expect("sizes agree");
+        objective.derivatives(&coefficients, &mut derivatives).expect("sizes agree");
         let (free, lifted_grid) = (basis.free(), grid.map(lift));
         let unknowns = free.len() * n;
         let second_order = |moving: [usize; 2]| {
@@ -230,10 +208,7 @@ fn derivatives_in_the_jerk_are_those_of_duals() {
             assert!((found - mixed).abs() <= 1e-10 * mixed.abs().max(1.0));
         }
         let own = second_order([unknowns, unknowns]);
-        let found = [
-            derivatives.horizons[0].first,
-            derivatives.horizons[0].second,
-        ];
+        let found = [derivatives.horizons[0].first, derivatives.horizons[0].second];
         assert_close!(&found, &[own.re.eps[0], own.eps[0].eps[0]], 1e-11);
     }
 }

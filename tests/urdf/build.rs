@@ -33,32 +33,20 @@ fn bad_robots_are_refused_by_name_and_element() {
         let error = Model::try_from(&robot).expect_err(words).to_string();
         assert!(error.starts_with(&format!("changed: {words}")), "{error}");
     };
-    refused(
-        |r| r.links.clear(),
-        "joint 'panda_joint1': there is no link",
-    );
-    refused(
-        |r| r.links[1].inertial.mass.value = -2.5,
-        "link 'panda_link1': its mass is negative: -2.5",
-    );
+    refused(|r| r.links.clear(), "joint 'panda_joint1': there is no link");
+    refused(|r| r.links[1].inertial.mass.value = -2.5, "link 'panda_link1': its mass is negative: -2.5");
     refused(
         |r| r.joints[0].axis.xyz = Vec3([0.0, f64::NAN, 0.0]),
         "joint 'panda_joint1': its axis is not a finite number",
     );
     refused(
         |r| {
-            let collision = urdf_rs::Collision {
-                geometry: Geometry::Sphere { radius: -1.0 },
-                ..Default::default()
-            };
+            let collision = urdf_rs::Collision { geometry: Geometry::Sphere { radius: -1.0 }, ..Default::default() };
             r.links[2].collision = vec![collision];
         },
         "link 'panda_link2': collision 1: radius of its sphere has -1",
     );
-    refused(
-        |r| r.joints[1].joint_type = JointType::Planar,
-        "joint 'panda_joint2': planar joints are not supported",
-    );
+    refused(|r| r.joints[1].joint_type = JointType::Planar, "joint 'panda_joint2': planar joints are not supported");
 }
 
 /// Version 1.2 of the format has infinite default limits.
@@ -75,22 +63,13 @@ fn infinite_limits_are_none() {
 #[test]
 fn mimic_joints_are_as_the_options_say_and_of_no_matter_if_fixed() {
     let mut robot = robot("panda");
-    let mimic = urdf_rs::Mimic {
-        joint: "panda_joint2".to_owned(),
-        ..urdf_rs::Mimic::default()
-    };
+    let mimic = urdf_rs::Mimic { joint: "panda_joint2".to_owned(), ..urdf_rs::Mimic::default() };
     robot.joints[0].mimic = Some(mimic.clone());
     let error = Model::try_from(&robot).expect_err("it mimics").to_string();
     assert!(error.contains("joint 'panda_joint1': it mimics"), "{error}");
-    let options = UrdfOptions {
-        mimic: Mimic::Independent,
-        ..UrdfOptions::default()
-    };
+    let options = UrdfOptions { mimic: Mimic::Independent, ..UrdfOptions::default() };
     let (_, notes) = build_model(&robot, "panda", options).expect("as asked for");
-    let note = LoadNote::Independent {
-        joint: "panda_joint1".to_owned(),
-        mimics: "panda_joint2".to_owned(),
-    };
+    let note = LoadNote::Independent { joint: "panda_joint1".to_owned(), mimics: "panda_joint2".to_owned() };
     assert!(notes.contains(&note), "{notes:?}");
 
     robot.joints[0].joint_type = JointType::Fixed;

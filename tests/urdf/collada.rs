@@ -41,10 +41,7 @@ fn faces_of_each_kind_are_placed_by_their_nodes_in_metres() {
         ("triangles", format!("<p>{first} {second}</p>")),
         ("polygons", format!("<p>{first} 0 3</p>")),
         ("polylist", format!("<vcount>4</vcount><p>{first} 0 3</p>")),
-        (
-            "polylist",
-            format!("<vcount>3 3</vcount><p>{first} {second}</p>"),
-        ),
+        ("polylist", format!("<vcount>3 3</vcount><p>{first} {second}</p>")),
     ] {
         let read = load("faces.dae", &with(faces, &lists)).expect(faces);
         assert_eq!(read.len(), 2, "{faces}");
@@ -60,50 +57,20 @@ fn faults_are_named_with_the_element_and_its_line() {
     let good = with("triangles", "<p>0 0 0 1 0 2</p>");
     let changed = |from: &str, to: &str| good.replace(from, to);
     for (text, words) in [
-        (
-            changed("0 0 0 1 0 2", "0 0 0 1 0 9"),
-            "p at line 9: it names a corner",
-        ),
+        (changed("0 0 0 1 0 2", "0 0 0 1 0 9"), "p at line 9: it names a corner"),
         (changed("0 0 0 1 0 2", "0 0 0 1 0"), "p at line 9: "),
         (changed("0 0 0 1 0 2", "0 0 0 x"), "p at line 9: 'x' is not"),
-        (
-            with("polylist", "<vcount>4</vcount><p>0 0 0 1 0 2</p>"),
-            "its length is not",
-        ),
-        (
-            with("trifans", ""),
-            "trifans at line 7: it is not supported",
-        ),
-        (
-            changed("url=\"#g\"", "url=\"#h\""),
-            "its url '#h' is not in this file",
-        ),
-        (
-            changed("0 0 1000</translate>", "0 0</translate>"),
-            "translate at line 11: it does not have 3",
-        ),
-        (
-            changed("1 0 0 90", "0 0 0 90"),
-            "rotate at line 12: its axis is zero",
-        ),
-        (
-            changed("stride=\"3\"", ""),
-            "accessor at line 5: its stride",
-        ),
-        (
-            changed("semantic=\"VERTEX\"", ""),
-            "it has no input of vertices",
-        ),
-        (
-            changed("instance_geometry", "instance_node"),
-            "instance_node at line 12: it is not supported",
-        ),
+        (with("polylist", "<vcount>4</vcount><p>0 0 0 1 0 2</p>"), "its length is not"),
+        (with("trifans", ""), "trifans at line 7: it is not supported"),
+        (changed("url=\"#g\"", "url=\"#h\""), "its url '#h' is not in this file"),
+        (changed("0 0 1000</translate>", "0 0</translate>"), "translate at line 11: it does not have 3"),
+        (changed("1 0 0 90", "0 0 0 90"), "rotate at line 12: its axis is zero"),
+        (changed("stride=\"3\"", ""), "accessor at line 5: its stride"),
+        (changed("semantic=\"VERTEX\"", ""), "it has no input of vertices"),
+        (changed("instance_geometry", "instance_node"), "instance_node at line 12: it is not supported"),
         ("<html/>".to_owned(), "it is not 'COLLADA'"),
     ] {
         let error = load("bad.dae", &text).expect_err(words);
-        assert!(
-            error.contains("bad.dae: mesh: ") && error.contains(words),
-            "{error}; {words}"
-        );
+        assert!(error.contains("bad.dae: mesh: ") && error.contains(words), "{error}; {words}");
     }
 }

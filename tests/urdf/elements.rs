@@ -67,10 +67,7 @@ fn pose(xyz: [f64; 3], angles: [f64; 3]) -> Isometry3<f64> {
 
 fn turn(axis: [f64; 3], q: f64) -> Isometry3<f64> {
     let axis = Unit::new_normalize(Vector3::from(axis));
-    Isometry3::from_parts(
-        Vector3::zeros().into(),
-        Rotation3::from_axis_angle(&axis, q).into(),
-    )
+    Isometry3::from_parts(Vector3::zeros().into(), Rotation3::from_axis_angle(&axis, q).into())
 }
 
 fn inertia_tensor([ixx, ixy, ixz, iyy, iyz, izz]: [f64; 6]) -> Matrix3<f64> {
@@ -83,23 +80,15 @@ fn steiner(mass: f64, d: Vector3<f64>) -> Matrix3<f64> {
 }
 
 pub fn unlimited(joint: &str) -> LoadNote {
-    Unlimited {
-        joint: joint.to_owned(),
-    }
+    Unlimited { joint: joint.to_owned() }
 }
 
 pub fn massless(link: &str) -> LoadNote {
-    Massless {
-        link: link.to_owned(),
-    }
+    Massless { link: link.to_owned() }
 }
 
 fn merged(link: &str, into: Option<&str>) -> LoadNote {
-    Merged {
-        link: link.to_owned(),
-        joint: format!("{link}_joint"),
-        into: into.map(str::to_owned),
-    }
+    Merged { link: link.to_owned(), joint: format!("{link}_joint"), into: into.map(str::to_owned) }
 }
 
 #[test]
@@ -121,11 +110,7 @@ fn impossible_inertia_is_told_and_kept() {
         assert_eq!(link, "body");
         assert!(condition.contains(words), "{condition}");
         assert!(report[1].to_string().starts_with("link 'body': "));
-        let ixx = if words.starts_with("exceeds") {
-            1.0
-        } else {
-            0.1
-        };
+        let ixx = if words.starts_with("exceeds") { 1.0 } else { 0.1 };
         assert_eq!(mass_matrix(&model, &[0.3])[(0, 0)], ixx, "about x: {words}");
     }
 }
@@ -145,11 +130,7 @@ fn a_massless_link_between_two_joints_is_a_universal_joint() {
     let expected = [inertia * q[1].cos().powi(2), 0.0, 0.0, inertia];
     assert_close!(mass_matrix(&model, &q).as_slice(), &expected, 1e-14);
     let gravity = [q[0].sin() * q[1].cos(), q[0].cos() * q[1].sin()].map(|g| weight * g);
-    assert_close!(
-        &torques(&model, [&q, &[0.0; 2], &[0.0; 2]]),
-        &gravity,
-        1e-13
-    );
+    assert_close!(&torques(&model, [&q, &[0.0; 2], &[0.0; 2]]), &gravity, 1e-13);
 }
 
 #[test]
@@ -157,8 +138,7 @@ fn the_inertial_frame_turns_and_moves_the_inertia() {
     let (model, _) = one_joint("continuous", "");
     let inertia = model.inertias()[0];
     let turned = rpy([0.4, -0.5, 0.6]);
-    let tensor =
-        turned * inertia_tensor([0.31, 0.01, -0.02, 0.42, 0.03, 0.53]) * turned.transpose();
+    let tensor = turned * inertia_tensor([0.31, 0.01, -0.02, 0.42, 0.03, 0.53]) * turned.transpose();
     assert_eq!(inertia.mass, 2.0);
     assert_eq!(inertia.first_moment, Vector3::new(0.2, -0.4, 0.6));
     let about_origin = tensor + steiner(2.0, Vector3::new(0.1, -0.2, 0.3));
@@ -180,11 +160,7 @@ fn axes_are_normalised_and_keep_their_direction() {
         assert_close!(model.joints()[0].axis(), &expected, 2e-16);
     }
     let (model, _) = one_joint("revolute", "");
-    assert_eq!(
-        *model.joints()[0].axis(),
-        Vector3::x(),
-        "the default of URDF"
-    );
+    assert_eq!(*model.joints()[0].axis(), Vector3::x(), "the default of URDF");
 }
 
 const SHOULDER: &str = r#"<origin xyz="0.2 0.3 0.5" rpy="0.3 0.2 -0.9"/><axis xyz="1 2 -1"/>"#;
@@ -200,18 +176,12 @@ fn a_fixed_link_between_moving_joints_is_merged() {
         joint("fixed", "body", "tool", FLANGE),
         joint("continuous", "tool", "hand", WRIST),
     ]);
-    assert_eq!(
-        report,
-        [massless("base"), merged("tool", Some("body_joint"))]
-    );
+    assert_eq!(report, [massless("base"), merged("tool", Some("body_joint"))]);
 
     // By hand: the placements of the tool and the wrist in the body, and the two masses by Steiner's theorem.
     let flange = pose([0.4, -0.6, 0.7], [1.1, -0.4, 2.3]);
     let turned_by = |rotation: Matrix3<f64>, i: Matrix3<f64>| rotation * i * rotation.transpose();
-    let body = turned_by(
-        rpy([0.4, -0.5, 0.6]),
-        inertia_tensor([0.31, 0.01, -0.02, 0.42, 0.03, 0.53]),
-    );
+    let body = turned_by(rpy([0.4, -0.5, 0.6]), inertia_tensor([0.31, 0.01, -0.02, 0.42, 0.03, 0.53]));
     let tool = turned_by(
         flange.rotation.to_rotation_matrix().into_inner() * rpy([-0.7, 0.8, 1.9]),
         inertia_tensor([0.21, -0.04, 0.03, 0.22, 0.02, 0.33]),
@@ -229,33 +199,22 @@ fn a_fixed_link_between_moving_joints_is_merged() {
         .map(|(key, moment)| format!(r#"{key}="{moment:?}" "#))
         .collect::<String>();
     let com = numbers(com.as_slice());
-    let both = format!(
-        r#"<inertial><origin xyz="{com}"/><mass value="3.5"/><inertia {moments}/></inertial>"#
-    );
-    let (xyz, angles) = (
-        numbers(wrist.translation.vector.as_slice()),
-        numbers(&[roll, pitch, yaw]),
-    );
+    let both = format!(r#"<inertial><origin xyz="{com}"/><mass value="3.5"/><inertia {moments}/></inertial>"#);
+    let (xyz, angles) = (numbers(wrist.translation.vector.as_slice()), numbers(&[roll, pitch, yaw]));
     let wrist = format!(r#"<origin xyz="{xyz}" rpy="{angles}"/><axis xyz="-2 1 1"/>"#);
     let (by_hand, _) = load(&[
         link("base", "") + &link("body", &both) + &link("hand", BODY),
         joint("continuous", "base", "body", SHOULDER),
         joint("continuous", "body", "hand", &wrist),
     ]);
-    assert_close!(
-        &torques_somewhere(&arm),
-        &torques_somewhere(&by_hand),
-        1e-14
-    );
+    assert_close!(&torques_somewhere(&arm), &torques_somewhere(&by_hand), 1e-14);
 }
 
 /// Fixed joints in a row, on the base and on a moving body.
 #[test]
 fn chains_of_fixed_joints_are_merged_and_their_frames_are_where_geometry_says() {
     let (model, report) = load(&[
-        ["base", "plate", "post", "body", "tool", "tip"]
-            .map(|l| link(l, BODY))
-            .concat(),
+        ["base", "plate", "post", "body", "tool", "tip"].map(|l| link(l, BODY)).concat(),
         joint("fixed", "base", "plate", FLANGE),
         joint("fixed", "plate", "post", WRIST),
         joint("revolute", "post", "body", SHOULDER),
@@ -270,20 +229,9 @@ fn chains_of_fixed_joints_are_merged_and_their_frames_are_where_geometry_says() 
         merged("tip", Some("body_joint")),
     ];
     assert_eq!(report, expected);
-    assert!(
-        report[0].to_string().contains("link 'plate'")
-            && report[0].to_string().contains("into the base")
-    );
-    assert!(
-        report[3]
-            .to_string()
-            .contains("'tool_joint' into the body of joint 'body_joint'")
-    );
-    assert_eq!(
-        model.mass(),
-        6.0,
-        "what is fixed to the base does not count"
-    );
+    assert!(report[0].to_string().contains("link 'plate'") && report[0].to_string().contains("into the base"));
+    assert!(report[3].to_string().contains("'tool_joint' into the body of joint 'body_joint'"));
+    assert_eq!(model.mass(), 6.0, "what is fixed to the base does not count");
 
     let q = 0.8;
     let mut bodies = [Placement::identity()];
@@ -291,24 +239,13 @@ fn chains_of_fixed_joints_are_merged_and_their_frames_are_where_geometry_says() 
     let flange = pose([0.4, -0.6, 0.7], [1.1, -0.4, 2.3]);
     let wrist = pose([-0.1, 0.2, 0.35], [-0.6, 0.9, 0.2]);
     let shoulder = pose([0.2, 0.3, 0.5], [0.3, 0.2, -0.9]) * turn([1.0, 2.0, -1.0], q);
-    let steps = [
-        Isometry3::identity(),
-        flange,
-        wrist,
-        shoulder,
-        flange,
-        wrist,
-    ];
+    let steps = [Isometry3::identity(), flange, wrist, shoulder, flange, wrist];
     let mut expected = Isometry3::identity();
     assert_eq!(model.frames().len(), 6);
     for (frame, step) in model.frames().iter().zip(steps) {
         expected *= step;
         let found = frame_placement(frame, &bodies).expect("lengths agree");
         assert_close!(&found.translation, &expected.translation.vector, 1e-14);
-        assert_close!(
-            &found.rotation,
-            expected.rotation.to_rotation_matrix().matrix(),
-            1e-14
-        );
+        assert_close!(&found.rotation, expected.rotation.to_rotation_matrix().matrix(), 1e-14);
     }
 }

@@ -32,36 +32,21 @@ fn parse(elements: &str) -> Result<Srdf, String> {
 #[test]
 fn the_joints_of_a_group_are_those_of_its_members() {
     let (model, srdf) = (robot(), parse(GROUPS).expect("it is good"));
-    for (group, expected) in [
-        ("arm", &[0][..]),
-        ("hand", &[1]),
-        ("up", &[1]),
-        ("both", &[0, 1]),
-        ("named", &[0]),
-    ] {
+    for (group, expected) in [("arm", &[0][..]), ("hand", &[1]), ("up", &[1]), ("both", &[0, 1]), ("named", &[0])] {
         let joints = srdf.joints_of_group(group, &model, "shapes.srdf");
         assert_eq!(joints.expect(group), expected, "{group}");
     }
     for (group, words) in [
         ("still", "group 'still': it has no joint that moves"),
         ("loop", "group 'loop': it is a part of itself"),
-        (
-            "lost",
-            "group 'nobody': there is no such group, but 'arm', 'hand'",
-        ),
+        ("lost", "group 'nobody': there is no such group, but 'arm', 'hand'"),
         ("joint", "group 'joint': the robot has no joint 'wheel'"),
-        (
-            "link",
-            "group 'link': the robot has no link 'wheel'; there are '",
-        ),
+        ("link", "group 'link': the robot has no link 'wheel'; there are '"),
         ("chain", "group 'chain': the robot has no link 'wheel'"),
     ] {
         let error = srdf.joints_of_group(group, &model, "shapes.srdf");
         let error = error.expect_err(group).to_string();
-        assert!(
-            error.starts_with(&format!("shapes.srdf: {words}")),
-            "{error}"
-        );
+        assert!(error.starts_with(&format!("shapes.srdf: {words}")), "{error}");
     }
     // Branches meet at the link where they part.
     let link = |name: &str| {
@@ -71,25 +56,16 @@ fn the_joints_of_a_group_are_those_of_its_members() {
         )
     };
     let joint = |name: &str, parent: &str, child: &str| {
-        format!(
-            r#"<joint name="{name}" type="continuous"><parent link="{parent}"/><child link="{child}"/></joint>"#
-        )
+        format!(r#"<joint name="{name}" type="continuous"><parent link="{parent}"/><child link="{child}"/></joint>"#)
     };
     let text = ["base", "trunk", "left", "right"].map(link).concat()
         + &joint("a", "base", "trunk")
         + &joint("b", "trunk", "left")
         + &joint("c", "trunk", "right");
-    let (model, _) =
-        parse_urdf(&format!("<robot name=\"two\">{text}</robot>"), "two.urdf").expect("it is good");
+    let (model, _) = parse_urdf(&format!("<robot name=\"two\">{text}</robot>"), "two.urdf").expect("it is good");
     let group = "<group name=\"across\"><chain base_link=\"left\" tip_link=\"right\"/></group>";
-    let srdf = Srdf::parse(
-        &format!("<robot name=\"two\">{group}</robot>"),
-        "two.srdf",
-        &model,
-    );
-    let joints = srdf
-        .expect("it is good")
-        .joints_of_group("across", &model, "two.srdf");
+    let srdf = Srdf::parse(&format!("<robot name=\"two\">{group}</robot>"), "two.srdf", &model);
+    let joints = srdf.expect("it is good").joints_of_group("across", &model, "two.srdf");
     assert_eq!(joints.expect("it is good"), [1, 2]);
 }
 
@@ -103,10 +79,7 @@ fn states_have_positions_of_joints_that_move() {
     assert_eq!(of("home").expect("it is good"), [(0, 0.5)]);
     assert_eq!(of("free").expect("it is good"), [(1, -1.0)]);
     for (name, words) in [
-        (
-            "two",
-            "group_state 'two' of 'arm': joint 'turn' has 2 numbers, one is needed",
-        ),
+        ("two", "group_state 'two' of 'arm': joint 'turn' has 2 numbers, one is needed"),
         (
             "wheels",
             "group_state 'wheels' of 'arm': the robot has no joint 'wheel' that moves; there are 'turn', 'grip'",
@@ -121,18 +94,9 @@ fn states_have_positions_of_joints_that_move() {
 fn elements_without_names_or_numbers_are_refused_by_line() {
     for (elements, words) in [
         ("<group/>", "group at line 1: its group has no name"),
-        (
-            "\n<group name=\"a\"><joint/></group>",
-            "group at line 2: its joint has no name",
-        ),
-        (
-            "<group name=\"a\"><chain base_link=\"b\"/></group>",
-            "group at line 1: its chain has no tip_link",
-        ),
-        (
-            "<group_state group=\"a\"/>",
-            "group_state at line 1: its group_state has no name",
-        ),
+        ("\n<group name=\"a\"><joint/></group>", "group at line 2: its joint has no name"),
+        ("<group name=\"a\"><chain base_link=\"b\"/></group>", "group at line 1: its chain has no tip_link"),
+        ("<group_state group=\"a\"/>", "group_state at line 1: its group_state has no name"),
         (
             "<group_state name=\"s\"><joint name=\"turn\" value=\"up\"/></group_state>",
             "group_state at line 1: value of its joint is 'up', not numbers",

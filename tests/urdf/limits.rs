@@ -21,10 +21,7 @@ fn missing_limits_are_told_and_mean_none() {
 /// Exporters write zero for an unknown limit, with or without a range.
 #[test]
 fn velocity_and_effort_of_zero_are_told_and_mean_none() {
-    let zero = |attribute: &'static str| ZeroLimit {
-        joint: "body_joint".to_owned(),
-        attribute,
-    };
+    let zero = |attribute: &'static str| ZeroLimit { joint: "body_joint".to_owned(), attribute };
     let endless = f64::INFINITY;
     for (kind, velocity, effort) in [
         ("revolute", "0", "4"),
@@ -33,8 +30,7 @@ fn velocity_and_effort_of_zero_are_told_and_mean_none() {
         ("continuous", "0", "4"),
         ("continuous", "3", "0"),
     ] {
-        let limit =
-            format!(r#"<limit lower="-1" upper="2" velocity="{velocity}" effort="{effort}"/>"#);
+        let limit = format!(r#"<limit lower="-1" upper="2" velocity="{velocity}" effort="{effort}"/>"#);
         let (model, report) = one_joint(kind, &limit);
         let ranged = kind != "continuous";
         let [v, u] = [velocity, effort].map(|x| x.parse::<f64>().expect("a number"));
@@ -54,10 +50,7 @@ fn velocity_and_effort_of_zero_are_told_and_mean_none() {
     // A range of length zero counts if another limit is nonzero.
     let (model, report) = one_joint("revolute", r#"<limit velocity="0" effort="4"/>"#);
     let limits = model.joints()[0].limits();
-    assert_eq!(
-        [limits.lower, limits.upper, limits.velocity],
-        [0.0, 0.0, endless]
-    );
+    assert_eq!([limits.lower, limits.upper, limits.velocity], [0.0, 0.0, endless]);
     assert_eq!(report, [massless("base"), zero("velocity")]);
     let words = "joint 'body_joint': its effort limit of 0 counts as unknown";
     assert!(zero("effort").to_string().starts_with(words));
@@ -66,22 +59,9 @@ fn velocity_and_effort_of_zero_are_told_and_mean_none() {
 #[test]
 fn limits_are_kept_and_continuous_joints_have_none_on_position() {
     let limit = r#"<limit lower="-1" upper="2" velocity="3" effort="4"/>"#;
-    let kept = Limits {
-        lower: -1.0,
-        upper: 2.0,
-        velocity: 3.0,
-        effort: 4.0,
-    };
-    let endless = Limits {
-        lower: f64::NEG_INFINITY,
-        upper: f64::INFINITY,
-        ..kept
-    };
-    for (kind, expected) in [
-        ("revolute", kept),
-        ("prismatic", kept),
-        ("continuous", endless),
-    ] {
+    let kept = Limits { lower: -1.0, upper: 2.0, velocity: 3.0, effort: 4.0 };
+    let endless = Limits { lower: f64::NEG_INFINITY, upper: f64::INFINITY, ..kept };
+    for (kind, expected) in [("revolute", kept), ("prismatic", kept), ("continuous", endless)] {
         let (model, report) = one_joint(kind, limit);
         assert_eq!(*model.joints()[0].limits(), expected, "{kind}");
         assert_eq!(report, [massless("base")], "{kind}");
@@ -91,15 +71,11 @@ fn limits_are_kept_and_continuous_joints_have_none_on_position() {
 /// Exporters write the largest number for none.
 #[test]
 fn huge_limits_are_told_and_mean_none() {
-    let huge = |limit| HugeLimit {
-        joint: "body_joint".to_owned(),
-        limit,
-    };
+    let huge = |limit| HugeLimit { joint: "body_joint".to_owned(), limit };
     let endless = f64::INFINITY;
     let all = ["position", "velocity", "effort"].map(huge);
     for most in ["1.7976931348623157e308", "1e10", "3.4e38"] {
-        let limit =
-            format!(r#"<limit lower="-{most}" upper="{most}" velocity="{most}" effort="{most}"/>"#);
+        let limit = format!(r#"<limit lower="-{most}" upper="{most}" velocity="{most}" effort="{most}"/>"#);
         let (model, report) = one_joint("revolute", &limit);
         assert_eq!(*model.joints()[0].limits(), Limits::NONE, "{most}");
         assert_eq!(report, [&[massless("base")][..], &all].concat(), "{most}");
@@ -127,26 +103,10 @@ fn soft_limits_are_told_with_the_share_that_keeps_them() {
         share: share.map(str::to_owned),
     };
     for (limit, safety, note) in [
-        (
-            limit,
-            r#"soft_lower_limit="-0.5" soft_upper_limit="0.5""#,
-            Some(soft("-0.5 to 0.5", Some("0.166"))),
-        ),
-        (
-            limit,
-            r#"soft_lower_limit="-1" soft_upper_limit="2.5""#,
-            Some(soft("-1 to 2.5", Some("0.333"))),
-        ),
-        (
-            limit,
-            r#"soft_lower_limit="1" soft_upper_limit="2""#,
-            Some(soft("1 to 2", None)),
-        ),
-        (
-            limit,
-            r#"soft_upper_limit="low""#,
-            Some(soft("-inf to NaN", None)),
-        ),
+        (limit, r#"soft_lower_limit="-0.5" soft_upper_limit="0.5""#, Some(soft("-0.5 to 0.5", Some("0.166")))),
+        (limit, r#"soft_lower_limit="-1" soft_upper_limit="2.5""#, Some(soft("-1 to 2.5", Some("0.333")))),
+        (limit, r#"soft_lower_limit="1" soft_upper_limit="2""#, Some(soft("1 to 2", None))),
+        (limit, r#"soft_upper_limit="low""#, Some(soft("-inf to NaN", None))),
         (limit, r#"soft_lower_limit="-3" soft_upper_limit="4""#, None),
         (limit, r#"soft_lower_limit="0" soft_upper_limit="0""#, None),
         (limit, "", None),

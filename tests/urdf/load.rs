@@ -33,10 +33,7 @@ fn run_again(test: &str, folder: &Path) -> bool {
         .output()
         .expect("it starts");
     let text = String::from_utf8_lossy(&output.stdout);
-    assert!(
-        output.status.success() && text.contains("1 passed"),
-        "{text}"
-    );
+    assert!(output.status.success() && text.contains("1 passed"), "{text}");
     false
 }
 
@@ -62,20 +59,13 @@ fn xacro_files_are_expanded() {
 fn xacro_that_is_missing_or_fails_is_named_with_the_file() {
     for (name, scripts, words) in [
         ("ros_none", &[][..], "failed to execute xacro; consider"),
-        (
-            "ros_fails",
-            &[("xacro", "echo no such macro >&2; exit 2")][..],
-            "no such macro",
-        ),
+        ("ros_fails", &[("xacro", "echo no such macro >&2; exit 2")][..], "no such macro"),
     ] {
         let folder = folder(name, scripts);
         let path = folder.join("arm.xacro");
         fs::write(&path, "<robot/>").expect("it is writable");
         if env::var("PATH").is_ok_and(|path| Path::new(&path) != folder) {
-            run_again(
-                "load::xacro_that_is_missing_or_fails_is_named_with_the_file",
-                &folder,
-            );
+            run_again("load::xacro_that_is_missing_or_fails_is_named_with_the_file", &folder);
             continue;
         }
         let error = load_urdf(&path).expect_err("it cannot be expanded");
@@ -87,10 +77,7 @@ fn xacro_that_is_missing_or_fails_is_named_with_the_file() {
 
 #[test]
 fn packages_of_ros_come_after_the_folders() {
-    let folder = folder(
-        "ros_package",
-        &[("rospack", "echo \"${0%/*}/installed/$2\"")],
-    );
+    let folder = folder("ros_package", &[("rospack", "echo \"${0%/*}/installed/$2\"")]);
     let corner = |path: &str, x: f64| {
         let path = folder.join(path);
         fs::create_dir_all(path.parent().expect("it has one")).expect("it is writable");
@@ -114,12 +101,7 @@ fn packages_of_ros_come_after_the_folders() {
     assert_eq!(first("package://hand/prefix.obj"), 6.0);
     let error = load("package://hand/none.obj").expect_err("it is nowhere");
     let text = error.to_string();
-    let words = [
-        "package://hand/none.obj: mesh: ",
-        "ros_1",
-        "ros_2",
-        "installed/hand'",
-    ];
+    let words = ["package://hand/none.obj: mesh: ", "ros_1", "ros_2", "installed/hand'"];
     assert!(words.iter().all(|w| text.contains(w)), "{text}");
 }
 

@@ -19,17 +19,11 @@ fn found(mimics: &[(&str, &str)]) -> Result<Vec<(usize, usize, f64, f64)>, Strin
         );
         parent = child;
     }
-    let robot = read_robot(&format!("<robot name=\"hand\">{text}</robot>"), "hand.urdf")
-        .map_err(|e| e.to_string())?;
-    let options = UrdfOptions {
-        mimic: Mimic::Independent,
-        ..UrdfOptions::default()
-    };
+    let robot = read_robot(&format!("<robot name=\"hand\">{text}</robot>"), "hand.urdf").map_err(|e| e.to_string())?;
+    let options = UrdfOptions { mimic: Mimic::Independent, ..UrdfOptions::default() };
     let (model, _) = build_model(&robot, "hand.urdf", options).map_err(|e| e.to_string())?;
     let found = followers(&robot, &model, "hand.urdf").map_err(|e| e.to_string())?;
-    let fields = found
-        .iter()
-        .map(|f| (f.joint, f.master, f.multiplier, f.offset));
+    let fields = found.iter().map(|f| (f.joint, f.master, f.multiplier, f.offset));
     Ok(fields.collect())
 }
 
@@ -49,14 +43,8 @@ fn followers_of_followers_follow_their_master() {
 #[test]
 fn joints_that_follow_nothing_are_refused() {
     for (mimics, words) in [
-        (
-            &[("a", "joint=\"b\""), ("b", "joint=\"a\"")][..],
-            "joint 'a': it follows joints that follow each other",
-        ),
-        (
-            &[("a", ""), ("b", "joint=\"x\"")],
-            "joint 'b': it mimics 'x', no joint that moves",
-        ),
+        (&[("a", "joint=\"b\""), ("b", "joint=\"a\"")][..], "joint 'a': it follows joints that follow each other"),
+        (&[("a", ""), ("b", "joint=\"x\"")], "joint 'b': it mimics 'x', no joint that moves"),
         (
             &[("a", ""), ("b", "joint=\"a\" offset=\"inf\"")],
             "joint 'b': it mimics 'a' with the factor 1 and the offset inf",

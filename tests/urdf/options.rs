@@ -5,10 +5,7 @@ use aghf::urdf::LoadNote::{self, ImpossibleInertia, Independent, LeftOut, Merged
 use aghf::urdf::{parse_urdf, summarised};
 
 fn left_out(attribute: &'static str) -> LoadNote {
-    LeftOut {
-        joint: "body_joint".to_owned(),
-        attribute,
-    }
+    LeftOut { joint: "body_joint".to_owned(), attribute }
 }
 
 #[test]
@@ -18,21 +15,11 @@ fn damping_and_friction_that_are_left_out_are_told() {
         ("<dynamics/>", vec![]),
         (r#"<dynamics damping="0.0" friction=" -0 "/>"#, vec![]),
         (r#"<dynamics damping="0.5"/>"#, vec![damping.clone()]),
-        (
-            r#"<dynamics friction="1e-9" damping="0"/>"#,
-            vec![friction.clone()],
-        ),
-        (
-            r#"<dynamics damping="much" friction="1"/>"#,
-            vec![damping, friction],
-        ),
+        (r#"<dynamics friction="1e-9" damping="0"/>"#, vec![friction.clone()]),
+        (r#"<dynamics damping="much" friction="1"/>"#, vec![damping, friction]),
     ] {
         let (_, report) = one_joint("continuous", dynamics);
-        assert_eq!(
-            report,
-            [vec![massless("base")], losses].concat(),
-            "{dynamics}"
-        );
+        assert_eq!(report, [vec![massless("base")], losses].concat(), "{dynamics}");
     }
     let words = "joint 'body_joint': damping is not counted, as losses are not asked for";
     assert_eq!(left_out("damping").to_string(), words);
@@ -40,27 +27,12 @@ fn damping_and_friction_that_are_left_out_are_told() {
 
 #[test]
 fn a_summary_has_a_line_a_kind_of_what_bears_on_motions() {
-    let merged = Merged {
-        link: "l".to_owned(),
-        joint: "j".to_owned(),
-        into: None,
-    };
-    let impossible = |link: &str, condition: &str| ImpossibleInertia {
-        link: link.to_owned(),
-        condition: condition.to_owned(),
-    };
-    let independent = Independent {
-        joint: "a".to_owned(),
-        mimics: "b".to_owned(),
-    };
+    let merged = Merged { link: "l".to_owned(), joint: "j".to_owned(), into: None };
+    let impossible =
+        |link: &str, condition: &str| ImpossibleInertia { link: link.to_owned(), condition: condition.to_owned() };
+    let independent = Independent { joint: "a".to_owned(), mimics: "b".to_owned() };
     assert!(summarised(&[massless("base"), merged.clone()]).is_empty());
-    let mut report = vec![
-        massless("base"),
-        independent,
-        impossible("x", "odd"),
-        impossible("y", "odder"),
-        merged,
-    ];
+    let mut report = vec![massless("base"), independent, impossible("x", "odd"), impossible("y", "odder"), merged];
     report.extend(["1", "2", "3", "4", "5"].map(unlimited));
     assert_eq!(
         summarised(&report),
@@ -86,8 +58,5 @@ fn a_moment_of_rounding_is_not_impossible() {
         let (_, report) = parse_urdf(&text, "r.urdf").expect("it swings");
         report.len() - 1
     };
-    assert_eq!(
-        [notes("2.40741e-35"), notes("1e-19"), notes("1e-15")],
-        [0, 0, 1]
-    );
+    assert_eq!([notes("2.40741e-35"), notes("1e-19"), notes("1e-15")], [0, 0, 1]);
 }

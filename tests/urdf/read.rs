@@ -31,29 +31,16 @@ fn a_long_chain_of_fixed_links_becomes_one_body() {
         })
         .collect();
     links.reverse();
-    let text = format!(
-        "<robot name='chain'>{}<link name='l0'/></robot>",
-        links.concat()
-    );
+    let text = format!("<robot name='chain'>{}<link name='l0'/></robot>", links.concat());
     let (model, notes) = parse_urdf(&text, "chain.urdf").expect("it is a tree");
     assert_eq!((model.dof(), model.frames().len()), (1, LINKS + 1));
     assert_eq!(model.mass(), LINKS as f64);
-    assert_eq!(
-        notes.len(),
-        LINKS,
-        "the base is massless, all but two are merged"
-    );
+    assert_eq!(notes.len(), LINKS, "the base is massless, all but two are merged");
     for (i, frame) in model.frames().iter().enumerate() {
-        assert_eq!(
-            (frame.name.as_str(), frame.body),
-            (format!("l{i}").as_str(), (i > 0).then_some(0))
-        );
+        assert_eq!((frame.name.as_str(), frame.body), (format!("l{i}").as_str(), (i > 0).then_some(0)));
         let x = 1e-3 * (i as f64 - 1.0).max(0.0);
         let Placement { translation, .. } = frame.placement;
-        assert!(
-            (translation - Vector3::x() * x).norm() < 1e-9 * LINKS as f64,
-            "{i}: {translation}"
-        );
+        assert!((translation - Vector3::x() * x).norm() < 1e-9 * LINKS as f64, "{i}: {translation}");
     }
     let written = model.to_urdf().expect("all of it can be said");
     let (read, _) = parse_urdf(&written, "written.urdf").expect("it was written");
@@ -65,8 +52,7 @@ fn elements_may_be_nested_deeply() {
     let nested = "<a>".repeat(100_000) + &"</a>".repeat(100_000);
     let mut text = format!("<robot name='deep'>{nested}<link name='l0'/>");
     link(&mut text, 1, "continuous");
-    let (model, _) =
-        parse_urdf(&(text + "</robot>"), "deep.urdf").expect("it is not about dynamics");
+    let (model, _) = parse_urdf(&(text + "</robot>"), "deep.urdf").expect("it is not about dynamics");
     assert_eq!(model.dof(), 1);
 }
 

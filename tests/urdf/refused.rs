@@ -47,9 +47,7 @@ const CASES: &str = include_str!("refused.json");
 
 /// The fault of a refusal that should name this place in these words, if it has one.
 fn problem<T>(result: Result<T>, place: &str, words: &str) -> Option<String> {
-    let error = result
-        .err()
-        .map_or("accepted".to_owned(), |e| e.to_string());
+    let error = result.err().map_or("accepted".to_owned(), |e| e.to_string());
     let good = error.starts_with(&format!("{place}: ")) && error.contains(words);
     (!good).then(|| format!("{error}; want {place}: {words}"))
 }
@@ -80,11 +78,7 @@ fn each_is_refused_by_file_and_element() {
             let (change, place) = (&case[0], format!("{name}: {}", case[2]));
             assert_eq!(good.matches(change).count(), 1, "'{change}' in {name}");
             let words = case.get(3).map_or("", String::as_str);
-            problems.extend(problem(
-                read(&good.replace(change, &case[1])),
-                &place,
-                words,
-            ));
+            problems.extend(problem(read(&good.replace(change, &case[1])), &place, words));
         }
     }
     assert!(problems.is_empty(), "{problems:#?}");
@@ -92,22 +86,14 @@ fn each_is_refused_by_file_and_element() {
 
 #[test]
 fn what_is_no_robot_is_refused() {
-    let fixed = ARM
-        .replace("revolute", "fixed")
-        .replace("prismatic", "fixed");
+    let fixed = ARM.replace("revolute", "fixed").replace("prismatic", "fixed");
     for (text, words) in [
         ("", "not a valid URDF"),
         (&ARM[..900], "not a valid URDF"),
         (&ARM.replace("robot", "sdf"), "sdf"),
-        (
-            "<robot name='arm'>\n<link name='base'>\n\n",
-            "ends at line 2",
-        ),
+        ("<robot name='arm'>\n<link name='base'>\n\n", "ends at line 2"),
         ("<robot name='arm'></robot>", "no links"),
-        (
-            "<robot name='arm'><link name='base'/></robot>",
-            "no moving joint",
-        ),
+        ("<robot name='arm'><link name='base'/></robot>", "no moving joint"),
         (&fixed, "no moving joint"),
     ] {
         assert_refused(parse_urdf(text, "arm.urdf"), "arm.urdf: robot", words);
@@ -130,22 +116,13 @@ fn point_mass(kind: &str, xyz: &str, mass: &str) -> String {
 #[test]
 fn joints_that_move_nothing() {
     let words = "mass matrix is singular";
-    let refused = |text: &str| {
-        assert_refused(
-            parse_urdf(text, "one.urdf"),
-            "one.urdf: joint 'move'",
-            words,
-        )
-    };
+    let refused = |text: &str| assert_refused(parse_urdf(text, "one.urdf"), "one.urdf: joint 'move'", words);
     refused(&point_mass("continuous", "1 0 0", "0"));
     refused(&point_mass("prismatic", "1 0 0", "0"));
     // On the axis; beside it is no problem, nor is sliding.
     refused(&point_mass("continuous", "-0.5 -1 -1", "3"));
     refused(&point_mass("revolute", "0.1 0.2 0.2", "3"));
-    for good in [
-        point_mass("continuous", "-0.5 -1 1", "3"),
-        point_mass("prismatic", "-0.5 -1 -1", "3"),
-    ] {
+    for good in [point_mass("continuous", "-0.5 -1 1", "3"), point_mass("prismatic", "-0.5 -1 -1", "3")] {
         parse_urdf(&good, "good").expect("there is something to move");
     }
     // A rotor turns, and does not push.
@@ -165,15 +142,9 @@ fn coinciding_axes() {
     for moment in ["ixx", "iyy", "izz"] {
         text = text.replace(&format!("{moment}=\"0\""), &format!("{moment}=\"1\""));
     }
-    let error = parse_urdf(&text, "one.urdf")
-        .expect_err("it is singular")
-        .to_string();
-    let named =
-        ["move", "zz"].map(|joint| error.starts_with(&format!("one.urdf: joint '{joint}': ")));
-    assert!(
-        named.contains(&true) && error.contains("singular"),
-        "{error}"
-    );
+    let error = parse_urdf(&text, "one.urdf").expect_err("it is singular").to_string();
+    let named = ["move", "zz"].map(|joint| error.starts_with(&format!("one.urdf: joint '{joint}': ")));
+    assert!(named.contains(&true) && error.contains("singular"), "{error}");
 }
 
 #[test]

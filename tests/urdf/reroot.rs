@@ -20,9 +20,7 @@ fn model(robot: &Robot) -> Model {
 fn state(of: &Model, factor: f64) -> Vec<f64> {
     let letters = |name: &str| name.bytes().map(f64::from).sum::<f64>();
     let joints = of.joints().iter();
-    joints
-        .map(|joint| 0.5 * (factor * letters(joint.name())).sin())
-        .collect()
+    joints.map(|joint| 0.5 * (factor * letters(joint.name())).sin()).collect()
 }
 
 /// The place of each link in the one called `reference`.
@@ -34,20 +32,11 @@ fn places(of: &Model, reference: &str) -> Vec<(String, Placement<f64>)> {
         (frame.name.clone(), placement)
     });
     let all: Vec<_> = all.collect();
-    let (_, of_reference) = all
-        .iter()
-        .find(|(name, _)| name == reference)
-        .expect("a link");
+    let (_, of_reference) = all.iter().find(|(name, _)| name == reference).expect("a link");
     let back = of_reference.rotation.transpose();
-    let relative = |p: &Placement<f64>| {
-        Placement::new(
-            back * p.rotation,
-            back * (p.translation - of_reference.translation),
-        )
-    };
-    all.iter()
-        .map(|(name, p)| (name.clone(), relative(p)))
-        .collect()
+    let relative =
+        |p: &Placement<f64>| Placement::new(back * p.rotation, back * (p.translation - of_reference.translation));
+    all.iter().map(|(name, p)| (name.clone(), relative(p))).collect()
 }
 
 /// Torques by the names of the joints.
@@ -67,10 +56,7 @@ fn links_are_where_they_were_and_the_way_back_is_the_same_robot() {
     let right = reroot(&left, "right_toe_roll", "digit").expect("a link");
     let [on_left, on_right] = [&left, &right].map(model);
     assert_eq!(on_right.dof(), 22);
-    let foot = on_right
-        .frames()
-        .iter()
-        .find(|frame| frame.name == "right_toe_roll");
+    let foot = on_right.frames().iter().find(|frame| frame.name == "right_toe_roll");
     assert_eq!(foot.expect("a link").body, None);
     let is_new = |link: &&Link| left.links.iter().all(|known| known.name != link.name);
     let mut new = right.links.iter().filter(is_new).peekable();
@@ -80,18 +66,13 @@ fn links_are_where_they_were_and_the_way_back_is_the_same_robot() {
     assert!((mass(&on_left) - mass(&on_right)).abs() < 1e-12);
     let there = places(&on_right, "torso");
     for (name, place) in places(&on_left, "torso") {
-        let (_, same) = there
-            .iter()
-            .find(|(other, _)| *other == name)
-            .expect("a link");
+        let (_, same) = there.iter().find(|(other, _)| *other == name).expect("a link");
         assert_close!(&place.rotation, &same.rotation, 1e-12);
         assert_close!(&place.translation, &same.translation, 1e-12);
     }
     for joint in on_left.joints() {
         let mut joints = on_right.joints().iter();
-        let same = joints
-            .find(|other| other.name() == joint.name())
-            .expect("a joint");
+        let same = joints.find(|other| other.name() == joint.name()).expect("a joint");
         assert_eq!(joint.limits(), same.limits());
     }
     let back = model(&reroot(&right, "left_toe_roll", "digit").expect("a link"));
@@ -103,10 +84,7 @@ fn links_are_where_they_were_and_the_way_back_is_the_same_robot() {
 
 #[test]
 fn the_root_is_an_option_of_reading() {
-    let options = |root: &str| UrdfOptions {
-        root: Some(root.to_owned()),
-        ..UrdfOptions::default()
-    };
+    let options = |root: &str| UrdfOptions { root: Some(root.to_owned()), ..UrdfOptions::default() };
     let (read, _) = build_model(&digit(), "digit", options("torso")).expect("a link");
     let torso = read.frames().iter().find(|frame| frame.name == "torso");
     assert_eq!(torso.expect("a link").body, None);

@@ -34,9 +34,7 @@ fn every_arm_is_the_single_one_in_its_place() {
             let own = 7 * arm..7 * arm + 7;
             let [q, v, a] = [&q, &v, &a].map(|x| &x[own.clone()]);
             let apart = Vector3::y() * (arm as f64 - 0.5 * (count as f64 - 1.0));
-            let alone = torques(&single, [q, v, a])
-                .into_iter()
-                .zip(placements(&single, q));
+            let alone = torques(&single, [q, v, a]).into_iter().zip(placements(&single, q));
             for (i, (expected, body)) in own.zip(alone) {
                 assert!((tau[i] - expected).abs() < 1e-12, "{count} {i}");
                 let moved = body.translation + apart - bodies[i].translation;

@@ -64,22 +64,11 @@ fn shapes_are_those_of_the_elements_in_the_bodies_of_their_links() {
     let shapes: Vec<_> = model.collisions().iter().map(|c| &c.shape).collect();
     let solid = |shape| CollisionShape::Solid(shape);
     let expected = [
-        solid(Shape::Cuboid {
-            half_extents: Vector3::new(0.1, 0.2, 0.3),
-        }),
-        solid(Shape::Cylinder {
-            radius: 0.05,
-            half_length: 0.25,
-        }),
+        solid(Shape::Cuboid { half_extents: Vector3::new(0.1, 0.2, 0.3) }),
+        solid(Shape::Cylinder { radius: 0.05, half_length: 0.25 }),
         solid(Shape::Sphere { radius: 0.07 }),
-        solid(Shape::Capsule {
-            radius: 0.02,
-            half_length: 0.05,
-        }),
-        CollisionShape::Mesh {
-            file: "package://hand/finger.stl".to_owned(),
-            scale: Vector3::new(1.0, -1.0, 0.001),
-        },
+        solid(Shape::Capsule { radius: 0.02, half_length: 0.05 }),
+        CollisionShape::Mesh { file: "package://hand/finger.stl".to_owned(), scale: Vector3::new(1.0, -1.0, 0.001) },
     ];
     assert_eq!(shapes, expected.iter().collect::<Vec<_>>());
     let bodies: Vec<_> = model.collisions().iter().map(|c| c.body).collect();
@@ -87,11 +76,7 @@ fn shapes_are_those_of_the_elements_in_the_bodies_of_their_links() {
     // The tool is fixed to the arm: its sphere is in the body of the arm, at the product of both placements.
     let flange = Rotation3::from_euler_angles(0.0, 0.0, 0.5);
     let expected = flange * Vector3::new(0.01, 0.02, 0.03) + Vector3::new(0.0, 0.1, 0.5);
-    assert_close!(
-        &model.collisions()[2].placement.translation,
-        &expected,
-        1e-15
-    );
+    assert_close!(&model.collisions()[2].placement.translation, &expected, 1e-15);
     let shaft = Rotation3::from_euler_angles(0.1, 0.2, 0.3).into_inner();
     assert_close!(&model.collisions()[1].placement.rotation, &shaft, 1e-15);
     let cast = model.cast::<f64>();
@@ -102,14 +87,10 @@ fn shapes_are_those_of_the_elements_in_the_bodies_of_their_links() {
 fn shapes_of_locked_joints_stay_where_they_were() {
     let model = robot();
     let all = placed(&model, &[0.7, -1.1]);
-    let first = model
-        .with_locked_joints(&[(0, 0.7)])
-        .expect("in the limits");
+    let first = model.with_locked_joints(&[(0, 0.7)]).expect("in the limits");
     assert_same_places(&placed(&first, &[-1.1]), &all);
     assert!(first.collisions()[..4].iter().all(|c| c.body.is_none()));
-    let second = model
-        .with_locked_joints(&[(1, -1.1)])
-        .expect("in the limits");
+    let second = model.with_locked_joints(&[(1, -1.1)]).expect("in the limits");
     assert_same_places(&placed(&second, &[0.7]), &all);
     assert_eq!(second.collisions()[4].body, Some(0));
 }
@@ -118,12 +99,8 @@ fn shapes_of_locked_joints_stay_where_they_were() {
 fn shapes_that_are_written_are_read_back() {
     let model = robot();
     let models = [
-        model
-            .with_locked_joints(&[(0, 0.7)])
-            .expect("in the limits"),
-        model
-            .with_locked_joints(&[(1, -1.1)])
-            .expect("in the limits"),
+        model.with_locked_joints(&[(0, 0.7)]).expect("in the limits"),
+        model.with_locked_joints(&[(1, -1.1)]).expect("in the limits"),
         model,
     ];
     for model in models {
@@ -131,12 +108,7 @@ fn shapes_that_are_written_are_read_back() {
         let (read, _) = parse_urdf(&text, "written.urdf").expect("it is good");
         let q = vec![0.4; model.dof()];
         assert_same_places(&placed(&read, &q), &placed(&model, &q));
-        let shapes = |m: &Model| {
-            m.collisions()
-                .iter()
-                .map(|c| c.shape.clone())
-                .collect::<Vec<_>>()
-        };
+        let shapes = |m: &Model| m.collisions().iter().map(|c| c.shape.clone()).collect::<Vec<_>>();
         assert_eq!(shapes(&read), shapes(&model));
     }
 }
@@ -152,21 +124,12 @@ fn shapes_that_no_urdf_can_say_are_refused() {
     let turned = Collision::at_link(&model, "tool", &mirror, ball).expect("the link is there");
     for collision in [point, turned] {
         let model = model.clone().with_collisions(vec![collision]);
-        let error = model
-            .and_then(|m| m.to_urdf())
-            .expect_err("it is bad")
-            .to_string();
-        assert!(
-            error.contains("link 'tool'") && error.contains("a shape of it cannot be said"),
-            "{error}"
-        );
+        let error = model.and_then(|m| m.to_urdf()).expect_err("it is bad").to_string();
+        assert!(error.contains("link 'tool'") && error.contains("a shape of it cannot be said"), "{error}");
     }
     let mut elsewhere = model.collisions().to_vec();
     elsewhere[1].body = None;
-    let error = model
-        .with_collisions(elsewhere)
-        .expect_err("arm moves")
-        .to_string();
+    let error = model.with_collisions(elsewhere).expect_err("arm moves").to_string();
     assert!(error.contains("link 'arm'"), "{error}");
 }
 
@@ -184,10 +147,7 @@ fn files_in_packages_whose_folder_is_given_are_there_and_nowhere_else() {
     let packages = BTreeMap::from([("hand".to_owned(), given.clone())]);
     let read = |name: &str, packages: &BTreeMap<String, PathBuf>| {
         let text = ROBOT.replace("package://hand/finger.stl", name);
-        let options = UrdfOptions {
-            packages: packages.clone(),
-            ..UrdfOptions::default()
-        };
+        let options = UrdfOptions { packages: packages.clone(), ..UrdfOptions::default() };
         let (model, _) = parse_urdf_with(&text, "shapes.urdf", options).expect("it is good");
         let (visuals, faults) = read_visuals(&text.replace("collision", "visual"), packages);
         assert!(faults.is_empty(), "{faults:?}");
@@ -209,14 +169,8 @@ fn files_in_packages_whose_folder_is_given_are_there_and_nowhere_else() {
     let error = load_mesh(&read("package://hand/one.obj", &packages), &folder, &one);
     let error = error.expect_err("it is in the other one").to_string();
     let path = given.join("one.obj").display().to_string();
-    assert!(
-        error.contains("no such file") && error.contains(&path),
-        "{error}"
-    );
-    assert_eq!(
-        read("package://arm/both.obj", &packages),
-        "package://arm/both.obj"
-    );
+    assert!(error.contains("no such file") && error.contains(&path), "{error}");
+    assert_eq!(read("package://arm/both.obj", &packages), "package://arm/both.obj");
     let error = load_mesh("package://arm/both.obj", &folder, &one).expect_err("nowhere");
     let words = "--package arm=FOLDER (in a scenario: \"packages\": {\"arm\": FOLDER}";
     assert!(error.to_string().contains(words), "{error}");

@@ -21,34 +21,18 @@ pub const SRDF: &str = r#"<robot name="shapes">
 fn pairs_and_spheres_of_an_srdf_are_read() {
     let model = robot();
     let srdf = Srdf::parse(SRDF, "shapes.srdf", &model).expect("it is good");
-    let pairs: Vec<_> = srdf
-        .disabled
-        .iter()
-        .map(|p| (p.links.join(" "), p.reason.as_str()))
-        .collect();
-    let expected = [
-        ("base arm".to_owned(), "Adjacent"),
-        ("finger base".to_owned(), ""),
-    ];
+    let pairs: Vec<_> = srdf.disabled.iter().map(|p| (p.links.join(" "), p.reason.as_str())).collect();
+    let expected = [("base arm".to_owned(), "Adjacent"), ("finger base".to_owned(), "")];
     assert_eq!(pairs, expected);
     // The robot has no wheels.
     assert_eq!(srdf.unknown_links, BTreeSet::from(["wheel".to_owned()]));
-    let with = srdf
-        .with_spheres(model.clone())
-        .expect("the links are there");
+    let with = srdf.with_spheres(model.clone()).expect("the links are there");
     let links: Vec<_> = with.collisions().iter().map(|c| c.link.as_str()).collect();
-    assert_eq!(
-        links,
-        ["base", "arm", "tool", "tool"],
-        "the finger has none"
-    );
+    assert_eq!(links, ["base", "arm", "tool", "tool"], "the finger has none");
     let flange = Rotation3::from_euler_angles(0.0, 0.0, 0.5);
     let centre = flange * Vector3::new(0.1, 0.0, 0.0) + Vector3::new(0.0, 0.1, 0.5);
     assert_close!(&with.collisions()[2].placement.translation, &centre, 1e-15);
-    assert_eq!(
-        with.collisions()[2].shape,
-        CollisionShape::Solid(Shape::Sphere { radius: 0.2 })
-    );
+    assert_eq!(with.collisions()[2].shape, CollisionShape::Solid(Shape::Sphere { radius: 0.2 }));
 }
 
 /// As in MoveIt: collisions of a link are off by default, single pairs on again, and those that are disabled stay off.

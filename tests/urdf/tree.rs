@@ -40,9 +40,7 @@ fn joints_are_numbered_depth_first_by_name_whatever_the_order_of_the_file() {
                 // A step that shares no factor with the number of elements visits all.
                 _ => {
                     let (count, step) = (parts.len(), if parts.len() % 7 == 0 { 5 } else { 7 });
-                    parts = (0..count)
-                        .map(|i| parts[(i * step + turn) % count].clone())
-                        .collect();
+                    parts = (0..count).map(|i| parts[(i * step + turn) % count].clone()).collect();
                     parts.dedup();
                     assert_eq!(parts.len(), count, "{name}: {step} skips some");
                 }
@@ -64,17 +62,9 @@ fn siblings_are_in_alphabetical_order_of_joint_names() {
         let ends = format!(r#"<parent link="{parent}"/><child link="{child}"/>"#);
         format!(r#"<joint name="{name}" type="continuous">{ends}</joint>"#)
     };
-    let joints = [
-        joint("j_9", "base", "a"),
-        joint("j_10", "base", "b"),
-        joint("J_11", "base", "c"),
-        joint("a_0", "b", "d"),
-    ];
-    let text = format!(
-        r#"<robot name="tree">{}{}</robot>"#,
-        links.concat(),
-        joints.concat()
-    );
+    let joints =
+        [joint("j_9", "base", "a"), joint("j_10", "base", "b"), joint("J_11", "base", "c"), joint("a_0", "b", "d")];
+    let text = format!(r#"<robot name="tree">{}{}</robot>"#, links.concat(), joints.concat());
     let (model, _) = parse_urdf(&text, "tree.urdf").expect("it is good");
     assert_eq!(joint_names(&model), ["J_11", "j_10", "a_0", "j_9"]);
     let parents: Vec<_> = model.joints().iter().map(Joint::parent).collect();

@@ -16,10 +16,7 @@ fn torques<const N: usize>(name: &str, q: [f64; N], v: [f64; N], a: [f64; N]) ->
 
 fn assert_close<const N: usize>(found: [f64; N], expected: [f64; N]) {
     for (a, b) in found.iter().zip(&expected) {
-        assert!(
-            (a - b).abs() < 1e-12 * (1.0 + b.abs()),
-            "{found:?}, {expected:?}"
-        );
+        assert!((a - b).abs() < 1e-12 * (1.0 + b.abs()), "{found:?}, {expected:?}");
     }
 }
 
@@ -34,9 +31,7 @@ fn two_rods(length: f64, q: [f64; 2], v: [f64; 2], a: [f64; 2]) -> [f64; 2] {
     let h = half * s2;
     let both = G * half * (q[0] + q[1]).sin();
     [
-        d11 * a[0] + d12 * a[1] - h * (2.0 * v[0] * v[1] + v[1] * v[1])
-            + G * (first + 1.0) * q[0].sin()
-            + both,
+        d11 * a[0] + d12 * a[1] - h * (2.0 * v[0] * v[1] + v[1] * v[1]) + G * (first + 1.0) * q[0].sin() + both,
         d12 * a[0] + d22 * a[1] + h * v[0] * v[0] + both,
     ]
 }
@@ -56,25 +51,16 @@ fn the_cart_pole_is_that_of_its_source() {
     let (s, c) = q[1].sin_cos();
     let force = (cart + pole) * a[0] + pole * length * (c * a[1] - s * v[1] * v[1]);
     let passive = length * a[1] + c * a[0] + G * s;
-    assert_close(
-        torques("cart_pole", q, v, a),
-        [force, pole * length * passive],
-    );
-    let limits = builtin_robot("cart_pole").expect("built in").joints()[0]
-        .limits()
-        .to_owned();
-    assert_eq!(
-        (limits.lower, limits.upper, limits.effort),
-        (-2.0, 2.0, 20.0)
-    );
+    assert_close(torques("cart_pole", q, v, a), [force, pole * length * passive]);
+    let limits = builtin_robot("cart_pole").expect("built in").joints()[0].limits().to_owned();
+    assert_eq!((limits.lower, limits.upper, limits.effort), (-2.0, 2.0, 20.0));
 }
 
 /// The lateral force is along the body's own x axis, the normal force is the thrust, and the torque of the pitch is the
 /// moment of both about the origin of the base plus that of the thrusters.
 #[test]
 fn the_rotorcraft_floats() {
-    let (q, v, a): ([f64; 3], [f64; 3], [f64; 3]) =
-        ([0.6, 1.3, -0.7], [1.1, -0.4, 0.9], [-2.0, 0.8, 1.5]);
+    let (q, v, a): ([f64; 3], [f64; 3], [f64; 3]) = ([0.6, 1.3, -0.7], [1.1, -0.4, 0.9], [-2.0, 0.8, 1.5]);
     let ([theta, x, z], [w, dx, dz], [dw, ddx, ddz]) = (q, v, a);
     let (mass, inertia) = (1.0, 0.02);
     // The acceleration of the centre in the axes of the body, minus that of free fall.

@@ -4,9 +4,7 @@ use crate::common::config;
 use aghf::dynamics::{Data, rnea};
 use aghf::model::{JointKind, JointSpec, Limits, Model, pendulum, random_tree};
 use aghf::spatial::{Inertia, Placement};
-use aghf::urdf::{
-    LoadNote, Mimic, UrdfOptions, builtin_robot, builtin_robots, parse_urdf, parse_urdf_with,
-};
+use aghf::urdf::{LoadNote, Mimic, UrdfOptions, builtin_robot, builtin_robots, parse_urdf, parse_urdf_with};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_2;
@@ -46,10 +44,7 @@ const FOUND: &str = r#"<?xml version="1.0" encoding="utf-8"?>
 </robot>"#;
 
 fn independent(text: &str) -> aghf::Result<(Model, Vec<LoadNote>)> {
-    let options = UrdfOptions {
-        mimic: Mimic::Independent,
-        ..UrdfOptions::default()
-    };
+    let options = UrdfOptions { mimic: Mimic::Independent, ..UrdfOptions::default() };
     parse_urdf_with(text, "found.urdf", options)
 }
 
@@ -63,38 +58,21 @@ fn only_what_the_dynamics_read_is_read() {
     let arm = model.inertias()[0];
     assert_eq!((arm.mass, arm.first_moment.x), (2.0, 0.3));
     assert_eq!(model.frames().len(), 4);
-    let told = report
-        .iter()
-        .filter(|n| matches!(n, LoadNote::Merged { .. }));
-    assert_eq!(
-        told.count(),
-        1,
-        "the base became part of the world: {report:?}"
-    );
+    let told = report.iter().filter(|n| matches!(n, LoadNote::Merged { .. }));
+    assert_eq!(told.count(), 1, "the base became part of the world: {report:?}");
 }
 
 #[test]
 fn mimic_joints_are_refused_or_independent_as_is_asked_for() {
     let error = parse_urdf(FOUND, "found.urdf").expect_err("a joint mimics another");
     let text = error.to_string();
-    let words = [
-        "joint 'grip'",
-        "mimics joint 'swing'",
-        "--mimic independent",
-        "Mimic::Independent",
-    ];
+    let words = ["joint 'grip'", "mimics joint 'swing'", "--mimic independent", "Mimic::Independent"];
     assert!(words.iter().all(|w| text.contains(w)), "{text}");
 
     let (with, report) = independent(FOUND).expect("it is asked for");
-    let note = LoadNote::Independent {
-        joint: "grip".to_owned(),
-        mimics: "swing".to_owned(),
-    };
+    let note = LoadNote::Independent { joint: "grip".to_owned(), mimics: "swing".to_owned() };
     assert!(report.contains(&note), "{report:?}");
-    assert_eq!(
-        note.to_string(),
-        "joint 'grip': mimics 'swing', independent here"
-    );
+    assert_eq!(note.to_string(), "joint 'grip': mimics 'swing', independent here");
     let without = FOUND.replace(r#"<mimic joint="swing" multiplier="0.5"/>"#, "");
     let (without, _) = parse_urdf(&without, "found.urdf").expect("no joint mimics");
     assert_same(&with, &without, 0.0);
@@ -103,10 +81,7 @@ fn mimic_joints_are_refused_or_independent_as_is_asked_for() {
 #[test]
 fn macros_that_are_not_expanded_are_refused() {
     for (before, with) in [
-        (
-            "<link name=\"world\"/>",
-            r#"<link name="world"/><xacro:hand side="left"/>"#,
-        ),
+        ("<link name=\"world\"/>", r#"<link name="world"/><xacro:hand side="left"/>"#),
         ("<visual/>", r#"<xacro:box_inertia m="1"/>"#),
     ] {
         let error = independent(&FOUND.replace(before, with)).expect_err("a part is missing");
@@ -118,12 +93,7 @@ fn macros_that_are_not_expanded_are_refused() {
 fn limits_without_speed_or_effort_are_refused() {
     for attribute in [r#" velocity="2""#, r#" effort="3""#] {
         let error = independent(&FOUND.replace(attribute, "")).expect_err("it is required");
-        assert!(
-            error
-                .to_string()
-                .contains("joint 'swing': its limit has no"),
-            "{error}"
-        );
+        assert!(error.to_string().contains("joint 'swing': its limit has no"), "{error}");
     }
 }
 
@@ -134,9 +104,7 @@ fn torques(model: &Model, q: &[f64], v: &[f64], a: &[f64]) -> Vec<f64> {
 }
 
 fn wave(n: usize, shift: f64) -> Vec<f64> {
-    (0..n)
-        .map(|i| 2.0 * (shift + 1.3 * i as f64).sin())
-        .collect()
+    (0..n).map(|i| 2.0 * (shift + 1.3 * i as f64).sin()).collect()
 }
 
 /// Asserts that two models have the same joints in the same order, the same frames and the same dynamics.
@@ -256,11 +224,8 @@ proptest! {
 /// Rotations by quarter turns, whose entries are zeros and ones.
 #[test]
 fn quarter_turns_come_back() {
-    let turns = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| {
-        Rotation3::new(axis * FRAC_PI_2)
-            .into_inner()
-            .map(f64::round)
-    });
+    let turns = [Vector3::x(), Vector3::y(), Vector3::z()]
+        .map(|axis| Rotation3::new(axis * FRAC_PI_2).into_inner().map(f64::round));
     for a in turns {
         for b in turns {
             for c in turns {
@@ -277,81 +242,37 @@ fn quarter_turns_come_back() {
 fn what_no_urdf_can_say_is_refused() {
     let refused = |model: Model, words: &str| {
         let error = model.to_urdf().expect_err(words).to_string();
-        assert!(
-            words.split("; ").all(|word| error.contains(word)),
-            "{error}; want {words}"
-        );
+        assert!(words.split("; ").all(|word| error.contains(word)), "{error}; want {words}");
     };
     let spec = || one_joint(Matrix3::identity());
-    let moon = pendulum(2)
-        .expect("two links")
-        .with_gravity(Vector3::new(0.0, 0.0, -1.62));
+    let moon = pendulum(2).expect("two links").with_gravity(Vector3::new(0.0, 0.0, -1.62));
     refused(moon, "pendulum_2: robot: its gravity cannot be said");
-    let limits = Limits {
-        lower: -1.0,
-        ..Limits::NONE
-    };
-    refused(
-        model_of(JointSpec { limits, ..spec() }),
-        "joint 'joint': a limit of it cannot be said",
-    );
-    let still = Limits {
-        lower: 0.0,
-        upper: 0.0,
-        velocity: 0.0,
-        effort: 0.0,
-    };
+    let limits = Limits { lower: -1.0, ..Limits::NONE };
+    refused(model_of(JointSpec { limits, ..spec() }), "joint 'joint': a limit of it cannot be said");
+    let still = Limits { lower: 0.0, upper: 0.0, velocity: 0.0, effort: 0.0 };
     let kind = JointKind::Revolute;
-    let weak = Limits {
-        upper: 1.0,
-        velocity: 1.0,
-        ..still
-    };
+    let weak = Limits { upper: 1.0, velocity: 1.0, ..still };
     for limits in [still, weak] {
-        refused(
-            model_of(JointSpec {
-                limits,
-                kind,
-                ..spec()
-            }),
-            "a limit of it cannot be said",
-        );
+        refused(model_of(JointSpec { limits, kind, ..spec() }), "a limit of it cannot be said");
     }
     let mut inertia = spec().inertia;
     inertia.mass = 0.0;
     inertia.first_moment.x = 0.5;
-    refused(
-        model_of(JointSpec { inertia, ..spec() }),
-        "the inertia that it moves cannot be said",
-    );
+    refused(model_of(JointSpec { inertia, ..spec() }), "the inertia that it moves cannot be said");
     let mirror = -Matrix3::identity();
     refused(model_of(one_joint(mirror)), "its origin cannot be said");
     let axis = Vector3::new(2.0, 0.0, 0.0);
-    refused(
-        model_of(JointSpec { axis, ..spec() }),
-        "its axis cannot be said",
-    );
+    refused(model_of(JointSpec { axis, ..spec() }), "its axis cannot be said");
     let inertia = Inertia::zero();
-    refused(
-        model_of(JointSpec { inertia, ..spec() }),
-        "joint 'joint': ; singular",
-    );
+    refused(model_of(JointSpec { inertia, ..spec() }), "joint 'joint': ; singular");
 }
 
 /// Partial limits, and a body with rotational inertia but no mass.
 #[test]
 fn unusual_limits_and_inertias_come_back() {
-    let limits = Limits {
-        upper: 2.0,
-        effort: 0.1 + 0.2,
-        ..Limits::NONE
-    };
+    let limits = Limits { upper: 2.0, effort: 0.1 + 0.2, ..Limits::NONE };
     let kind = JointKind::Prismatic;
-    let model = model_of(JointSpec {
-        limits,
-        kind,
-        ..one_joint(Matrix3::identity())
-    });
+    let model = model_of(JointSpec { limits, kind, ..one_joint(Matrix3::identity()) });
     assert_eq!(written(&model).joints()[0].limits(), &limits);
     let mut rotor = one_joint(Matrix3::identity());
     rotor.inertia = Inertia::from_com(0.0, Vector3::zeros(), Matrix3::identity());

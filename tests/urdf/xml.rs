@@ -1,9 +1,7 @@
 //! XML that other readers of URDFs accept: prefixes without a declaration, and a declaration that is not first.
 
 use crate::elements::massless;
-use aghf::urdf::LoadNote::{
-    self, BeforeDeclaration, NoExtent, PointMass, SeveralAxes, UndeclaredPrefix,
-};
+use aghf::urdf::LoadNote::{self, BeforeDeclaration, NoExtent, PointMass, SeveralAxes, UndeclaredPrefix};
 use aghf::urdf::{Elements, Srdf, parse_urdf, read_visuals};
 use std::collections::BTreeMap;
 
@@ -27,9 +25,7 @@ fn model(text: &str) -> (String, Vec<LoadNote>) {
 }
 
 fn undeclared(prefix: &str) -> LoadNote {
-    UndeclaredPrefix {
-        prefix: prefix.to_owned(),
-    }
+    UndeclaredPrefix { prefix: prefix.to_owned() }
 }
 
 #[test]
@@ -41,15 +37,11 @@ fn what_has_a_prefix_is_left_out() {
     let text = robot(r#" drake:version="2""#, in_link, in_joint);
     let (same, notes) = model(&text);
     assert_eq!(same, plain);
-    assert_eq!(
-        notes,
-        [undeclared("drake"), undeclared("gz"), massless("base")]
-    );
+    assert_eq!(notes, [undeclared("drake"), undeclared("gz"), massless("base")]);
     let words = "prefix 'drake': not declared; elements and attributes with it are left out";
     assert_eq!(notes[0].to_string(), words);
     // A declared prefix is no other one, and a default namespace has none.
-    let declared =
-        r#" xmlns:drake="http://drake.mit.edu" xmlns:gz="gz" xmlns="http://www.ros.org""#;
+    let declared = r#" xmlns:drake="http://drake.mit.edu" xmlns:gz="gz" xmlns="http://www.ros.org""#;
     let (same, notes) = model(&robot(declared, in_link, in_joint));
     assert_eq!((same, notes), (plain, vec![massless("base")]));
 
@@ -65,11 +57,7 @@ fn what_has_a_prefix_is_left_out() {
 fn faults_keep_their_lines() {
     let in_link = "<drake:a/>\n<drake:b/>";
     for (from, to, words) in [
-        (
-            "joint name=\"lift\"",
-            "joint",
-            "the joint at line 7 has no name",
-        ),
+        ("joint name=\"lift\"", "joint", "the joint at line 7 has no name"),
         ("<axis", "<axis\" ", "at 7:"),
         ("</robot>", "", "the text ends at line 8"),
     ] {
@@ -82,10 +70,7 @@ fn faults_keep_their_lines() {
     assert!(error.to_string().contains("'xacro:box' is not expanded"));
     let many: String = (0..100).map(|i| format!("<p{i}:a/>")).collect();
     let error = parse_urdf(&robot("", &many, ""), "arm.urdf").expect_err("too many");
-    assert!(
-        error.to_string().contains("unknown namespace prefix 'p64'"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("unknown namespace prefix 'p64'"), "{error}");
 }
 
 #[test]
@@ -96,11 +81,7 @@ fn a_declaration_may_be_after_blank_lines_and_comments() {
         let text = format!("{before}{declaration}{}", robot("", "<drake:a/>", ""));
         let (same, notes) = model(&text);
         assert_eq!(same, plain);
-        assert_eq!(
-            notes,
-            [BeforeDeclaration, undeclared("drake"), massless("base")],
-            "{before}"
-        );
+        assert_eq!(notes, [BeforeDeclaration, undeclared("drake"), massless("base")], "{before}");
         assert!(!notes[0].bears_on_motion());
     }
     let (same, notes) = model(&format!("{declaration}{}", robot("", "", "")));
@@ -123,20 +104,13 @@ fn a_declaration_may_be_after_blank_lines_and_comments() {
 fn what_is_doubled_or_missing_is_completed_with_a_note() {
     let (plain, _) = model(&robot("", "", ""));
     let second = robot("", "", "").replace("<limit", "<axis xyz=\"0 0 1\"/><limit");
-    let axes = SeveralAxes {
-        joint: "lift".to_owned(),
-    };
-    assert_eq!(
-        model(&second),
-        (plain.clone(), vec![axes, massless("base")])
-    );
+    let axes = SeveralAxes { joint: "lift".to_owned() };
+    assert_eq!(model(&second), (plain.clone(), vec![axes, massless("base")]));
 
     let inertia = r#"<inertia ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"/>"#;
     let zeros = r#"<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>"#;
     let (point, _) = model(&robot("", "", "").replace(inertia, zeros));
-    let mass = PointMass {
-        link: "upper".to_owned(),
-    };
+    let mass = PointMass { link: "upper".to_owned() };
     let (same, notes) = model(&robot("", "", "").replace(inertia, ""));
     assert_eq!((same, notes), (point, vec![mass, massless("base")]));
 
@@ -147,17 +121,13 @@ fn what_is_doubled_or_missing_is_completed_with_a_note() {
         r#"<box size="0 0 0"/>"#,
     ] {
         let collision = format!("<collision><geometry>{shape}</geometry></collision>");
-        let left_out = NoExtent {
-            link: "upper".to_owned(),
-            shape: "collision 1".to_owned(),
-        };
+        let left_out = NoExtent { link: "upper".to_owned(), shape: "collision 1".to_owned() };
         let words = "link 'upper': collision 1 has the radius 0, or no extent, and is left out";
         assert_eq!(left_out.to_string(), words);
         let expected = (plain.clone(), vec![massless("base"), left_out]);
         assert_eq!(model(&robot("", &collision, "")), expected, "{shape}");
     }
-    let scale =
-        r#"<collision><geometry><mesh filename="a.stl" scale="1 1 1 1"/></geometry></collision>"#;
+    let scale = r#"<collision><geometry><mesh filename="a.stl" scale="1 1 1 1"/></geometry></collision>"#;
     let error = parse_urdf(&robot("", scale, ""), "arm.urdf").expect_err("four numbers");
     let words = "link 'upper': collision 1: scale of its mesh is '1 1 1 1', not 3 numbers";
     assert_eq!(error.to_string(), format!("arm.urdf: {words}"));

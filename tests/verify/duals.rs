@@ -3,24 +3,18 @@
 mod general_flow;
 
 use crate::common::{robot, robots, tree};
-use aghf::flow::jacobian::{
-    ControlFormJacobian, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian,
-};
+use aghf::flow::jacobian::{ControlFormJacobian, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian};
 use aghf::flow::{AghfLagrangian, AlgorithmB1, LagrangianFlow, Node};
 use aghf::model::{JointKind, JointSpec, Limits, Model, random_tree};
 use aghf::spatial::{Inertia, Placement};
 use aghf::verify::duals::{
-    BOUND, CheckOptions, Finding, LARGEST_BOUND, LARGEST_BOUND_MULTIPLIED,
-    LARGEST_DIFFERENCE_BOUND, State, check_all, check_direct, check_jacobian,
+    BOUND, CheckOptions, Finding, LARGEST_BOUND, LARGEST_BOUND_MULTIPLIED, LARGEST_DIFFERENCE_BOUND, State, check_all,
+    check_direct, check_jacobian,
 };
 use nalgebra::{Matrix3, Vector3};
 
 fn options(samples: usize, seed: u64) -> CheckOptions {
-    CheckOptions {
-        samples,
-        seed,
-        ..CheckOptions::default()
-    }
+    CheckOptions { samples, seed, ..CheckOptions::default() }
 }
 
 #[test]
@@ -31,10 +25,7 @@ fn everything_passes_on_every_robot() {
         let off: Vec<&Finding> = findings.iter().filter(|f| !f.passes()).collect();
         assert!(off.is_empty(), "{}: {off:?}", model.name());
         for (name, _) in JacobianKind::by_name() {
-            assert!(
-                findings.iter().any(|f| f.quantity.starts_with(name)),
-                "{name} is not checked"
-            );
+            assert!(findings.iter().any(|f| f.quantity.starts_with(name)), "{name} is not checked");
         }
         for what in [
             "spheres: weighted Hessian",
@@ -70,25 +61,19 @@ fn the_direct_method_goes_where_the_flow_goes() {
 
 /// Joints about y or z, in a chain or all on the base, each with the mass and the size of its body.
 fn turning(axis: Vector3<f64>, chain: bool, bodies: &[(f64, f64)]) -> Model {
-    let specs = bodies
-        .iter()
-        .enumerate()
-        .map(|(i, (mass, size))| JointSpec {
-            name: format!("joint_{i}"),
-            kind: JointKind::Continuous,
-            parent: i.checked_sub(1).filter(|_| chain),
-            origin: Placement::new(
-                Matrix3::identity(),
-                Vector3::new(0.13 * i as f64, -0.22, 0.023),
-            ),
-            axis,
-            inertia: Inertia::from_com(
-                *mass,
-                Vector3::x() * if chain { *size } else { 0.0 },
-                Matrix3::identity() * (mass * size * size),
-            ),
-            limits: Limits::NONE,
-        });
+    let specs = bodies.iter().enumerate().map(|(i, (mass, size))| JointSpec {
+        name: format!("joint_{i}"),
+        kind: JointKind::Continuous,
+        parent: i.checked_sub(1).filter(|_| chain),
+        origin: Placement::new(Matrix3::identity(), Vector3::new(0.13 * i as f64, -0.22, 0.023)),
+        axis,
+        inertia: Inertia::from_com(
+            *mass,
+            Vector3::x() * if chain { *size } else { 0.0 },
+            Matrix3::identity() * (mass * size * size),
+        ),
+        limits: Limits::NONE,
+    });
     Model::from_joints("turning", specs.collect()).expect("there are joints")
 }
 
@@ -96,16 +81,8 @@ fn turning(axis: Vector3<f64>, chain: bool, bodies: &[(f64, f64)]) -> Model {
 /// finger, with a condition number of the mass matrix of 1e8.
 #[test]
 fn rounding_is_no_error() {
-    let rotors = turning(
-        Vector3::z(),
-        false,
-        &[(0.005, 0.07), (0.005, 0.07), (0.005, 0.07)],
-    );
-    let arm = turning(
-        Vector3::y(),
-        true,
-        &[(20.0, 0.5), (5.0, 0.4), (0.1, 0.1), (0.01, 0.005)],
-    );
+    let rotors = turning(Vector3::z(), false, &[(0.005, 0.07), (0.005, 0.07), (0.005, 0.07)]);
+    let arm = turning(Vector3::y(), true, &[(20.0, 0.5), (5.0, 0.4), (0.1, 0.1), (0.01, 0.005)]);
     for model in [rotors, arm] {
         let findings = check_all(&model, &options(5, 3)).expect("a loaded model");
         let off: Vec<&Finding> = findings.iter().filter(|f| !f.passes()).collect();
@@ -133,15 +110,8 @@ fn a_curve_across_a_singular_mass_matrix_is_no_error() {
             name: format!("hinge_{i}"),
             kind: JointKind::Continuous,
             parent: i.checked_sub(1),
-            origin: Placement::new(
-                Matrix3::identity(),
-                Vector3::x() * if i == 3 { 0.4 } else { 0.0 },
-            ),
-            axis: if i % 3 == 1 {
-                Vector3::y()
-            } else {
-                Vector3::z()
-            },
+            origin: Placement::new(Matrix3::identity(), Vector3::x() * if i == 3 { 0.4 } else { 0.0 }),
+            axis: if i % 3 == 1 { Vector3::y() } else { Vector3::z() },
             inertia: Inertia::from_com(
                 mass,
                 Vector3::new(0.1, 0.2, -0.1),
@@ -177,20 +147,10 @@ impl NodeJacobian for OneWrong<'_> {
 fn a_wrong_entry_is_found() {
     let model = robot("kinova_gen3");
     // In the rows with 1 / k, where it is small beside the others, and a NaN anywhere.
-    for (entry, by, block) in [
-        ((2, 5), 1e-12, "P1/dx"),
-        ((9, 3), f64::NAN, "P2/dx"),
-        ((0, 0), f64::INFINITY, "P1/dx"),
-    ] {
-        let mut wrong = OneWrong {
-            right: ControlFormJacobian::new(&model),
-            entry,
-            by,
-        };
-        let options = CheckOptions {
-            penalties: vec![1e9],
-            ..options(2, 1)
-        };
+    for (entry, by, block) in [((2, 5), 1e-12, "P1/dx"), ((9, 3), f64::NAN, "P2/dx"), ((0, 0), f64::INFINITY, "P1/dx")]
+    {
+        let mut wrong = OneWrong { right: ControlFormJacobian::new(&model), entry, by };
+        let options = CheckOptions { penalties: vec![1e9], ..options(2, 1) };
         let findings = check_jacobian(&model, "wrong", &mut wrong, &options).expect("same robot");
         assert_eq!(findings.iter().filter(|f| !f.passes()).count(), 1);
         for finding in &findings {
@@ -222,11 +182,7 @@ fn states_are_reproducible_and_within_limits() {
         let state = State::random(&model, 1, sample);
         for (q, joint) in state.x.iter().zip(model.joints()) {
             let limits = joint.limits();
-            assert!(
-                (limits.lower..=limits.upper).contains(q),
-                "{} at {q}",
-                joint.name()
-            );
+            assert!((limits.lower..=limits.upper).contains(q), "{} at {q}", joint.name());
         }
     }
 }
@@ -246,19 +202,11 @@ fn the_definition_gives_the_same_flow() {
         let n = model.dof();
         let (mut one, mut two) = (NodeBlocks::new(n), NodeBlocks::new(n));
         let mut definition = ForwardDual::of(LagrangianFlow::new(model, AghfLagrangian), n);
-        definition
-            .evaluate(state.node(), k, &mut one)
-            .expect("same robot");
-        ForwardDual::of(AlgorithmB1::new(model), n)
-            .evaluate(state.node(), k, &mut two)
-            .expect("same robot");
+        definition.evaluate(state.node(), k, &mut one).expect("same robot");
+        ForwardDual::of(AlgorithmB1::new(model), n).evaluate(state.node(), k, &mut two).expect("same robot");
         [one, two]
     }
-    for model in [
-        robot("pendulum_3"),
-        robot("kinova_gen3"),
-        random_tree(5, 1).expect("five joints"),
-    ] {
+    for model in [robot("pendulum_3"), robot("kinova_gen3"), random_tree(5, 1).expect("five joints")] {
         for k in [1.0, 1e6] {
             let [a, b] = jacobian_of(&model, k, &State::random(&model, 2, 0));
             assert_close!(&a.dx, &b.dx, 10.0 * BOUND);

@@ -16,11 +16,7 @@ fn instance() -> RandomInstance {
         .expect("instances do not end")
 }
 
-fn omega_4(
-    p: &RandomInstance,
-    t: &mut TheoremB3<PrimeField>,
-    dh_dq_w: DMatrix<PrimeField>,
-) -> DVector<PrimeField> {
+fn omega_4(p: &RandomInstance, t: &mut TheoremB3<PrimeField>, dh_dq_w: DMatrix<PrimeField>) -> DVector<PrimeField> {
     t.dh_dq_w = dh_dq_w;
     let mut omega_4 = DVector::zeros(2 * p.dof());
     t.omega_4(p.node(), p.k, &mut omega_4);
@@ -40,18 +36,9 @@ fn omega_4_depends_on_the_index_that_is_contracted() {
     let w = DVector::from_column_slice(node.xdot_p2()) - &t.fd0;
 
     let mut ours = DMatrix::zeros(n, n);
-    mass_matrix_product_derivative(&p.model, data, q, w.as_slice(), &mut ours)
-        .expect("lengths agree");
+    mass_matrix_product_derivative(&p.model, data, q, w.as_slice(), &mut ours).expect("lengths agree");
     let (mut h, mut over_derivatives) = (ours.clone(), ours.clone());
-    mass_matrix_and_rate(
-        &p.model,
-        data,
-        q,
-        w.as_slice(),
-        &mut h,
-        &mut over_derivatives,
-    )
-    .expect("lengths agree");
+    mass_matrix_and_rate(&p.model, data, q, w.as_slice(), &mut h, &mut over_derivatives).expect("lengths agree");
 
     let right = omega_4(&p, &mut t, ours.clone());
     assert_ne!(right, omega_4(&p, &mut t, over_derivatives));

@@ -40,18 +40,14 @@ fn entries() -> BTreeMap<String, Entry> {
 }
 
 fn entry(page: &Path, body: &str) -> Entry {
-    let mut entry = Entry {
-        page: page.to_owned(),
-        ..Entry::default()
-    };
+    let mut entry = Entry { page: page.to_owned(), ..Entry::default() };
     for line in body.lines() {
         if let Some(rest) = line.strip_prefix("- function: ") {
             let link = rest
                 .strip_prefix("[`")
                 .and_then(|r| r.split_once("`]("))
                 .and_then(|(path, r)| Some((path.to_owned(), r.strip_suffix(')')?.to_owned())));
-            let (path, file) =
-                link.unwrap_or_else(|| panic!("{}: no link in '{line}'", page.display()));
+            let (path, file) = link.unwrap_or_else(|| panic!("{}: no link in '{line}'", page.display()));
             entry.functions.push((path, folder().join(file)));
         } else if let Some(rest) = line.strip_prefix("- identity: ") {
             entry.identities.push(rest.trim_matches('`').to_owned());
@@ -66,23 +62,15 @@ fn entry(page: &Path, body: &str) -> Entry {
 fn required() -> Vec<String> {
     let a = (1..=4).map(|i| format!("A{i}"));
     let b = (5..=80).map(|i| format!("B{i}"));
-    let line = |algorithm: &'static str, lines: u32| {
-        (1..=lines).map(move |i| format!("Algorithm {algorithm} line {i}"))
-    };
-    a.chain(b)
-        .chain(line("B1", 11))
-        .chain(line("B2", 11))
-        .chain(line("B3", 3))
-        .collect()
+    let line =
+        |algorithm: &'static str, lines: u32| (1..=lines).map(move |i| format!("Algorithm {algorithm} line {i}"));
+    a.chain(b).chain(line("B1", 11)).chain(line("B2", 11)).chain(line("B3", 3)).collect()
 }
 
 #[test]
 fn every_equation_and_every_line_has_an_entry() {
     let entries = entries();
-    let missing: Vec<_> = required()
-        .into_iter()
-        .filter(|label| !entries.contains_key(label))
-        .collect();
+    let missing: Vec<_> = required().into_iter().filter(|label| !entries.contains_key(label)).collect();
     assert!(missing.is_empty(), "without an entry: {missing:?}");
 }
 
@@ -151,9 +139,7 @@ fn holds(text: &str, file: &str, path: &str) -> Result<(), String> {
     match names {
         [name] if is_type(name) => defined(&["struct", "enum", "trait"], name),
         [name] => defined(&["fn"], name),
-        [owner, name] => items
-            .iter()
-            .any(|i| is_of(i, owner) && has(i, &["fn"], name)),
+        [owner, name] => items.iter().any(|i| is_of(i, owner) && has(i, &["fn"], name)),
         _ => false,
     }
     .then_some(())
@@ -166,9 +152,7 @@ fn every_entry_names_functions_that_exist() {
     for (label, entry) in entries() {
         assert!(!entry.functions.is_empty(), "{label} names no function");
         for (path, file) in entry.functions {
-            let file = file
-                .canonicalize()
-                .unwrap_or_else(|e| panic!("{label}: {}: {e}", file.display()));
+            let file = file.canonicalize().unwrap_or_else(|e| panic!("{label}: {}: {e}", file.display()));
             let text = std::fs::read_to_string(&file).expect("it can be read");
             let file = file.strip_prefix(&root).expect("it is in the repository");
             holds(&text, &file.to_string_lossy(), &path).unwrap_or_else(|e| panic!("{label}: {e}"));
@@ -213,10 +197,7 @@ fn every_entry_has_an_identity_and_every_identity_an_entry() {
     for (label, entry) in entries() {
         assert!(!entry.identities.is_empty(), "{label} names no identity");
         for identity in entry.identities {
-            assert!(
-                proved.contains(&identity),
-                "{label}: there is no identity '{identity}'"
-            );
+            assert!(proved.contains(&identity), "{label}: there is no identity '{identity}'");
             named.insert(identity);
         }
     }
@@ -228,19 +209,9 @@ fn every_entry_has_an_identity_and_every_identity_an_entry() {
 #[test]
 fn every_entry_has_a_verdict() {
     for (label, entry) in entries() {
-        let known = [
-            "holds as printed",
-            "holds under this convention: ",
-            "erratum: ",
-            "definition",
-        ];
+        let known = ["holds as printed", "holds under this convention: ", "erratum: ", "definition"];
         let good = known.iter().any(|v| entry.verdict.starts_with(v));
-        assert!(
-            good,
-            "{label} on {}: '{}'",
-            entry.page.display(),
-            entry.verdict
-        );
+        assert!(good, "{label} on {}: '{}'", entry.page.display(), entry.verdict);
     }
 }
 
@@ -248,29 +219,18 @@ fn every_entry_has_a_verdict() {
 #[test]
 fn the_table_of_errata_is_complete() {
     let front = std::fs::read_to_string(folder().join("README.md")).expect("the front page");
-    let table = front
-        .split("\n## Errata")
-        .nth(1)
-        .expect("it has a table of errata");
+    let table = front.split("\n## Errata").nth(1).expect("it has a table of errata");
     let table = table.split("\n## ").next().expect("split gives one part");
     for (label, entry) in entries() {
-        let listed = table
-            .lines()
-            .any(|line| line.starts_with(&format!("| {label} |")));
-        assert_eq!(
-            listed,
-            entry.verdict.starts_with("erratum: "),
-            "{label}: {}",
-            entry.verdict
-        );
+        let listed = table.lines().any(|line| line.starts_with(&format!("| {label} |")));
+        assert_eq!(listed, entry.verdict.starts_with("erratum: "), "{label}: {}", entry.verdict);
     }
 }
 
 /// All identities hold, at a point that `aghf prove` does not use by default.
 #[test]
 fn every_identity_holds() {
-    let points =
-        std::env::var("AGHF_POINTS").map_or(1, |n| n.parse().expect("AGHF_POINTS is a number"));
+    let points = std::env::var("AGHF_POINTS").map_or(1, |n| n.parse().expect("AGHF_POINTS is a number"));
     for verdict in prove(points, 20_261_121).expect("the identities can be evaluated") {
         assert_eq!(verdict.failure, None);
         assert!(verdict.entries > 0, "{} compares nothing", verdict.label);

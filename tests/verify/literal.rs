@@ -33,10 +33,7 @@ fn b59_and_b60_and_b70_read_left_to_right_are_transposed() {
     let b60 = -t.fd0.dv.tr_mul(&first) - dh_w.tr_mul(&(h * &t.fd0.dv));
     let b70 = first + dh_w.tr_mul(h);
     for (literal, part) in [(b59, Wrt::XP1), (b60, Wrt::XP2), (b70, Wrt::XdotP2)] {
-        assert_ne!(
-            literal,
-            derivative(&p, part, capital_gamma).expect("sizes agree")
-        );
+        assert_ne!(literal, derivative(&p, part, capital_gamma).expect("sizes agree"));
     }
 }
 
@@ -64,10 +61,7 @@ fn lines_8_to_10_of_algorithm_b2_as_printed_fail() {
     assert_ne!(printed.dqdq, t.d2fd0.dqdq);
     // Line 10: with the mixed derivative in the place of d2C/dx_P2^2.
     let mut printed = t.dcdot.clone();
-    let without = t
-        .d2c
-        .clone()
-        .with(t.d2c.dqdq().clone(), t.d2c.dqdv().clone());
+    let without = t.d2c.clone().with(t.d2c.dqdq().clone(), t.d2c.dqdv().clone());
     bias_rate_derivatives(&without, &t.xdot_p1, &t.xdot_p2, &mut printed).expect("sizes agree");
     assert_ne!(printed.dv, t.dcdot.dv);
 }

@@ -7,19 +7,13 @@ use aghf::cost::{HyperDual64, RunningCost, StageDerivatives, StageInput};
 use aghf::flow::Node;
 use aghf::flow::jacobian::{ControlFormJacobian, NodeBlocks, NodeJacobian};
 use aghf::scalar::AlgebraOver;
-use aghf::verify::duals::{
-    CheckOptions, Finding, check_all, check_constraint, check_jacobian, check_running_cost,
-};
+use aghf::verify::duals::{CheckOptions, Finding, check_all, check_constraint, check_jacobian, check_running_cost};
 
 /// Ten times the bound that the documentation states.
 const WRONG: f64 = 1.0 + 1e-8;
 
 fn options(samples: usize) -> CheckOptions {
-    CheckOptions {
-        samples,
-        penalties: vec![1.0],
-        ..CheckOptions::default()
-    }
+    CheckOptions { samples, penalties: vec![1.0], ..CheckOptions::default() }
 }
 
 fn off(findings: &[Finding]) -> Vec<&str> {
@@ -46,10 +40,7 @@ impl Constraint for Square {
         weights: Weights<'_, S>,
         out: &mut WeightedDerivatives<S>,
     ) -> Result<()> {
-        let (w, c) = (
-            weights.first_order[0],
-            weights.gauss_newton.map_or(S::zero(), |c| c[0]),
-        );
+        let (w, c) = (weights.first_order[0], weights.gauss_newton.map_or(S::zero(), |c| c[0]));
         let by_x = at.x[0].scale(2.0);
         let [first, second] = [w * by_x, w.scale(2.0) + c * by_x * by_x];
         out.add_entry(0, first.scale(self.0[0]), second.scale(self.0[1]));
@@ -60,9 +51,7 @@ impl Constraint for Square {
 #[test]
 fn a_wrong_derivative_of_a_constraint_is_found() {
     let model = robot("pendulum_2");
-    let check = |factors| {
-        check_constraint(&model, "square", &Square(factors), &options(2)).expect("same robot")
-    };
+    let check = |factors| check_constraint(&model, "square", &Square(factors), &options(2)).expect("same robot");
     assert!(off(&check([1.0, 1.0])).is_empty());
     assert_eq!(off(&check([1.0, WRONG])), ["square: weighted Hessian"]);
     let [gradient, hessian] = ["square: weighted gradient", "square: weighted Hessian"];
@@ -80,11 +69,7 @@ impl RunningCost for Small {
         Ok(self.0[0] * 1e-3 * at.v[0] * at.v[0])
     }
 
-    fn derivatives(
-        &self,
-        at: &StageInput<'_, f64>,
-        out: &mut StageDerivatives<f64>,
-    ) -> Result<f64> {
+    fn derivatives(&self, at: &StageInput<'_, f64>, out: &mut StageDerivatives<f64>) -> Result<f64> {
         let (entry, v) = (at.q.len(), at.v[0]);
         out.gradient[entry] = self.0[2] * 2e-3 * v;
         out.hessian[(entry, entry)] = self.0[3] * 2e-3;
@@ -96,15 +81,9 @@ impl RunningCost for Small {
 fn a_wrong_derivative_of_a_running_cost_is_found() {
     let model = robot("pendulum_2");
     let truth = |at: &StageInput<'_, HyperDual64>| at.v[0] * at.v[0] * 1e-3;
-    let check = |factors| {
-        check_running_cost(&model, "small", &Small(factors), truth, &options(2))
-            .expect("same robot")
-    };
+    let check = |factors| check_running_cost(&model, "small", &Small(factors), truth, &options(2)).expect("same robot");
     assert!(off(&check([1.0; 4])).is_empty());
-    for (place, what) in ["value", "value", "gradient", "Hessian"]
-        .into_iter()
-        .enumerate()
-    {
+    for (place, what) in ["value", "value", "gradient", "Hessian"].into_iter().enumerate() {
         let mut factors = [1.0; 4];
         factors[place] = WRONG;
         assert_eq!(off(&check(factors)), [format!("small: {what}")]);

@@ -52,9 +52,7 @@ pub(super) fn solution_of(
         Some(stopped) => format!("{stopped}: the motion is the best until then; {missed}"),
         None => missed,
     });
-    let DirectSolution {
-        curve, iterations, ..
-    } = solution;
+    let DirectSolution { curve, iterations, .. } = solution;
     let trace = Trace {
         first_guess: Some(solution.first_guess),
         minima: solution.minima_curves,
@@ -84,41 +82,25 @@ pub(super) fn solution_of(
         iterations: iterations.len(),
         factorisations: iterations.iter().map(|i| i.factorisations).sum(),
         waypoint_times_s: solution.waypoint_times,
-        end: settings
-            .goal
-            .as_ref()
-            .map(|GoalSet { ends, .. }| ReachedEnd {
-                goal: solution.alternative,
-                measure: scenario.measure().to_owned(),
-                found: ends.len(),
-                tried: ends.len().min(starts),
-                q: curve.at(horizon).0.as_slice()[..curve.dof()].to_vec(),
-            }),
+        end: settings.goal.as_ref().map(|GoalSet { ends, .. }| ReachedEnd {
+            goal: solution.alternative,
+            measure: scenario.measure().to_owned(),
+            found: ends.len(),
+            tried: ends.len().min(starts),
+            q: curve.at(horizon).0.as_slice()[..curve.dof()].to_vec(),
+        }),
     }));
     let history = iterations.into_iter().map(Record::Direct).collect();
     // No reported value depends on the penalty.
     let effort = effort_of(&scenario.model, &curve, 1.0)?;
-    Ok(Solution {
-        curve,
-        effort,
-        history,
-        details,
-        solve_seconds,
-        failure,
-        stopped,
-        trace,
-    })
+    Ok(Solution { curve, effort, history, details, solve_seconds, failure, stopped, trace })
 }
 
 impl Scenario {
     /// The shortest horizon that the limits of a joint allow.
     fn horizon_bound(&self) -> Option<HorizonBound> {
         let (joint, limit, least_s) = self.least_horizon()?;
-        Some(HorizonBound {
-            least_s,
-            joint: self.model.joints()[joint].name().to_owned(),
-            limit,
-        })
+        Some(HorizonBound { least_s, joint: self.model.joints()[joint].name().to_owned(), limit })
     }
 }
 
@@ -149,15 +131,9 @@ fn failure_of(solution: &DirectSolution, settings: &DirectSettings) -> Option<St
     if !converged {
         let off = [
             ("gradient norm", *gradient_norm, settings.tolerance),
-            (
-                "error of the quadrature",
-                *quadrature_error,
-                settings.quadrature_tolerance,
-            ),
+            ("error of the quadrature", *quadrature_error, settings.quadrature_tolerance),
         ];
-        let off = off
-            .into_iter()
-            .filter(|(_, reached, asked)| reached.is_nan() || reached > asked);
+        let off = off.into_iter().filter(|(_, reached, asked)| reached.is_nan() || reached > asked);
         let off: Vec<_> = off
             .map(|(what, reached, asked)| match reached.is_finite() {
                 true => format!("the {what} is {reached:.1e}, {asked:e} was asked for"),
@@ -170,7 +146,6 @@ fn failure_of(solution: &DirectSolution, settings: &DirectSettings) -> Option<St
             format!("where the search ended {}", off.join(", "))
         });
     }
-    (*smallest_curvature <= 0.0).then(|| {
-        format!("where the gradient vanishes the smallest curvature is {smallest_curvature:.1e}: no minimum")
-    })
+    (*smallest_curvature <= 0.0)
+        .then(|| format!("where the gradient vanishes the smallest curvature is {smallest_curvature:.1e}: no minimum"))
 }

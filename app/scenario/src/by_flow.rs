@@ -18,21 +18,12 @@ pub(super) fn solve_by_flow(
     observe: &mut dyn FnMut(&Record),
 ) -> Result<Solution> {
     let problem = scenario.problem()?;
-    let settings = FlowSettings {
-        interrupt,
-        ..options.settings(scenario)?
-    };
+    let settings = FlowSettings { interrupt, ..options.settings(scenario)? };
     let penalty = options.penalty(scenario);
-    let constraints = Penalised {
-        constraints: scenario.constraints(),
-        weights: PenaltyWeights {
-            state: penalty,
-            torque: penalty,
-        },
-    };
+    let constraints =
+        Penalised { constraints: scenario.constraints(), weights: PenaltyWeights { state: penalty, torque: penalty } };
     let started = Instant::now();
-    let mut flow =
-        Flow::new(&problem, settings.clone()).observe(|record| observe(&Record::Flow(*record)));
+    let mut flow = Flow::new(&problem, settings.clone()).observe(|record| observe(&Record::Flow(*record)));
     if !scenario.is_free() {
         flow = flow.constraints(&constraints);
     }
@@ -69,10 +60,7 @@ pub(super) fn solve_by_flow(
         solve_seconds,
         failure: solution.failure,
         stopped: solution.stopped,
-        trace: Trace {
-            first_guess: Some(Curve::new(chebyshev, guess)?),
-            ..Trace::default()
-        },
+        trace: Trace { first_guess: Some(Curve::new(chebyshev, guess)?), ..Trace::default() },
     })
 }
 
@@ -85,10 +73,7 @@ pub(super) fn solve_by_flow_to_rest(
     observe: &mut dyn FnMut(&Record),
 ) -> Result<Solution> {
     let problem = scenario.problem()?;
-    let settings = RestSettings {
-        interrupt,
-        ..options.settings(scenario, method)?
-    };
+    let settings = RestSettings { interrupt, ..options.settings(scenario, method)? };
     let tolerance = settings.tolerance;
     let constraints = &scenario.constraints();
     let k = options.penalty(scenario)?;

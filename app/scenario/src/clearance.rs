@@ -12,10 +12,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// In JSON: a number for all, or an object with the optional keys `obstacles`, `itself` and `pairs`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(
-    untagged,
-    expecting = "a number is needed, or an object with the keys obstacles, itself and pairs"
-)]
+#[serde(untagged, expecting = "a number is needed, or an object with the keys obstacles, itself and pairs")]
 pub enum Clearance {
     /// The same distance from obstacles and between links.
     Same(f64),
@@ -73,10 +70,7 @@ impl Clearance {
             if (0.0..=LARGEST_LENGTH).contains(&distance) {
                 return Ok(());
             }
-            let condition = format!(
-                "it is {}, a distance from 0 to {LARGEST_LENGTH} m is needed",
-                plain(distance)
-            );
+            let condition = format!("it is {}, a distance from 0 to {LARGEST_LENGTH} m is needed", plain(distance));
             Err(Error::input(path, key, condition))
         };
         for distance in [beside, itself] {
@@ -90,11 +84,7 @@ impl Clearance {
             check(format!("obstacles[{i}].clearance_m"), own)?;
         }
         let own = obstacles.iter().map(|o| o.clearance_m.unwrap_or(beside));
-        Ok(Margins {
-            obstacles: own.collect(),
-            itself,
-            pairs,
-        })
+        Ok(Margins { obstacles: own.collect(), itself, pairs })
     }
 }
 
@@ -125,8 +115,7 @@ impl Margins<'_> {
         path: &str,
     ) -> Result<Scene> {
         for (i, PairClearance { links, .. }) in self.pairs.iter().enumerate() {
-            let refuse =
-                |condition: String| Err(Error::input(path, pair_key(i, "links"), condition));
+            let refuse = |condition: String| Err(Error::input(path, pair_key(i, "links"), condition));
             let [a, b] = links;
             let unknown = |link: &&String| robot.frames().iter().all(|f| f.name != **link);
             if let Some(link) = links.iter().find(unknown) {

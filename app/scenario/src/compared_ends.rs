@@ -28,9 +28,7 @@ impl Search<'_, '_> {
         for end in goal.ends.iter().take(COMPARED) {
             let least = self.scenario.least_horizon_to(Some(&end.q));
             let least = least.map_or(0.0, |(.., least)| least);
-            let best_yet = best
-                .as_ref()
-                .map_or(f64::INFINITY, |best| best.curve.horizon());
+            let best_yet = best.as_ref().map_or(f64::INFINITY, |best| best.curve.horizon());
             if least > PROMISING * best_yet || !self.has_time() {
                 break;
             }
@@ -44,9 +42,7 @@ impl Search<'_, '_> {
                 (own.settings.goal, own.end) = (None, Some(end.q.clone()));
                 let mut fixed = search(&mut own)?;
                 iterations.append(&mut fixed.iterations);
-                if is_valid(&fixed)
-                    && (!is_valid(&found) || fixed.curve.horizon() < found.curve.horizon())
-                {
+                if is_valid(&fixed) && (!is_valid(&found) || fixed.curve.horizon() < found.curve.horizon()) {
                     found = fixed;
                 }
             }
@@ -72,9 +68,7 @@ impl Search<'_, '_> {
         let mut own = DirectSettings {
             goal: Some(goal_near(goal, end)),
             starts: settings.starts.div_ceil(COMPARED),
-            time_limit: settings
-                .time_limit
-                .map(|limit| left(limit) / COMPARED as u32),
+            time_limit: settings.time_limit.map(|limit| left(limit) / COMPARED as u32),
             ..settings.clone()
         };
         // A planned one in addition; others follow if no end is reached.
@@ -87,9 +81,6 @@ impl Search<'_, '_> {
 pub(super) fn goal_near(goal: &GoalSet, end: &GoalEnd) -> GoalSet {
     GoalSet {
         alternatives: vec![goal.alternatives[end.alternative].clone()],
-        ends: vec![GoalEnd {
-            q: end.q.clone(),
-            alternative: 0,
-        }],
+        ends: vec![GoalEnd { q: end.q.clone(), alternative: 0 }],
     }
 }

@@ -52,16 +52,10 @@ impl CurveFile {
         let differ = names.zip(&self.joints).find(|(own, given)| own != given);
         let condition = match differ {
             _ if own != given => {
-                format!(
-                    "the motion and robot '{}' have {given} and {own} joints",
-                    model.name()
-                )
+                format!("the motion and robot '{}' have {given} and {own} joints", model.name())
             }
             Some((own, given)) => {
-                format!(
-                    "the motion has joint '{given}', robot '{}' has '{own}' in its place",
-                    model.name()
-                )
+                format!("the motion has joint '{given}', robot '{}' has '{own}' in its place", model.name())
             }
             None => return Ok(()),
         };
@@ -92,8 +86,7 @@ impl CurveFile {
         let mut x = DMatrix::zeros(rows, length * self.segments);
         for (e, segment) in self.coefficients.iter().enumerate() {
             let own = DMatrix::from_fn(rows, length, |i, k| segment[i][k]);
-            x.columns_mut(e * length, length)
-                .copy_from(&chebyshev.values(&own));
+            x.columns_mut(e * length, length).copy_from(&chebyshev.values(&own));
             if e > 0 {
                 // The end of the segment before and the beginning of this one differ by rounding.
                 let end = x.column(e * length - 1).into_owned();

@@ -7,9 +7,7 @@ use aghf::motion::Problem;
 /// Refuses durations of phases that are not an interval, or that do not add up to the horizon.
 pub(super) fn check_durations(file: &ScenarioFile, path: &str) -> Result<()> {
     for (k, phase) in file.phases.iter().enumerate() {
-        let refuse = |key: &str, condition: String| {
-            Err(Error::input(path, format!("phases[{k}].{key}"), condition))
-        };
+        let refuse = |key: &str, condition: String| Err(Error::input(path, format!("phases[{k}].{key}"), condition));
         let (shortest, longest) = match (phase.shortest_s, phase.longest_s) {
             (None, None) => continue,
             (Some(shortest), Some(longest)) => (shortest, longest),
@@ -26,10 +24,7 @@ pub(super) fn check_durations(file: &ScenarioFile, path: &str) -> Result<()> {
             }
         }
         if shortest > longest {
-            return refuse(
-                "longest_s",
-                format!("it is {longest}, below shortest_s, {shortest}"),
-            );
+            return refuse("longest_s", format!("it is {longest}, below shortest_s, {shortest}"));
         }
     }
     let durations = file.durations();
@@ -56,8 +51,7 @@ impl ScenarioFile {
         if self.phases.iter().all(|phase| phase.shortest_s.is_none()) {
             return Vec::new();
         }
-        let own =
-            |phase: &WalkPhase| [phase.shortest_s, phase.longest_s].map(|of| of.unwrap_or(share));
+        let own = |phase: &WalkPhase| [phase.shortest_s, phase.longest_s].map(|of| of.unwrap_or(share));
         self.phases.iter().map(own).collect()
     }
 }

@@ -101,9 +101,7 @@ pub struct LimitViolation {
 
 impl fmt::Display for LimitViolation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            name, unit, at_s, ..
-        } = self;
+        let Self { name, unit, at_s, .. } = self;
         let by = three_digits(self.by, f64::round);
         let space = if unit.is_empty() { "" } else { " " };
         write!(f, "{name} by {by}{space}{unit} at {} s", time(*at_s))
@@ -112,11 +110,7 @@ impl fmt::Display for LimitViolation {
 
 /// Formats a time with three significant digits, and with three decimals from 1 s on.
 fn time(t: f64) -> String {
-    if t == 0.0 || (1.0..1e6).contains(&t) {
-        format!("{t:.3}")
-    } else {
-        three_digits(t, f64::round)
-    }
+    if t == 0.0 || (1.0..1e6).contains(&t) { format!("{t:.3}") } else { three_digits(t, f64::round) }
 }
 
 /// Formats a positive number with three significant digits, or as an integer from 1000 on, rounded by `round`.
@@ -124,16 +118,8 @@ pub(crate) fn three_digits(x: f64, round: fn(f64) -> f64) -> String {
     let digits = (2.0 - x.log10().floor()).max(0.0);
     let scale = 10_f64.powf(digits);
     // Zero, subnormal and infinite numbers have no scale.
-    let x = if scale.is_normal() {
-        round(x * scale) / scale
-    } else {
-        x
-    };
-    if (1e-3..1e4).contains(&x) {
-        format!("{x:.*}", digits as usize)
-    } else {
-        format!("{x:.2e}")
-    }
+    let x = if scale.is_normal() { round(x * scale) / scale } else { x };
+    if (1e-3..1e4).contains(&x) { format!("{x:.*}", digits as usize) } else { format!("{x:.2e}") }
 }
 
 /// The kind of a limit.
@@ -160,13 +146,8 @@ pub enum Limit {
 
 impl Limit {
     /// The kinds of limits that belong to a joint.
-    pub(super) const OF_JOINTS: [Self; 5] = [
-        Self::Position,
-        Self::Velocity,
-        Self::Torque,
-        Self::Acceleration,
-        Self::Jerk,
-    ];
+    pub(super) const OF_JOINTS: [Self; 5] =
+        [Self::Position, Self::Velocity, Self::Torque, Self::Acceleration, Self::Jerk];
 
     /// The name of the limit, which is its key in a scenario.
     #[must_use]
@@ -230,20 +211,13 @@ impl Feasibility {
         let others = scenario.other_limits();
         add(scenario, curve, &others, false, &mut limit_violations)?;
         add_goal(scenario, curve, &mut limit_violations)?;
-        let samples = if scenario.scene.is_empty() {
-            Vec::new()
-        } else {
-            sample(model, curve, INTERVALS)?
-        };
+        let samples = if scenario.scene.is_empty() { Vec::new() } else { sample(model, curve, INTERVALS)? };
         let torques = largest_torques(model, curve, INTERVALS.div_ceil(curve.segments()))?;
         let largest = |torques: &mut dyn Iterator<Item = f64>| torques.max_by(f64::total_cmp);
         let passive = scenario.passive();
         let found = scenario.nearest(samples.iter().map(|s| s.q.as_slice()))?;
         let smallest_clearance_m = found.as_ref().map(|(.., distance)| *distance);
-        let nearest = found.map(|(k, between, _)| Nearest {
-            between,
-            at_s: samples[k].t,
-        });
+        let nearest = found.map(|(k, between, _)| Nearest { between, at_s: samples[k].t });
         Ok(Self {
             smallest_clearance_m,
             nearest,
@@ -270,15 +244,12 @@ impl Feasibility {
         let in_words = |violation: &LimitViolation| match violation.limit {
             Limit::Passive => {
                 let largest = three_digits(self.largest_torque, f64::round);
-                format!(
-                    "{violation}, above {PASSIVE_TORQUE_SHARE} of the largest torque, {largest}"
-                )
+                format!("{violation}, above {PASSIVE_TORQUE_SHARE} of the largest torque, {largest}")
             }
             _ => violation.to_string(),
         };
         let mut named: Vec<_> = self.beyond(tolerance).collect();
-        let share =
-            |violation: &LimitViolation| violation.by / self.allowed(violation.limit, tolerance);
+        let share = |violation: &LimitViolation| violation.by / self.allowed(violation.limit, tolerance);
         named.sort_by(|a, b| share(b).total_cmp(&share(a)));
         let named: Vec<_> = named.into_iter().map(in_words).collect();
         let (first, more) = named.split_at(NAMED.min(named.len()));
@@ -329,20 +300,13 @@ fn unlimited_acceleration(scenario: &Scenario, curve: &Curve) -> Result<Option<A
     let is_free = |i: &usize| scenario.bound(limit, *i).is_none();
     let joints: Vec<_> = (0..model.dof()).filter(is_free).collect();
     let samples = sample(model, curve, COARSE)?;
-    let all = samples
-        .iter()
-        .flat_map(|at| joints.iter().map(move |i| (at, *i)));
+    let all = samples.iter().flat_map(|at| joints.iter().map(move |i| (at, *i)));
     let largest = all.max_by(|(a, i), (b, j)| a.a[*i].abs().total_cmp(&b.a[*j].abs()));
     Ok(largest.map(|(at, i)| {
         let joint = &model.joints()[i];
         let (unit, joint) = (limit.unit(joint.kind()).to_owned(), joint.name().to_owned());
         let (value, at_s) = (at.a[i].abs(), at.t);
-        Acceleration {
-            joint,
-            value,
-            unit,
-            at_s,
-        }
+        Acceleration { joint, value, unit, at_s }
     }))
 }
 
@@ -364,27 +328,14 @@ fn add<K: Constraint>(
         }
         let RowLabel { name, unit, kind } = constraints.label(row, model);
         let by = constraints.excess(row, by, model);
-        let joint = kind
-            .joint()
-            .and_then(|i| model.joints().get(i))
-            .map(|joint| joint.name().to_owned());
+        let joint = kind.joint().and_then(|i| model.joints().get(i)).map(|joint| joint.name().to_owned());
         let limit = match kind {
             RowKind::Torque(_) if constraints.is_equality(row) => Limit::Passive,
             kind => kind.into(),
         };
-        let new = LimitViolation {
-            joint,
-            limit,
-            name,
-            by,
-            unit: unit.to_owned(),
-            at_s,
-            enforced,
-        };
+        let new = LimitViolation { joint, limit, name, by, unit: unit.to_owned(), at_s, enforced };
         let same = |old: &&mut LimitViolation| {
-            old.limit == new.limit
-                && old.joint == new.joint
-                && (new.joint.is_some() || old.name == new.name)
+            old.limit == new.limit && old.joint == new.joint && (new.joint.is_some() || old.name == new.name)
         };
         match found[first..].iter_mut().find(same) {
             Some(old) if old.by < new.by => *old = new,

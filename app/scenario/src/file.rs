@@ -202,16 +202,8 @@ impl Robot {
             None => (whole, "robot"),
         };
         let model = substitute_rotors(model, &mut file.losses, &mut notes)?;
-        model
-            .check_regular(&source.name())
-            .map_err(|e| Error::input(path, of_key, e.to_string()))?;
-        Ok(Self {
-            source,
-            model,
-            notes,
-            scene,
-            overlapping,
-        })
+        model.check_regular(&source.name()).map_err(|e| Error::input(path, of_key, e.to_string()))?;
+        Ok(Self { source, model, notes, scene, overlapping })
     }
 }
 
@@ -219,18 +211,13 @@ impl Robot {
 fn in_world(mut robot: Model, file: &ScenarioFile, path: &str) -> Result<Model> {
     let refuse = |key: &str, condition: String| Error::input(path, key, condition);
     if let Some(mount) = &file.mount {
-        let mount = mount
-            .placement()
-            .map_err(|condition| refuse("mount", condition))?;
+        let mount = mount.placement().map_err(|condition| refuse("mount", condition))?;
         robot = robot.mounted(&mount)?;
     }
     match file.gravity {
         None => Ok(robot),
         Some(gravity) if bounded(&gravity) => Ok(robot.with_gravity(gravity.into())),
-        Some(_) => Err(refuse(
-            "gravity",
-            "it needs three finite numbers, in m/s^2".to_owned(),
-        )),
+        Some(_) => Err(refuse("gravity", "it needs three finite numbers, in m/s^2".to_owned())),
     }
 }
 

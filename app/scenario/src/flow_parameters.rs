@@ -28,13 +28,6 @@ impl Default for FlowParameters {
     /// The paper's best values for Kinova: the constraint weights of the scenario with obstacles, the rest from the one
     /// without.
     fn default() -> Self {
-        Self {
-            degree: 9,
-            k: 1e9,
-            s_max: 0.1,
-            guess: Guess::default(),
-            k_cons: 1e9,
-            c_cons: 1.0,
-        }
+        Self { degree: 9, k: 1e9, s_max: 0.1, guess: Guess::default(), k_cons: 1e9, c_cons: 1.0 }
     }
 }

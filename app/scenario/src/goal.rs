@@ -67,9 +67,8 @@ pub struct AxisDirection {
 impl Goal {
     /// The rows of the goal on a robot; `key` names it and `path` the scenario in errors.
     pub(super) fn rows(&self, model: &Model, key: &str, path: &str) -> Result<Vec<AnyConstraint>> {
-        let refuse = |key_of_goal: &str, condition: String| {
-            Error::input(path, format!("{key}.{key_of_goal}"), condition)
-        };
+        let refuse =
+            |key_of_goal: &str, condition: String| Error::input(path, format!("{key}.{key_of_goal}"), condition);
         let frame = model.frames().iter().find(|frame| frame.name == self.frame);
         // The base moves relative to another frame.
         let moves = |frame: &&Frame<f64>| frame.body.is_some() || self.relative_to.is_some();
@@ -81,10 +80,7 @@ impl Goal {
             Some(name) => {
                 let found = model.frames().iter().find(|frame| frame.name == *name);
                 let Some(found) = found.filter(|found| found.body != frame.body) else {
-                    let others = model
-                        .frames()
-                        .iter()
-                        .filter(|other| other.body != frame.body);
+                    let others = model.frames().iter().filter(|other| other.body != frame.body);
                     let condition = format!(
                         "the robot has no link '{name}' that moves against '{}'{}",
                         self.frame,
@@ -97,10 +93,7 @@ impl Goal {
         };
         let at = |placement: Placement<f64>| {
             let placement = reference.placement.compose(&placement);
-            FrameRows::new(
-                frame,
-                Frame::new(&reference.name, reference.body, placement),
-            )
+            FrameRows::new(frame, Frame::new(&reference.name, reference.body, placement))
         };
         let mut all = Vec::new();
         if let Some(rows) = self.position(&at, &refuse)? {
@@ -130,22 +123,16 @@ impl Goal {
             }
             (Some(position), None) => {
                 if !bounded(&position) {
-                    return Err(refuse(
-                        "position_m",
-                        "it needs three finite numbers".to_owned(),
-                    ));
+                    return Err(refuse("position_m", "it needs three finite numbers".to_owned()));
                 }
                 let rows = at(Placement::new(Matrix3::identity(), Vector3::from(position)));
                 match self.tolerance_m {
                     None => rows.at_origin(),
-                    Some(by) => (rows.within_distance(by))
-                        .map_err(|e| refuse("tolerance_m", e.to_string()))?,
+                    Some(by) => (rows.within_distance(by)).map_err(|e| refuse("tolerance_m", e.to_string()))?,
                 }
             }
             (None, Some(within)) => {
-                let half = within
-                    .size_m
-                    .map(|size| 0.5 * size.unwrap_or(f64::INFINITY));
+                let half = within.size_m.map(|size| 0.5 * size.unwrap_or(f64::INFINITY));
                 if let Some(size) = half.iter().find(|half| half.is_nan() || **half < 0.0) {
                     let condition = format!("an edge has {} m", plain(2.0 * size));
                     return Err(refuse("box.size_m", condition));
@@ -170,25 +157,14 @@ impl Goal {
                 return Err(refuse("axis", "it excludes orientation_xyzw".to_owned()));
             }
             (Some(_), None) => {
-                let pose = Pose {
-                    position_m: [0.0; 3],
-                    orientation_xyzw: self.orientation_xyzw,
-                };
-                let pose = pose
-                    .placement()
-                    .map_err(|e| refuse("orientation_xyzw", e))?;
+                let pose = Pose { position_m: [0.0; 3], orientation_xyzw: self.orientation_xyzw };
+                let pose = pose.placement().map_err(|e| refuse("orientation_xyzw", e))?;
                 match self.tolerance_rad {
                     None => Ok(at(pose).oriented()),
                     Some(angle) => at(pose).within_angle(angle),
                 }
             }
-            (
-                None,
-                Some(AxisDirection {
-                    of_frame,
-                    direction,
-                }),
-            ) => {
+            (None, Some(AxisDirection { of_frame, direction })) => {
                 let rows = at(Placement::identity());
                 let both = [of_frame, direction].map(|v| Vector3::from(*v));
                 match self.tolerance_rad {
@@ -202,32 +178,20 @@ impl Goal {
             }
             (None, None) => return Ok(None),
         };
-        let key = if self.axis.is_some() {
-            "axis"
-        } else {
-            "tolerance_rad"
-        };
+        let key = if self.axis.is_some() { "axis" } else { "tolerance_rad" };
         rows.map(Some).map_err(|e| refuse(key, e.to_string()))
     }
 }
 
 /// The alternatives of the goal, with the first guess as their only end; `None` without a goal. The state at the end is
 /// by default that at the start, at rest.
-pub(super) fn goal_set(
-    file: &mut ScenarioFile,
-    model: &Model,
-    path: &str,
-) -> Result<Option<GoalSet>> {
+pub(super) fn goal_set(file: &mut ScenarioFile, model: &Model, path: &str) -> Result<Option<GoalSet>> {
     if file.goal.is_empty() {
         return Ok(None);
     }
     let mut alternatives = Vec::new();
     for (i, goal) in file.goal.iter().enumerate() {
-        let key = if file.goal.len() == 1 {
-            "goal".to_owned()
-        } else {
-            format!("goal[{i}]")
-        };
+        let key = if file.goal.len() == 1 { "goal".to_owned() } else { format!("goal[{i}]") };
         alternatives.push(goal.rows(model, &key, path)?);
     }
     if file.q_goal.is_empty() {
@@ -236,13 +200,7 @@ pub(super) fn goal_set(
     if file.v_goal.is_empty() {
         file.v_goal.resize(model.dof(), 0.0);
     }
-    Ok(Some(GoalSet {
-        alternatives,
-        ends: vec![GoalEnd {
-            q: file.q_goal.clone(),
-            alternative: 0,
-        }],
-    }))
+    Ok(Some(GoalSet { alternatives, ends: vec![GoalEnd { q: file.q_goal.clone(), alternative: 0 }] }))
 }
 
 impl Scenario {

@@ -85,8 +85,7 @@ impl Scenario {
         }
         ends.sort_by(|([a, c], _), ([b, d], _)| a.total_cmp(b).then(c.total_cmp(d)));
         goal.ends = ends.into_iter().map(|(_, end)| end).collect();
-        self.ends
-            .get_or_init(|| (self.file.clone(), goal.ends.clone()));
+        self.ends.get_or_init(|| (self.file.clone(), goal.ends.clone()));
         Ok(Some(goal))
     }
 
@@ -127,10 +126,7 @@ impl Scenario {
         for guess in std::iter::once(near.to_vec()).chain(guesses) {
             let end = search.solve(&guess)?;
             if end.violation > InverseKinematics::<[AnyConstraint]>::TOLERANCE {
-                if nearest
-                    .as_ref()
-                    .is_none_or(|(least, _)| end.violation < *least)
-                {
+                if nearest.as_ref().is_none_or(|(least, _)| end.violation < *least) {
                     nearest = Some((end.violation, end.q));
                 }
                 continue;
@@ -171,11 +167,7 @@ impl Scenario {
     }
 
     /// The condition of a goal for which no search succeeded, with the configuration that is nearest to it.
-    fn not_found(
-        &self,
-        rows: &[AnyConstraint],
-        nearest: Option<(f64, Vec<f64>)>,
-    ) -> Result<String> {
+    fn not_found(&self, rows: &[AnyConstraint], nearest: Option<(f64, Vec<f64>)>) -> Result<String> {
         let mut condition = format!(
             "none of {GUESSES} searches found a configuration that reaches it, which is no proof that there is none"
         );
@@ -219,10 +211,7 @@ fn effort_to(problem: &Problem<'_>, q: &[f64]) -> Result<f64> {
 /// The reason why a position is beyond the reach of the frame: it is farther from the first joint of the frame than all
 /// links and strokes from there on add up to.
 fn beyond_reach(goal: &Goal, model: &Model) -> Option<String> {
-    let frame = model
-        .frames()
-        .iter()
-        .find(|frame| frame.name == goal.frame)?;
+    let frame = model.frames().iter().find(|frame| frame.name == goal.frame)?;
     if goal.relative_to.is_some() {
         return None;
     }

@@ -55,12 +55,8 @@ pub(super) fn hold_others(
     let Some(group) = group else { return Ok(()) };
     let names = srdf.names_of_group(&group, robot, &srdf_name);
     check_held(&names.map_err(of_key("group"))?, notes, path)?;
-    let group = srdf
-        .joints_of_group(&group, robot, &srdf_name)
-        .map_err(of_key("group"))?;
-    let followers = source
-        .elements()
-        .and_then(|r| followers(&r, robot, &source.name()));
+    let group = srdf.joints_of_group(&group, robot, &srdf_name).map_err(of_key("group"))?;
+    let followers = source.elements().and_then(|r| followers(&r, robot, &source.name()));
     let followers = followers.map_err(of_key("robot"))?;
     let given = |i: usize| file.locked_joints.get(robot.joints()[i].name()).copied();
     let held = |i: usize| !group.contains(&i) || given(i).is_some();
@@ -72,9 +68,7 @@ pub(super) fn hold_others(
     }
     let of_state = match &state {
         None => BTreeMap::new(),
-        Some(name) => {
-            state_positions(&srdf, name, robot, &srdf_name).map_err(of_key("held_state"))?
-        }
+        Some(name) => state_positions(&srdf, name, robot, &srdf_name).map_err(of_key("held_state"))?,
     };
     let known = |i: usize| given(i).or_else(|| of_state.get(&i).copied());
     let held: Vec<usize> = (0..robot.dof()).filter(|i| held(*i)).collect();
@@ -134,18 +128,9 @@ fn cannot_follow(follower: &Follower, robot: &Model, path: &str) -> Error {
 }
 
 /// The positions of joints in the states of this name, one for each of several groups.
-fn state_positions(
-    srdf: &Srdf,
-    name: &str,
-    robot: &Model,
-    srdf_name: &str,
-) -> Result<BTreeMap<usize, f64>> {
+fn state_positions(srdf: &Srdf, name: &str, robot: &Model, srdf_name: &str) -> Result<BTreeMap<usize, f64>> {
     let mut positions = BTreeMap::new();
-    let mut states = srdf
-        .states
-        .iter()
-        .filter(|state| state.name == name)
-        .peekable();
+    let mut states = srdf.states.iter().filter(|state| state.name == name).peekable();
     if states.peek().is_none() {
         let element = format!("group_state '{name}'");
         let names = instead(name, srdf.states.iter().map(|state| state.name.as_str()));
@@ -159,11 +144,7 @@ fn state_positions(
 }
 
 /// The robot with these joints locked; `None` without any. `path` names the scenario in errors.
-pub(super) fn lock(
-    robot: &Model,
-    joints: &BTreeMap<String, f64>,
-    path: &str,
-) -> Result<Option<Reduced>> {
+pub(super) fn lock(robot: &Model, joints: &BTreeMap<String, f64>, path: &str) -> Result<Option<Reduced>> {
     if joints.is_empty() {
         return Ok(None);
     }
@@ -176,9 +157,9 @@ pub(super) fn lock(
         locked.push((i, *position));
     }
     let named = |error: Error| match error {
-        Error::Input {
-            element, condition, ..
-        } => Error::input(path, "locked_joints", format!("{element}: {condition}")),
+        Error::Input { element, condition, .. } => {
+            Error::input(path, "locked_joints", format!("{element}: {condition}"))
+        }
         other => other,
     };
     robot.reduced(&locked).map(Some).map_err(named)

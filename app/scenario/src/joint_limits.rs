@@ -64,23 +64,11 @@ impl JointLimits {
     fn of(&self, limit: Limit) -> Vec<Written> {
         let deceleration = self.max_deceleration.map(f64::abs);
         match limit {
-            Limit::Velocity => vec![written(
-                "max_velocity",
-                self.has_velocity_limits,
-                self.max_velocity,
-            )],
+            Limit::Velocity => vec![written("max_velocity", self.has_velocity_limits, self.max_velocity)],
             Limit::Jerk => vec![written("max_jerk", self.has_jerk_limits, self.max_jerk)],
             _ => vec![
-                written(
-                    "max_acceleration",
-                    self.has_acceleration_limits,
-                    self.max_acceleration,
-                ),
-                written(
-                    "max_deceleration",
-                    self.has_deceleration_limits,
-                    deceleration,
-                ),
+                written("max_acceleration", self.has_acceleration_limits, self.max_acceleration),
+                written("max_deceleration", self.has_deceleration_limits, deceleration),
             ],
         }
     }
@@ -100,10 +88,7 @@ impl JointLimitsFile {
             let key = format!("joint_limits.{name}");
             check_fields(joint, "a joint of joint_limits.yaml", [&file, &key])?;
         }
-        let read = Self {
-            read: of_value(value, &file, what)?,
-            file,
-        };
+        let read = Self { read: of_value(value, &file, what)?, file };
         for limit in [Limit::Velocity, Limit::Acceleration] {
             read.factor(limit)?;
         }
@@ -122,14 +107,10 @@ impl JointLimitsFile {
     /// A factor that is not above 0 and at most 1.
     pub fn factor(&self, limit: Limit) -> Result<f64> {
         let (key, factor) = match limit {
-            Limit::Velocity => (
-                "default_velocity_scaling_factor",
-                self.read.default_velocity_scaling_factor,
-            ),
-            Limit::Acceleration => (
-                "default_acceleration_scaling_factor",
-                self.read.default_acceleration_scaling_factor,
-            ),
+            Limit::Velocity => ("default_velocity_scaling_factor", self.read.default_velocity_scaling_factor),
+            Limit::Acceleration => {
+                ("default_acceleration_scaling_factor", self.read.default_acceleration_scaling_factor)
+            }
             _ => return Ok(1.0),
         };
         let factor = factor.unwrap_or(1.0);
@@ -187,10 +168,7 @@ impl JointLimitsFile {
             && acceleration != deceleration
         {
             let [a, b] = [acceleration, deceleration].map(|number| plain(*number));
-            notes.push(LoadNote::Deceleration {
-                joint: name.to_owned(),
-                least: format!("{a} and {b}"),
-            });
+            notes.push(LoadNote::Deceleration { joint: name.to_owned(), least: format!("{a} and {b}") });
         }
         Ok(numbers.into_iter().reduce(f64::min))
     }
@@ -212,10 +190,7 @@ impl JointLimitsFile {
             || upper.is_some_and(|upper| upper < of_robot.upper - ROUNDING)
         {
             let range = |lower: f64, upper: f64| format!("[{}, {}]", plain(lower), plain(upper));
-            let of_file = range(
-                lower.unwrap_or(f64::NEG_INFINITY),
-                upper.unwrap_or(f64::INFINITY),
-            );
+            let of_file = range(lower.unwrap_or(f64::NEG_INFINITY), upper.unwrap_or(f64::INFINITY));
             return refuse(&format!(
                 "its positions {of_file} are within those of the URDF, {}, which alone can be enforced; write them \
                  there, as lower and upper of a revolute or prismatic joint, or leave them out here",
@@ -227,8 +202,7 @@ impl JointLimitsFile {
 
     /// Refuses efforts below those of the URDF.
     fn check_effort(&self, limits: &JointLimits, joint: &Joint<f64>) -> Result<()> {
-        let (key, holds, number) =
-            written("max_effort", limits.has_effort_limits, limits.max_effort);
+        let (key, holds, number) = written("max_effort", limits.has_effort_limits, limits.max_effort);
         let of_robot = joint.limits().effort;
         let condition = match number {
             None if holds => "it is missing".to_owned(),

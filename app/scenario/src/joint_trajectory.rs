@@ -65,10 +65,7 @@ impl Stamp {
     #[must_use]
     pub fn new(t: f64) -> Self {
         let nanoseconds = (t * Self::PER_SECOND as f64).round() as u64;
-        Self {
-            sec: (nanoseconds / Self::PER_SECOND) as i32,
-            nanosec: (nanoseconds % Self::PER_SECOND) as u32,
-        }
+        Self { sec: (nanoseconds / Self::PER_SECOND) as i32, nanosec: (nanoseconds % Self::PER_SECOND) as u32 }
     }
 
     /// The time in ns; zero for a negative one.

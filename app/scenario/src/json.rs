@@ -15,10 +15,7 @@ use std::marker::PhantomData;
 pub(crate) fn read_json<T: DeserializeOwned + Serialize>(text: &str, file: &str) -> Result<T> {
     let refuse = |key: &str, condition: String| Error::input(file, key, condition);
     if text.trim_start().starts_with('<') {
-        return Err(refuse(
-            "scenario",
-            "it is XML, such as a URDF, and no JSON".to_owned(),
-        ));
+        return Err(refuse("scenario", "it is XML, such as a URDF, and no JSON".to_owned()));
     }
     // Checked first, because otherwise the message would name the first entry.
     if text.trim_start().starts_with('[') {
@@ -54,10 +51,7 @@ fn with_nearest(condition: &str) -> Option<String> {
     let (key, rest) = of_key.split_once("`, expected one of `")?;
     let (known, place) = rest.rsplit_once('`')?;
     let known = known.split("`, `");
-    Some(format!(
-        "unknown field `{key}`{}{place}",
-        instead(key, known)
-    ))
+    Some(format!("unknown field `{key}`{}{place}", instead(key, known)))
 }
 
 /// Reads a value from the keys of an object; an error names the faulty key. `file` names the object.
@@ -80,9 +74,7 @@ fn list_for_object(given: &Value, read: &Value) -> Option<String> {
         }),
         (Value::Array(given), Value::Array(read)) => {
             let mut both = given.iter().zip(read).enumerate();
-            both.find_map(|(i, (given, read))| {
-                Some(format!("[{i}]{}", list_for_object(given, read)?))
-            })
+            both.find_map(|(i, (given, read))| Some(format!("[{i}]{}", list_for_object(given, read)?)))
         }
         (Value::Array(_), _) => Some(String::new()),
         _ => None,
@@ -101,10 +93,7 @@ pub(super) fn by_name<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
             f.write_str("an object of values by their names")
         }
 
-        fn visit_map<A: MapAccess<'de>>(
-            self,
-            mut map: A,
-        ) -> std::result::Result<Self::Value, A::Error> {
+        fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> std::result::Result<Self::Value, A::Error> {
             let mut values = BTreeMap::new();
             while let Some((name, value)) = map.next_entry::<String, T>()? {
                 if values.contains_key(&name) {

@@ -60,9 +60,7 @@ impl Scenario {
         all.filter_map(move |(i, kept)| {
             let from = kept.from_s.filter(|from| *from > end_s)?;
             let from = plain(from);
-            Some(format!(
-                "keep[{i}] is not tested: the motion ends at {end_s:.4} s, and it is kept from {from} s on"
-            ))
+            Some(format!("keep[{i}] is not tested: the motion ends at {end_s:.4} s, and it is kept from {from} s on"))
         })
     }
 }
@@ -107,9 +105,8 @@ impl Kept {
         if end - begin >= least {
             return Ok(());
         }
-        let at = |time: Option<f64>, otherwise: &str| {
-            time.map_or(otherwise.to_owned(), |time| format!("{} s", plain(time)))
-        };
+        let at =
+            |time: Option<f64>, otherwise: &str| time.map_or(otherwise.to_owned(), |time| format!("{} s", plain(time)));
         let (from, to) = (at(self.from_s, "the start"), at(self.to_s, "the end"));
         let condition = format!(
             "it is kept from {from} to {to}, of which the motion, {} s at most, has less than {} s",
@@ -123,23 +120,15 @@ impl Kept {
     #[must_use]
     pub fn times(&self) -> [f64; 2] {
         let [from, to] = [self.from_s, self.to_s];
-        [
-            from.unwrap_or(f64::NEG_INFINITY),
-            to.unwrap_or(f64::INFINITY),
-        ]
+        [from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY)]
     }
 }
 
 impl PointSpeed {
     /// The row of the bound.
     fn row(&self, model: &Model, key: &str, path: &str) -> Result<AnyConstraint> {
-        let refuse = |element: &str, condition: String| {
-            Err(Error::input(
-                path,
-                format!("{key}.speed.{element}"),
-                condition,
-            ))
-        };
+        let refuse =
+            |element: &str, condition: String| Err(Error::input(path, format!("{key}.speed.{element}"), condition));
         let frame = model.frames().iter().find(|frame| frame.name == self.frame);
         let Some(frame) = frame.filter(|frame| frame.body.is_some()) else {
             return refuse("frame", model.no_moving_link(&self.frame));
@@ -148,14 +137,10 @@ impl PointSpeed {
             return refuse("point_m", "it needs finite numbers".to_owned());
         }
         if !(self.most_m_s > 0.0 && self.most_m_s.is_finite()) {
-            let condition = format!(
-                "it is {}, a positive number is needed",
-                plain(self.most_m_s)
-            );
+            let condition = format!("it is {}, a positive number is needed", plain(self.most_m_s));
             return refuse("most_m_s", condition);
         }
-        let point =
-            frame.placement.rotation * Vector3::from(self.point_m) + frame.placement.translation;
+        let point = frame.placement.rotation * Vector3::from(self.point_m) + frame.placement.translation;
         Ok(AnyConstraint::Speed(PointSpeedLimit {
             body: frame.body,
             point,

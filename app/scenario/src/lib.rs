@@ -79,9 +79,7 @@ pub use limits::{Enforced, EnforcedLimits};
 pub use load::LoadOptions;
 pub use losses::{JointNumbers, LossNumbers, Losses};
 pub use moveit::{MoveIt, MoveItHorizon, moveit_fields};
-pub use objective::{
-    Continuous, HorizonBounds, Objective, ObjectiveWeights, PerJoint, Preset, Units,
-};
+pub use objective::{Continuous, HorizonBounds, Objective, ObjectiveWeights, PerJoint, Preset, Units};
 pub use obstacles::{Obstacle, ObstacleShape, Pose, RobotShape, SelfCollision};
 pub use options::{DirectOptions, FlowOptions, Method, RestOptions, SolveOptions};
 pub use own_terms::SharedCost;
@@ -97,9 +95,7 @@ pub use scenario_file::ScenarioFile;
 pub use schema::{DescribedOption, described_options, option_keys, scenario_keys, scenario_schema};
 pub use self_collision::{IgnoredPair, IgnoredPairs, always_overlapping};
 pub use stand::{FootLoad, Stand};
-pub use summary::{
-    Details, DirectDetails, FlowDetails, HorizonBound, ReachedEnd, RestDetails, Summary, Verdict,
-};
+pub use summary::{Details, DirectDetails, FlowDetails, HorizonBound, ReachedEnd, RestDetails, Summary, Verdict};
 pub use tracker::{ScenarioTracker, ScenarioTrackerOptions};
 pub use tradeoff::Tradeoff;
 pub use turns::Turns;

@@ -1,9 +1,7 @@
 //! The joint limits that act as constraints.
 
 use super::{Limit, RateLimits, Scenario};
-use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, Constraint, Constraints, Side, StageConstraints, TorqueLimits,
-};
+use aghf::constraint::{AnyConstraint, Bound, Bounds, Constraint, Constraints, Side, StageConstraints, TorqueLimits};
 use aghf::error::{Error, Result, plain};
 use aghf::geometry::Scene;
 use aghf::model::Model;
@@ -57,10 +55,7 @@ pub enum Enforced {
 impl Default for Enforced {
     /// All limits, unscaled.
     fn default() -> Self {
-        Self::Share {
-            share: whole(),
-            joints: None,
-        }
+        Self::Share { share: whole(), joints: None }
     }
 }
 
@@ -129,11 +124,9 @@ impl EnforcedLimits {
 
     /// Refuses invalid shares and limits, and unknown joint names. `path` names the scenario.
     pub(super) fn check(&self, model: &Model, path: &str) -> Result<()> {
-        for (key, limits) in [
-            ("max_velocity", &self.max_velocity),
-            ("acceleration", &self.acceleration),
-            ("jerk", &self.jerk),
-        ] {
+        for (key, limits) in
+            [("max_velocity", &self.max_velocity), ("acceleration", &self.acceleration), ("jerk", &self.jerk)]
+        {
             if let Some(limits) = limits {
                 limits.check(model.dof(), &format!("enforced_limits.{key}"), path)?;
             }
@@ -144,8 +137,7 @@ impl EnforcedLimits {
             };
             let key = format!("enforced_limits.{}", limit.name());
             if !(*share > 0.0 && *share <= 1.0) {
-                let condition =
-                    format!("it is {}, a share is above 0 and at most 1", plain(*share));
+                let condition = format!("it is {}, a share is above 0 and at most 1", plain(*share));
                 return Err(Error::input(path, key, condition));
             }
             let known = |name: &String| model.joints().iter().any(|joint| joint.name() == name);
@@ -161,11 +153,7 @@ impl EnforcedLimits {
 /// The central part of a range of relative size `share`.
 fn within([lower, upper]: [f64; 2], share: f64) -> [f64; 2] {
     let cut = 0.5 * (1.0 - share) * (upper - lower);
-    if cut.is_finite() {
-        [lower + cut, upper - cut]
-    } else {
-        [lower, upper]
-    }
+    if cut.is_finite() { [lower + cut, upper - cut] } else { [lower, upper] }
 }
 
 impl Enforced {
@@ -242,10 +230,7 @@ impl Scenario {
         Constraints {
             state,
             torque: self.torque_limits(),
-            stage: StageConstraints {
-                phases,
-                ..self.stage_constraints()
-            },
+            stage: StageConstraints { phases, ..self.stage_constraints() },
         }
     }
 
@@ -282,19 +267,12 @@ impl Scenario {
             None => all.bound(&self.model, limit, joint),
         };
         let n = self.model.dof();
-        Constraints {
-            state: limits_of_state(n, other),
-            torque: limits_of_torque(n, other),
-            stage: Default::default(),
-        }
+        Constraints { state: limits_of_state(n, other), torque: limits_of_torque(n, other), stage: Default::default() }
     }
 }
 
 /// The bounds on the positions and velocities of `n` joints as constraints, without those that have no rows.
-fn limits_of_state(
-    n: usize,
-    bound: impl Fn(Limit, usize) -> Option<[f64; 2]>,
-) -> Vec<AnyConstraint> {
+fn limits_of_state(n: usize, bound: impl Fn(Limit, usize) -> Option<[f64; 2]>) -> Vec<AnyConstraint> {
     let mut constraints = Vec::new();
     for (limit, first) in [(Limit::Position, 0), (Limit::Velocity, n)] {
         let bounds: Vec<Bound> = (0..n)
@@ -314,9 +292,7 @@ fn limits_of_state(
 
 /// The bounds on the torques of `n` joints; empty if there are none.
 fn limits_of_torque(n: usize, bound: impl Fn(Limit, usize) -> Option<[f64; 2]>) -> TorqueLimits {
-    let limits: Vec<Option<f64>> = (0..n)
-        .map(|i| bound(Limit::Torque, i).map(|[_, most]| most))
-        .collect();
+    let limits: Vec<Option<f64>> = (0..n).map(|i| bound(Limit::Torque, i).map(|[_, most]| most)).collect();
     let any = limits.iter().any(Option::is_some);
     TorqueLimits(if any { limits } else { Vec::new() })
 }
@@ -370,10 +346,7 @@ impl From<Enforced> for Written {
         match enforced {
             Enforced::No => Self::All(false),
             all if all == Enforced::default() => Self::All(true),
-            Enforced::Share {
-                share,
-                joints: None,
-            } => Self::Share(share),
+            Enforced::Share { share, joints: None } => Self::Share(share),
             Enforced::Share { share, joints } => Self::Part(Part { share, joints }),
         }
     }

@@ -43,9 +43,7 @@ impl LoadOptions {
 }
 
 /// The folders, relative to the current one, with absolute paths.
-pub(super) fn absolute_folders(
-    packages: &BTreeMap<String, PathBuf>,
-) -> Result<BTreeMap<String, PathBuf>> {
+pub(super) fn absolute_folders(packages: &BTreeMap<String, PathBuf>) -> Result<BTreeMap<String, PathBuf>> {
     let packages = packages.iter().map(|(name, folder)| {
         let absolute = absolute(folder).map_err(|e| Error::io(folder.clone(), e))?;
         Ok((name.clone(), absolute))
@@ -76,10 +74,7 @@ impl Scenario {
     ///
     /// # Errors
     /// Those of [`load_for`](Self::load_for), and of [`Solved::load`] for a summary.
-    pub fn load_with_options(
-        name_or_path: &str,
-        given: &LoadOptions,
-    ) -> Result<(Self, SolveOptions)> {
+    pub fn load_with_options(name_or_path: &str, given: &LoadOptions) -> Result<(Self, SolveOptions)> {
         let options = SolveOptions::default();
         let (robot, mimic) = (given.robot.as_deref(), given.mimic.unwrap_or_default());
         if let Some(generated) = generate_for(name_or_path, robot, mimic) {
@@ -94,10 +89,7 @@ impl Scenario {
         let path = Path::new(name_or_path);
         let (text, folder) = match builtin_scenario(name_or_path) {
             Some(text) => (text.to_owned(), Path::new("")),
-            None => (
-                read_named(path, "scenario")?,
-                path.parent().unwrap_or(Path::new("")),
-            ),
+            None => (read_named(path, "scenario")?, path.parent().unwrap_or(Path::new(""))),
         };
         if is_summary(&text) {
             let solved = Solved::parse(&text, name_or_path, given)?;

@@ -93,23 +93,14 @@ impl Losses {
 
 /// Gives the joints that move nothing with inertia the [substitutes](Model::substitute_rotors) of rotors, in the model
 /// and in the losses, with a note for each.
-pub(super) fn substitute_rotors(
-    model: Model,
-    losses: &mut Losses,
-    notes: &mut Vec<LoadNote>,
-) -> Result<Model> {
+pub(super) fn substitute_rotors(model: Model, losses: &mut Losses, notes: &mut Vec<LoadNote>) -> Result<Model> {
     let rotors = model.substitute_rotors()?;
     if rotors.is_empty() {
         return Ok(model);
     }
     let mut drives = match model.drives() {
         [] => vec![
-            Drive {
-                damping: 0.0,
-                friction: 0.0,
-                friction_velocity: FRICTION_VELOCITY,
-                armature: 0.0,
-            };
+            Drive { damping: 0.0, friction: 0.0, friction_velocity: FRICTION_VELOCITY, armature: 0.0 };
             model.dof()
         ],
         drives => drives.to_vec(),
@@ -139,9 +130,6 @@ pub(super) fn substitute_rotors(
         Losses::Counted(true) => LossNumbers::default(),
         Losses::Given(given) => given.clone(),
     };
-    *losses = Losses::Given(LossNumbers {
-        armature: JointNumbers::Named(armature.collect()),
-        ..given
-    });
+    *losses = Losses::Given(LossNumbers { armature: JointNumbers::Named(armature.collect()), ..given });
     model.with_drives(drives)
 }

@@ -20,16 +20,10 @@ const MOST_DISTANCES: usize = 100_000;
 ///
 /// # Errors
 /// A ball belongs to a body that the robot does not have.
-pub(super) fn never_meet(
-    model: &Model,
-    [tree, other]: [&BallTree; 2],
-    limited: bool,
-    margin: f64,
-) -> Result<bool> {
+pub(super) fn never_meet(model: &Model, [tree, other]: [&BallTree; 2], limited: bool, margin: f64) -> Result<bool> {
     let [of_tree, of_other] = [tree, other].map(|tree| carriers(model, tree.body));
-    let alone = |of: &[usize], other: &[usize]| -> Vec<usize> {
-        of.iter().filter(|i| !other.contains(i)).copied().collect()
-    };
+    let alone =
+        |of: &[usize], other: &[usize]| -> Vec<usize> { of.iter().filter(|i| !other.contains(i)).copied().collect() };
     let paths = [alone(&of_tree, &of_other), alone(&of_other, &of_tree)];
     let joints = paths.concat();
     let ranges: Option<Vec<_>> = joints.iter().map(|i| range(model, *i, limited)).collect();
@@ -48,15 +42,8 @@ pub(super) fn never_meet(
         reach.place(&q)?;
         let ball = |tree: &BallTree, node: usize| {
             let Sphere { centre, radius } = tree.nodes[node].bound;
-            let ball = CollisionSphere {
-                body: tree.body,
-                centre,
-                radius,
-            };
-            Sphere {
-                centre: reach.centre(&ball),
-                radius,
-            }
+            let ball = CollisionSphere { body: tree.body, centre, radius };
+            Sphere { centre: reach.centre(&ball), radius }
         };
         let way = |ball: &Sphere, path: &[usize]| reach.way(&ball.centre, path, &ways);
         let (mut meet, mut is_proved) = (false, true);
@@ -93,11 +80,7 @@ pub(super) fn never_meet(
 /// The positions that a joint can have; `None` without bounds. A turn is enough for a joint that turns further.
 fn range(model: &Model, joint: usize, limited: bool) -> Option<[f64; 2]> {
     let joint = &model.joints()[joint];
-    let limits = if limited {
-        *joint.limits()
-    } else {
-        Limits::NONE
-    };
+    let limits = if limited { *joint.limits() } else { Limits::NONE };
     let width = limits.upper - limits.lower;
     match joint.kind() {
         JointKind::Prismatic => width.is_finite().then_some([limits.lower, limits.upper]),

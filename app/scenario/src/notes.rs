@@ -5,22 +5,15 @@ use super::{IgnoredPair, Method, Objective, RobotShape, Scenario};
 impl Scenario {
     /// The keys of this scenario that the method ignores, and the bodies that keep clear by default, in words.
     pub(super) fn notes(&self, method: Method) -> Vec<String> {
-        let unnamed = |IgnoredPair {
-                           links: [a, b],
-                           reason,
-                       }: &IgnoredPair| {
-            format!(
-                "self_collision: links '{a}' and '{b}' {reason}, so they are not kept clear of each other"
-            )
+        let unnamed = |IgnoredPair { links: [a, b], reason }: &IgnoredPair| {
+            format!("self_collision: links '{a}' and '{b}' {reason}, so they are not kept clear of each other")
         };
         let mut notes = self.turned.clone();
         notes.extend(self.overlapping.iter().map(unnamed));
         notes.extend(self.kept_clear().map(str::to_owned));
         let weighted = matches!(self.file.objective, Objective::Weights(_));
         if method == Method::Flow && weighted {
-            notes.push(
-                "objective: the published flow minimises the control effort alone".to_owned(),
-            );
+            notes.push("objective: the published flow minimises the control effort alone".to_owned());
         }
         notes
     }
@@ -41,9 +34,9 @@ impl Scenario {
                 "robot_shape: the collision shapes of the robot keep clear of obstacles; \"joint_frames\" plans \
                  without them",
             ),
-            (RobotShape::Collision { .. }, Some(_), None) => Some(
-                "self_collision: links keep clear of each other but for neighbours; \"off\" lets them overlap",
-            ),
+            (RobotShape::Collision { .. }, Some(_), None) => {
+                Some("self_collision: links keep clear of each other but for neighbours; \"off\" lets them overlap")
+            }
             _ => None,
         }
     }

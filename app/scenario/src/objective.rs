@@ -74,12 +74,8 @@ impl<'de> Deserialize<'de> for Objective {
                 name.parse().map(Objective::Preset).map_err(E::custom)
             }
 
-            fn visit_map<A: MapAccess<'de>>(
-                self,
-                map: A,
-            ) -> std::result::Result<Objective, A::Error> {
-                ObjectiveWeights::deserialize(MapAccessDeserializer::new(map))
-                    .map(Objective::Weights)
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> std::result::Result<Objective, A::Error> {
+                ObjectiveWeights::deserialize(MapAccessDeserializer::new(map)).map(Objective::Weights)
             }
         }
         from.deserialize_any(Either)
@@ -161,17 +157,13 @@ impl ObjectiveWeights {
 
     /// Returns true if no integral has a weight.
     fn has_no_integral(&self) -> bool {
-        self.integrals()
-            .iter()
-            .all(|(_, weights)| weights.is_zero())
+        self.integrals().iter().all(|(_, weights)| weights.is_zero())
     }
 
     /// Refuses weights that are negative, for another number of joints than `dof`, or all zero. `path` names the
     /// scenario.
     fn check(&self, dof: usize, path: &str) -> Result<()> {
-        let refuse = |key: &str, condition: String| {
-            Err(Error::input(path, format!("objective{key}"), condition))
-        };
+        let refuse = |key: &str, condition: String| Err(Error::input(path, format!("objective{key}"), condition));
         let negative = |w: &f64| !(w.is_finite() && *w >= 0.0);
         let fault = |w: f64| format!("it is {}, a weight is not negative", plain(w));
         if negative(&self.time) {
@@ -197,10 +189,7 @@ impl ObjectiveWeights {
 
 /// One number per joint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(
-    untagged,
-    expecting = "a number is needed, or a list with one for each joint"
-)]
+#[serde(untagged, expecting = "a number is needed, or a list with one for each joint")]
 pub enum PerJoint {
     /// The same number for all joints.
     Same(f64),
@@ -250,10 +239,7 @@ impl ScenarioFile {
 
 /// The bounds of a free horizon.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(
-    deny_unknown_fields,
-    expecting = "an object with the keys shortest_s and longest_s"
-)]
+#[serde(deny_unknown_fields, expecting = "an object with the keys shortest_s and longest_s")]
 pub struct HorizonBounds {
     /// The shortest horizon, s.
     pub shortest_s: f64,
@@ -264,11 +250,7 @@ pub struct HorizonBounds {
 impl HorizonBounds {
     /// The free horizon with this cost of a second.
     pub(super) fn weighted(self, weight: f64) -> FreeHorizon {
-        FreeHorizon {
-            shortest: self.shortest_s,
-            longest: self.longest_s,
-            weight,
-        }
+        FreeHorizon { shortest: self.shortest_s, longest: self.longest_s, weight }
     }
 }
 
@@ -294,9 +276,7 @@ pub(super) fn check_objective(file: &ScenarioFile, model: &Model, path: &str) ->
     if let Some(bounds) = file.free_horizon {
         let checked = bounds.weighted(0.0).check(file.horizon_s);
         checked.map_err(|error| match error {
-            Error::Input {
-                element, condition, ..
-            } => Error::input(path, format!("{element}_s"), condition),
+            Error::Input { element, condition, .. } => Error::input(path, format!("{element}_s"), condition),
             other => other,
         })?;
     }
@@ -316,10 +296,7 @@ impl Scenario {
         let of_jerk = |weights: &ObjectiveWeights| !weights.jerk.is_zero();
         let jerk = matches!(&file.objective, Objective::Weights(weights) if of_jerk(weights));
         let keys = [
-            (
-                "objective with a weight of time",
-                file.objective.weighs_time(),
-            ),
+            ("objective with a weight of time", file.objective.weighs_time()),
             ("objective.jerk", jerk),
             ("free_final_velocity", file.free_final_velocity),
             ("goal", !file.goal.is_empty()),
@@ -327,10 +304,7 @@ impl Scenario {
             ("waypoints", !file.waypoints.is_empty()),
             ("stand", file.stand.is_some() && method != Method::Flow),
             ("free_horizon", file.free_horizon.is_some()),
-            (
-                "enforced_limits.acceleration",
-                file.enforced_limits.acceleration.is_some(),
-            ),
+            ("enforced_limits.acceleration", file.enforced_limits.acceleration.is_some()),
             ("enforced_limits.jerk", file.enforced_limits.jerk.is_some()),
             ("rows in (t, q, v, a, u)", !self.own.stage.is_empty()),
         ];
@@ -341,15 +315,10 @@ impl Scenario {
         }
         if method == Method::Flow && self.own.running_cost.is_some() {
             let condition = "the published flow does not know it, all other methods do";
-            return Err(Error::input(
-                &self.name,
-                "running cost of one's own",
-                condition,
-            ));
+            return Err(Error::input(&self.name, "running cost of one's own", condition));
         }
         if method == Method::Flow && !file.passive.is_empty() {
-            let condition =
-                "the published flow does not know it; the methods 'duals' and 'two_phases' do";
+            let condition = "the published flow does not know it; the methods 'duals' and 'two_phases' do";
             return Err(Error::input(&self.name, "passive", condition));
         }
         Ok(())

@@ -169,10 +169,7 @@ type Checked<T> = std::result::Result<T, String>;
 impl Obstacle {
     /// The obstacle in space, or its fault.
     pub(super) fn solid(&self) -> Checked<Solid> {
-        Ok(Solid {
-            placement: self.pose.placement()?,
-            shape: self.shape.checked()?,
-        })
+        Ok(Solid { placement: self.pose.placement()?, shape: self.shape.checked()? })
     }
 }
 
@@ -191,23 +188,15 @@ impl ObstacleShape {
             }
             Self::Box { size_m } => {
                 check_lengths("size_m", &size_m)?;
-                Shape::Cuboid {
-                    half_extents: Vector3::from(size_m) * 0.5,
-                }
+                Shape::Cuboid { half_extents: Vector3::from(size_m) * 0.5 }
             }
             Self::Cylinder { radius_m, length_m } => {
                 let (radius, half_length) = round(radius_m, length_m)?;
-                Shape::Cylinder {
-                    radius,
-                    half_length,
-                }
+                Shape::Cylinder { radius, half_length }
             }
             Self::Capsule { radius_m, length_m } => {
                 let (radius, half_length) = round(radius_m, length_m)?;
-                Shape::Capsule {
-                    radius,
-                    half_length,
-                }
+                Shape::Capsule { radius, half_length }
             }
             Self::HalfSpace {} => Shape::HalfSpace,
         })
@@ -217,12 +206,9 @@ impl ObstacleShape {
 impl Pose {
     pub(super) fn placement(&self) -> Checked<Placement<f64>> {
         if !bounded(&self.position_m) {
-            return Err(format!(
-                "position_m needs finite numbers, none above {LARGEST_LENGTH} m"
-            ));
+            return Err(format!("position_m needs finite numbers, none above {LARGEST_LENGTH} m"));
         }
-        let rotation =
-            (self.orientation_xyzw).map_or(Ok(UnitQuaternion::identity()), unit_quaternion)?;
+        let rotation = (self.orientation_xyzw).map_or(Ok(UnitQuaternion::identity()), unit_quaternion)?;
         let rotation = rotation.to_rotation_matrix().into_inner();
         Ok(Placement::new(rotation, Vector3::from(self.position_m)))
     }
@@ -248,10 +234,7 @@ fn check_lengths(key: &str, lengths: &[f64]) -> Checked<()> {
     let good = |x: &f64| *x > 0.0 && *x <= LARGEST_LENGTH;
     match lengths.iter().find(|x| !good(x)) {
         None => Ok(()),
-        Some(x) => Err(format!(
-            "{key} has {}, a positive number of at most {LARGEST_LENGTH} m is needed",
-            plain(*x)
-        )),
+        Some(x) => Err(format!("{key} has {}, a positive number of at most {LARGEST_LENGTH} m is needed", plain(*x))),
     }
 }
 
@@ -263,7 +246,5 @@ pub(super) fn unit_quaternion([x, y, z, w]: [f64; 4]) -> Checked<UnitQuaternion<
         return Ok(UnitQuaternion::new_normalize(quaternion));
     }
     let length = plain(length);
-    Err(format!(
-        "the orientation x y z w has length {length}, that of a rotation is 1"
-    ))
+    Err(format!("the orientation x y z w has length {length}, that of a rotation is 1"))
 }

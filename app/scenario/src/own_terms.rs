@@ -1,12 +1,10 @@
 //! User-defined constraints and running costs, which no key of a scenario can express.
 
 use super::Scenario;
-use aghf::constraint::{
-    AnyConstraint, Constraint, Evaluator, RowLabel, StageConstraint, StandingFoot,
-};
+use aghf::constraint::{AnyConstraint, Constraint, Evaluator, RowLabel, StageConstraint, StandingFoot};
 use aghf::cost::{
-    ControlEffort, ControlTerm, CostThroughDynamics, CostWithControl, InPhases, Point, PointCost,
-    PointDerivatives, Points, PointsDerivatives, RunningCost,
+    ControlEffort, ControlTerm, CostThroughDynamics, CostWithControl, InPhases, Point, PointCost, PointDerivatives,
+    Points, PointsDerivatives, RunningCost,
 };
 use aghf::direct::DirectSettings;
 use aghf::error::{Error, Result};
@@ -17,11 +15,7 @@ use std::sync::{Arc, OnceLock};
 
 /// The most violated row of constraints at a state $[q; v]$, and its [excess](aghf::constraint::RowKind::excess), which
 /// is negative if all rows are satisfied; `None` without rows.
-pub(super) fn worst_row(
-    constraints: &[AnyConstraint],
-    model: &Model,
-    x: &[f64],
-) -> Result<Option<(f64, RowLabel)>> {
+pub(super) fn worst_row(constraints: &[AnyConstraint], model: &Model, x: &[f64]) -> Result<Option<(f64, RowLabel)>> {
     Evaluator::new(model).at(x)?.worst_row(constraints)
 }
 
@@ -53,10 +47,7 @@ impl Debug for OwnTerms {
 impl Scenario {
     /// Adds a constraint on the state to those of the keys. A solve enforces it, and its success depends on it, in the
     /// same way; [`judge`](crate::judge) does not know it, and says so.
-    pub fn add_constraint(
-        &mut self,
-        constraint: impl Constraint + Clone + Debug + Send + Sync + 'static,
-    ) {
+    pub fn add_constraint(&mut self, constraint: impl Constraint + Clone + Debug + Send + Sync + 'static) {
         let constraint = AnyConstraint::Other(Box::new(constraint));
         self.own.constraints.push(constraint);
         self.own.added += 1;
@@ -129,11 +120,7 @@ impl PointCost<f64> for ScenarioCost<'_> {
         either!(self, it => it.value(point))
     }
 
-    fn derivatives(
-        &mut self,
-        point: Point<'_, f64>,
-        out: &mut PointDerivatives<f64>,
-    ) -> Result<f64> {
+    fn derivatives(&mut self, point: Point<'_, f64>, out: &mut PointDerivatives<f64>) -> Result<f64> {
         either!(self, it => it.derivatives(point, out))
     }
 
@@ -153,11 +140,7 @@ impl PointCost<f64> for ScenarioCost<'_> {
         either!(self, it => it.values(points, costs))
     }
 
-    fn all_derivatives(
-        &mut self,
-        points: Points<'_, f64>,
-        out: &mut PointsDerivatives<f64>,
-    ) -> Result<()> {
+    fn all_derivatives(&mut self, points: Points<'_, f64>, out: &mut PointsDerivatives<f64>) -> Result<()> {
         either!(self, it => it.all_derivatives(points, out))
     }
 }

@@ -22,8 +22,7 @@ pub(super) fn check_passive(file: &ScenarioFile, model: &Model, path: &str) -> R
     for (i, name) in file.passive.iter().enumerate() {
         let key = format!("{KEY}[{i}]");
         if file.locked_joints.contains_key(name) {
-            let condition =
-                format!("joint '{name}' is locked; a joint that does not move needs no motor");
+            let condition = format!("joint '{name}' is locked; a joint that does not move needs no motor");
             return refuse(key, condition);
         }
         if model.joints().iter().all(|joint| joint.name() != name) {
@@ -44,9 +43,7 @@ impl Scenario {
     /// The indices of the joints without a motor, ascending. Cost O(N^2).
     #[must_use]
     pub fn passive(&self) -> Vec<usize> {
-        (0..self.model.dof())
-            .filter(|i| self.is_passive(*i))
-            .collect()
+        (0..self.model.dof()).filter(|i| self.is_passive(*i)).collect()
     }
 
     /// Returns true if joint `joint` has no motor.
@@ -61,19 +58,12 @@ impl Scenario {
 ///
 /// # Errors
 /// The robot of the curve has another number of joints.
-pub fn effort_of_joints(
-    model: &Model,
-    curve: &Curve,
-    joints: &[usize],
-    intervals: usize,
-) -> Result<f64> {
+pub fn effort_of_joints(model: &Model, curve: &Curve, joints: &[usize], intervals: usize) -> Result<f64> {
     if joints.is_empty() {
         return Ok(0.0);
     }
-    let squares: Vec<f64> = sample(model, curve, intervals)?
-        .iter()
-        .map(|at| joints.iter().map(|i| at.u[*i] * at.u[*i]).sum())
-        .collect();
+    let squares: Vec<f64> =
+        sample(model, curve, intervals)?.iter().map(|at| joints.iter().map(|i| at.u[*i] * at.u[*i]).sum()).collect();
     let pairs = squares.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
     Ok(pairs.sum::<f64>() * curve.horizon() / intervals as f64)
 }

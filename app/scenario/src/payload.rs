@@ -40,11 +40,9 @@ pub struct Payload {
 impl Payload {
     /// Adds the payload to the link of a robot, and returns its shape; `path` names the scenario in errors.
     pub(super) fn attach(&self, robot: &mut Model, path: &str) -> Result<Option<Collision>> {
-        let refuse =
-            |key: &str, condition: String| Error::input(path, format!("payload.{key}"), condition);
+        let refuse = |key: &str, condition: String| Error::input(path, format!("payload.{key}"), condition);
         let found = robot.frames().iter().find(|frame| frame.name == self.link);
-        let Some((body, frame)) = found.and_then(|frame| Some((frame.body?, frame.placement)))
-        else {
+        let Some((body, frame)) = found.and_then(|frame| Some((frame.body?, frame.placement))) else {
             return Err(refuse("link", robot.no_moving_link(&self.link)));
         };
         robot.inertias_mut()[body] += self.inertia(&refuse)?.placed(&frame);
@@ -53,8 +51,7 @@ impl Payload {
 
     /// The shape on the link of a robot; `path` names the scenario in errors.
     pub(super) fn collision(&self, robot: &Model, path: &str) -> Result<Option<Collision>> {
-        let refuse =
-            |key: &str, condition: String| Error::input(path, format!("payload.{key}"), condition);
+        let refuse = |key: &str, condition: String| Error::input(path, format!("payload.{key}"), condition);
         let Some(shape) = self.shape else {
             return match self.shape_pose {
                 None => Ok(None),
@@ -71,24 +68,16 @@ impl Payload {
             Some(pose) => pose.placement().map_err(|e| refuse("shape_pose", e))?,
             None => Placement::new(Matrix3::identity(), Vector3::from(self.center_m)),
         };
-        Ok(Some(Collision::at_link(
-            robot, &self.link, &placement, shape,
-        )?))
+        Ok(Some(Collision::at_link(robot, &self.link, &placement, shape)?))
     }
 
     /// The inertia in the frame of the link; `refuse` makes an error for a key.
     fn inertia(&self, refuse: &impl Fn(&str, String) -> Error) -> Result<Inertia<f64>> {
         if !(self.mass_kg > 0.0 && self.mass_kg <= LARGEST) {
             let mass = plain(self.mass_kg);
-            return Err(refuse(
-                "mass_kg",
-                format!("it is {mass}, a positive number of at most {LARGEST} is needed"),
-            ));
+            return Err(refuse("mass_kg", format!("it is {mass}, a positive number of at most {LARGEST} is needed")));
         }
-        for (key, numbers) in [
-            ("center_m", &self.center_m[..]),
-            ("inertia_kg_m2", &self.inertia_kg_m2),
-        ] {
+        for (key, numbers) in [("center_m", &self.center_m[..]), ("inertia_kg_m2", &self.inertia_kg_m2)] {
             if !numbers.iter().all(|x| x.abs() <= LARGEST) {
                 let condition = format!("a number is not finite, or above {LARGEST}");
                 return Err(refuse(key, condition));
@@ -99,10 +88,6 @@ impl Payload {
         if let Some(condition) = impossible_inertia(self.mass_kg, &rotational) {
             return Err(refuse("inertia_kg_m2", condition));
         }
-        Ok(Inertia::from_com(
-            self.mass_kg,
-            Vector3::from(self.center_m),
-            rotational,
-        ))
+        Ok(Inertia::from_com(self.mass_kg, Vector3::from(self.center_m), rotational))
     }
 }

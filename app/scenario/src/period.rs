@@ -43,10 +43,7 @@ pub(super) fn period_of(
     };
     let n = model.dof();
     let period = if land.frame == first.stand.frame {
-        Period {
-            joints: (0..n).collect(),
-            signs: vec![1.0; n],
-        }
+        Period { joints: (0..n).collect(), signs: vec![1.0; n] }
     } else {
         let lands = |phase: &&WalkPhase| phase.stand.frame == land.frame;
         let known = file.phases.iter().position(|phase| lands(&phase));
@@ -73,10 +70,8 @@ pub(super) fn period_of(
         }
         period
     };
-    for (key, start, end) in [
-        ("q_goal", &file.q_start, &mut file.q_goal),
-        ("v_goal", &file.v_start, &mut file.v_goal),
-    ] {
+    for (key, start, end) in [("q_goal", &file.q_start, &mut file.q_goal), ("v_goal", &file.v_start, &mut file.v_goal)]
+    {
         if start.len() != n {
             // A start of the wrong length is refused elsewhere, by its own key.
             return Ok(None);
@@ -92,17 +87,11 @@ pub(super) fn period_of(
 
 /// The relation by which each joint takes over the position of its mirror image, from the robot on its first foot to
 /// that on another one, whose joints are in another order.
-fn mirrored(
-    model: &Model,
-    (other, order): (&Model, &[usize]),
-) -> std::result::Result<Period, String> {
+fn mirrored(model: &Model, (other, order): (&Model, &[usize])) -> std::result::Result<Period, String> {
     let of_robot = |model: &Model| axes(model).map_err(|e| e.to_string());
     let (own, others) = (of_robot(model)?, of_robot(other)?);
     let n = model.dof();
-    let mut period = Period {
-        joints: vec![n; n],
-        signs: vec![1.0; n],
-    };
+    let mut period = Period { joints: vec![n; n], signs: vec![1.0; n] };
     for (from, joint) in own.iter().enumerate() {
         let point = reflected(&joint.point);
         // A rotation is reversed by a reflection, a translation is not.
@@ -125,9 +114,7 @@ fn mirrored(
         let nearest = alike.min_by(|a, b| a.0.total_cmp(&b.0));
         let Some((_, to, sign)) = nearest else {
             let name = model.joints()[from].name();
-            return Err(format!(
-                "joint '{name}' has no mirror image on the other side"
-            ));
+            return Err(format!("joint '{name}' has no mirror image on the other side"));
         };
         (period.joints[to], period.signs[to]) = (from, sign);
     }
@@ -135,23 +122,11 @@ fn mirrored(
 }
 
 /// The difference of the torques that hold a configuration and its mirror image, relative to their norm.
-fn asymmetry(
-    model: &Model,
-    (other, order): (&Model, &[usize]),
-    period: &Period,
-    q: &[f64],
-) -> Result<f64> {
+fn asymmetry(model: &Model, (other, order): (&Model, &[usize]), period: &Period, q: &[f64]) -> Result<f64> {
     let still = vec![0.0; model.dof()];
     let held = |model: &Model, q: &[f64]| {
         let mut torques = still.clone();
-        let found = rnea(
-            model,
-            &mut Data::new(model),
-            q,
-            &still,
-            &still,
-            &mut torques,
-        );
+        let found = rnea(model, &mut Data::new(model), q, &still, &still, &mut torques);
         found.map(|()| torques)
     };
     let mirrored = period.end_of(q);

@@ -1,9 +1,7 @@
 //! The phases of a walk, in each of which the robot stands on another foot.
 
 use super::durations::check_durations;
-use super::{
-    Continuous, Goal, Kept, PointOnTheWay, Pose, PositionBox, Scenario, ScenarioFile, Stand,
-};
+use super::{Continuous, Goal, Kept, PointOnTheWay, Pose, PositionBox, Scenario, ScenarioFile, Stand};
 use aghf::constraint::{AnyConstraint, Constraint, Phase, StandingFoot};
 use aghf::direct::Waypoint;
 use aghf::error::{Error, Result};
@@ -43,19 +41,13 @@ impl WalkPhase {
     /// A set of poses in the frame of the foot that stands, unless it is in another one.
     fn relative(&self, poses: &Goal) -> Goal {
         let relative_to = poses.relative_to.clone();
-        Goal {
-            relative_to: relative_to.or_else(|| Some(self.stand.frame.clone())),
-            ..poses.clone()
-        }
+        Goal { relative_to: relative_to.or_else(|| Some(self.stand.frame.clone())), ..poses.clone() }
     }
 
     /// The set of poses halfway through the phase, of a foot that is lifted.
     fn lifted(&self) -> Option<Goal> {
         let (height, land) = self.lift_m.zip(self.land.as_ref())?;
-        let pose = Pose {
-            position_m: [0.0, 0.0, height + 0.5 * HIGHEST],
-            orientation_xyzw: None,
-        };
+        let pose = Pose { position_m: [0.0, 0.0, height + 0.5 * HIGHEST], orientation_xyzw: None };
         let size_m = [None, None, Some(HIGHEST)];
         Some(self.relative(&Goal {
             frame: land.frame.clone(),
@@ -72,9 +64,7 @@ impl WalkPhase {
     /// The sets of poses on the way, each with its key and its share of phase `k`: that of a foot halfway, and where it
     /// lands unless a goal has that.
     fn sets(&self, k: usize, has_goal: bool) -> impl Iterator<Item = (String, Goal, f64)> {
-        let lifted = self
-            .lifted()
-            .map(|set| (format!("phases[{k}].lift_m"), set, 0.5));
+        let lifted = self.lifted().map(|set| (format!("phases[{k}].lift_m"), set, 0.5));
         let land = self.land.as_ref().filter(|_| !has_goal);
         let land = land.map(|land| self.relative(land));
         let land = land.map(|land| (format!("phases[{k}].land"), land, 1.0));
@@ -103,8 +93,7 @@ pub(super) struct PhaseTerms {
 /// Completes the keys of a walk by those of its first phase and the landing of its last one; `path` names the scenario
 /// in errors.
 pub(super) fn complete(file: &mut ScenarioFile, path: &str) -> Result<()> {
-    let refuse =
-        |key: &str, condition: &str| Err(Error::input(path, key, format!("phases: {condition}")));
+    let refuse = |key: &str, condition: &str| Err(Error::input(path, key, format!("phases: {condition}")));
     let Some((first, last)) = file.phases.first().zip(file.phases.last()) else {
         return match file.periodic {
             true => refuse("periodic", "there are none"),
@@ -127,36 +116,21 @@ pub(super) fn complete(file: &mut ScenarioFile, path: &str) -> Result<()> {
         return refuse("continuity", "accelerations jump where the foot changes");
     }
     if file.objective.preset().is_none() {
-        return refuse(
-            "objective",
-            "a walk knows the objectives by their names alone",
-        );
+        return refuse("objective", "a walk knows the objectives by their names alone");
     }
     if last.land.is_some() && !file.periodic && file.v_goal.iter().any(|v| *v != 0.0) {
         return refuse("v_goal", "where the last foot lands it ends at rest");
     }
-    if file
-        .stand
-        .as_ref()
-        .is_some_and(|stand| *stand != first.stand)
-    {
+    if file.stand.as_ref().is_some_and(|stand| *stand != first.stand) {
         return refuse("stand", "it is not that of the first phase");
     }
-    if file
-        .root
-        .as_ref()
-        .is_some_and(|root| *root != first.stand.frame)
-    {
+    if file.root.as_ref().is_some_and(|root| *root != first.stand.frame) {
         return refuse("root", "it is not the foot of the first phase");
     }
     check_durations(file, path)?;
     let land = last.land.iter().filter(|_| !file.periodic);
     let goal: Vec<_> = land.map(|land| last.relative(land)).collect();
-    match (
-        goal.is_empty(),
-        file.goal.is_empty(),
-        file.q_goal.is_empty(),
-    ) {
+    match (goal.is_empty(), file.goal.is_empty(), file.q_goal.is_empty()) {
         (false, true, true) => (),
         (false, false, _) if file.goal == goal => (),
         (true, ..) => (),
@@ -261,28 +235,17 @@ pub(super) fn phase_terms(
             let poses = phase.relative(poses);
             kept.extend(poses.rows(model, &format!("{key}.keep[{i}]"), path)?);
         }
-        all.push(PhaseTerms {
-            model: of.model,
-            order,
-            foot,
-            kept,
-        });
+        all.push(PhaseTerms { model: of.model, order, foot, kept });
     }
     Ok(all)
 }
 
 /// The points on the way of a walk, each at its share of the horizon: feet that are lifted, and the landings at the
 /// ends of all phases but the last one.
-pub(super) fn points_of_walk(
-    file: &ScenarioFile,
-    model: &Model,
-    path: &str,
-) -> Result<Vec<Waypoint>> {
+pub(super) fn points_of_walk(file: &ScenarioFile, model: &Model, path: &str) -> Result<Vec<Waypoint>> {
     let (mut all, count) = (Vec::new(), file.phases.len());
     for (k, phase) in file.phases.iter().enumerate() {
-        let refuse = |key: &str, condition: &str| {
-            Err(Error::input(path, format!("phases[{k}].{key}"), condition))
-        };
+        let refuse = |key: &str, condition: &str| Err(Error::input(path, format!("phases[{k}].{key}"), condition));
         let is_last = k + 1 == count;
         let has_goal = is_last && !file.periodic;
         match (&phase.land, phase.lift_m) {
@@ -300,17 +263,12 @@ pub(super) fn points_of_walk(
                 return refuse("land.frame", "it is not the foot of the next phase");
             }
             let has_tolerance = set.tolerance_m.is_some() || set.tolerance_rad.is_some();
-            if lands
-                && (set.position_m.is_none() || set.orientation_xyzw.is_none() || has_tolerance)
-            {
+            if lands && (set.position_m.is_none() || set.orientation_xyzw.is_none() || has_tolerance) {
                 let condition = "a position and an orientation without tolerances are needed";
                 return refuse("land", condition);
             }
             if lands && !is_upright(&set) {
-                return refuse(
-                    "land.orientation_xyzw",
-                    "the z axis of the foot is not upwards",
-                );
+                return refuse("land.orientation_xyzw", "the z axis of the foot is not upwards");
             }
             all.push(Waypoint {
                 constraints: set.rows(model, &key, path)?,
@@ -325,10 +283,7 @@ pub(super) fn points_of_walk(
 
 /// Returns true if the frame has its `z` axis along that of the frame in which the pose is.
 fn is_upright(land: &Goal) -> bool {
-    let pose = Pose {
-        position_m: [0.0; 3],
-        orientation_xyzw: land.orientation_xyzw,
-    };
+    let pose = Pose { position_m: [0.0; 3], orientation_xyzw: land.orientation_xyzw };
     let up = pose.placement().map(|placement| placement.rotation[(2, 2)]);
     up.is_ok_and(|up| up > 1.0 - UPRIGHT)
 }
@@ -363,12 +318,7 @@ impl Scenario {
         let phases = self.phases.iter().map(|of| {
             let start = end;
             end += of.kept.dim();
-            Phase {
-                model: of.model.clone(),
-                order: of.order.clone(),
-                foot: of.foot.clone(),
-                rows: start..end,
-            }
+            Phase { model: of.model.clone(), order: of.order.clone(), foot: of.foot.clone(), rows: start..end }
         });
         phases.collect()
     }

@@ -27,15 +27,8 @@ pub fn least_horizon(model: &Model, start: &[f64], goal: &[f64]) -> Result<Optio
 }
 
 /// The joint that takes longest at these speeds, and its duration.
-pub(super) fn slowest(
-    start: &[f64],
-    goal: &[f64],
-    speed: impl Fn(usize) -> f64,
-) -> Option<(usize, f64)> {
-    let ways = start
-        .iter()
-        .zip(goal)
-        .map(|(start, goal)| (goal - start).abs());
+pub(super) fn slowest(start: &[f64], goal: &[f64], speed: impl Fn(usize) -> f64) -> Option<(usize, f64)> {
+    let ways = start.iter().zip(goal).map(|(start, goal)| (goal - start).abs());
     let times = ways.enumerate().map(|(i, way)| (i, way / speed(i)));
     // A joint that does not move takes no time, even at a velocity limit of zero.
     let moving = times.filter(|(_, time)| *time > 0.0);
@@ -77,23 +70,10 @@ impl Scenario {
         let times = (0..self.model.dof()).flat_map(|i| {
             let most = |limit| self.bound(limit, i).map_or(f64::INFINITY, |[_, most]| most);
             let way = self.way_of(i, goal);
-            let (v, a, j) = (
-                most(Limit::Velocity),
-                most(Limit::Acceleration),
-                most(Limit::Jerk),
-            );
-            let accelerated = if way * a > v * v {
-                way / v + v / a
-            } else {
-                2.0 * (way / a).sqrt()
-            };
-            let of_rest = [
-                (Limit::Acceleration, a, accelerated),
-                (Limit::Jerk, j, (32.0 * way / j).cbrt()),
-            ];
-            let of_rest = of_rest
-                .into_iter()
-                .filter(move |(_, most, _)| at_rest && most.is_finite());
+            let (v, a, j) = (most(Limit::Velocity), most(Limit::Acceleration), most(Limit::Jerk));
+            let accelerated = if way * a > v * v { way / v + v / a } else { 2.0 * (way / a).sqrt() };
+            let of_rest = [(Limit::Acceleration, a, accelerated), (Limit::Jerk, j, (32.0 * way / j).cbrt())];
+            let of_rest = of_rest.into_iter().filter(move |(_, most, _)| at_rest && most.is_finite());
             let of_rest = of_rest.map(move |(limit, _, time)| (i, limit, time));
             of_rest.chain([(i, Limit::Velocity, way / v)])
         });
@@ -112,11 +92,7 @@ impl Scenario {
     /// Names the key, the joint or the obstacle, the value and the limit.
     pub fn check_feasible(&self) -> Result<()> {
         let file = &self.file;
-        let start = End {
-            keys: ["q_start", "v_start"],
-            q: &file.q_start,
-            v: Some(&file.v_start),
-        };
+        let start = End { keys: ["q_start", "v_start"], q: &file.q_start, v: Some(&file.v_start) };
         let ends = [start, self.end_at(&file.q_goal)];
         let ends = match (&self.period, &self.goal) {
             (Some(_), _) => &[],
@@ -138,17 +114,12 @@ impl Scenario {
     #[must_use]
     pub fn outside_limits(&self) -> Vec<String> {
         let mut notes = Vec::new();
-        for (key, q) in [
-            ("q_start", &self.file.q_start),
-            ("q_goal", &self.file.q_goal),
-        ] {
+        for (key, q) in [("q_start", &self.file.q_start), ("q_goal", &self.file.q_goal)] {
             for (joint, q) in self.model.joints().iter().zip(q) {
                 let (lower, upper) = (joint.limits().lower, joint.limits().upper);
                 if !(lower..=upper).contains(q) {
                     let (name, [q, lower, upper]) = (joint.name(), [*q, lower, upper].map(plain));
-                    notes.push(format!(
-                        "{key}: joint '{name}' at {q} is outside [{lower}, {upper}]"
-                    ));
+                    notes.push(format!("{key}: joint '{name}' at {q} is outside [{lower}, {upper}]"));
                 }
             }
         }
@@ -158,11 +129,7 @@ impl Scenario {
     /// A configuration as the end of the motion.
     fn end_at<'a>(&'a self, q: &'a [f64]) -> End<'a> {
         let file = &self.file;
-        End {
-            keys: ["q_goal", "v_goal"],
-            q,
-            v: (!file.free_final_velocity).then_some(&file.v_goal),
-        }
+        End { keys: ["q_goal", "v_goal"], q, v: (!file.free_final_velocity).then_some(&file.v_goal) }
     }
 
     /// Checks a configuration as [`check_feasible`](Self::check_feasible) does with that at the end.
@@ -175,11 +142,7 @@ impl Scenario {
     /// Checks a configuration on the way, named by a key: limits of positions, and collisions.
     pub(super) fn check_on_the_way(&self, key: &str, q: &[f64]) -> Result<()> {
         self.check_bounds(Limit::Position, key, q)?;
-        self.check_clear(&End {
-            keys: [key, key],
-            q,
-            v: None,
-        })
+        self.check_clear(&End { keys: [key, key], q, v: None })
     }
 
     /// Refuses a boundary state beyond a limit of a joint.
@@ -257,10 +220,7 @@ impl Scenario {
         }
         let joint = &self.model.joints()[i];
         let (name, what, unit) = (joint.name(), limit.name(), limit.unit(joint.kind()));
-        let (least, most) = (
-            three_digits(least, f64::ceil),
-            three_digits(most, f64::round),
-        );
+        let (least, most) = (three_digits(least, f64::ceil), three_digits(most, f64::round));
         let horizon = plain(horizon);
         let condition = format!(
             "it is {horizon} s, but joint '{name}' needs at least {least} s at its {what} limit of {most} {unit}, the \
@@ -283,10 +243,7 @@ impl Scenario {
         let mut frames = self.model.frames().iter();
         let frame = frames.find(|f| f.body == body && body.is_some());
         let link = link.or_else(|| frame.map(|f| f.name.as_str()));
-        let link = link.map_or_else(
-            || "a link that is locked to the base".to_owned(),
-            |link| format!("link '{link}'"),
-        );
+        let link = link.map_or_else(|| "a link that is locked to the base".to_owned(), |link| format!("link '{link}'"));
         let [_, other] = self.names_of(&contact);
         let margin = contact.margin;
         let is_inside = depth >= margin;
@@ -300,9 +257,7 @@ impl Scenario {
             format!("{link} is {depth:.3e} m inside {what}'{other}'{remedy}")
         } else {
             let distance = margin - depth;
-            format!(
-                "{link} is {distance:.3e} m from {what}'{other}', its clearance_m is {margin} m{remedy}"
-            )
+            format!("{link} is {distance:.3e} m from {what}'{other}', its clearance_m is {margin} m{remedy}")
         };
         let clear = self.scene.clearance(&placements)?;
         if margin == 0.0 && clear >= 0.0 {
@@ -332,9 +287,7 @@ impl Scenario {
                 } else {
                     format!("its enforced torque limit is {most} {unit}")
                 };
-                let condition = format!(
-                    "joint '{name}' needs {torque} {unit} to hold the robot at rest, {but}"
-                );
+                let condition = format!("joint '{name}' needs {torque} {unit} to hold the robot at rest, {but}");
                 return self.refuse(end.keys[0], condition);
             }
         }

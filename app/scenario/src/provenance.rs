@@ -36,12 +36,7 @@ impl Provenance {
         Ok(Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             commit: git_version::git_version!(
-                args = [
-                    "--always",
-                    "--dirty=-modified",
-                    "--abbrev=12",
-                    "--exclude=*"
-                ],
+                args = ["--always", "--dirty=-modified", "--abbrev=12", "--exclude=*"],
                 fallback = ""
             )
             .to_owned(),
@@ -102,11 +97,7 @@ impl Solved {
             return Err(Error::input(path, scenario.robot_place, condition));
         }
         let curve = summary.curve.curve(&scenario.model, path)?;
-        Ok(Self {
-            scenario,
-            curve,
-            summary,
-        })
+        Ok(Self { scenario, curve, summary })
     }
 }
 

@@ -75,10 +75,7 @@ impl RateLimits {
             }
         };
         match numbers.iter().find(|x| !(x.is_finite() && **x > 0.0)) {
-            Some(limit) => refuse(format!(
-                "it is {}, a positive number is needed",
-                plain(*limit)
-            )),
+            Some(limit) => refuse(format!("it is {}, a positive number is needed", plain(*limit))),
             None => Ok(()),
         }
     }
@@ -107,11 +104,8 @@ impl RateLimits {
         let named = model.joints().iter().zip(&numbers);
         for (joint, number) in named {
             if let Some(number) = number.filter(|x| !(x.is_finite() && *x > 0.0)) {
-                let condition = format!(
-                    "its limit of {} is {}, a positive number is needed",
-                    limit.name(),
-                    plain(number)
-                );
+                let condition =
+                    format!("its limit of {} is {}, a positive number is needed", limit.name(), plain(number));
                 let element = format!("joint '{}'", joint.name());
                 return Err(Error::input(file, element, condition));
             }
@@ -137,11 +131,7 @@ fn of_urdf(robot: &Robot, limit: Limit, model: &Model) -> Vec<Option<f64>> {
         };
         smallest(numbers.into_iter().filter(|x| *x != f64::INFINITY))
     };
-    model
-        .joints()
-        .iter()
-        .map(|joint| of(joint.name()))
-        .collect()
+    model.joints().iter().map(|joint| of(joint.name())).collect()
 }
 
 /// The smallest number, NaN if one is.

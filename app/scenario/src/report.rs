@@ -132,13 +132,7 @@ impl<'a> Solve<'a> {
     /// Invalid input, such as a scenario that [has no solution for an obvious reason](Scenario::check_feasible). A
     /// failed solve is not an error: its summary gives the reason.
     pub fn run(self) -> Result<SolveReport> {
-        let Self {
-            scenario,
-            options,
-            interrupt,
-            start,
-            mut observe,
-        } = self;
+        let Self { scenario, options, interrupt, start, mut observe } = self;
         if start.is_some() && options.method() != Method::Direct {
             let condition = "only the direct method starts from another motion";
             return Err(Error::input("options", "start", condition));
@@ -177,11 +171,7 @@ pub(super) struct Solution {
 }
 
 /// The report of a curve, independent of the method.
-pub(super) fn report_of(
-    scenario: &Scenario,
-    options: &SolveOptions,
-    found: Solution,
-) -> Result<SolveReport> {
+pub(super) fn report_of(scenario: &Scenario, options: &SolveOptions, found: Solution) -> Result<SolveReport> {
     let (model, passive) = (&scenario.model, scenario.passive());
     let joints = model.joints().iter().map(|joint| joint.name().to_owned());
     let (curve, effort) = (found.curve, found.effort);
@@ -253,9 +243,9 @@ pub(super) fn report_of(
 fn missed(final_error: Option<f64>, threshold: f64) -> Option<String> {
     match final_error {
         Some(error) if error < threshold => None,
-        Some(error) => Some(format!(
-            "the forward simulation with feedback ends {error:.2e} from the goal, beyond {threshold}"
-        )),
+        Some(error) => {
+            Some(format!("the forward simulation with feedback ends {error:.2e} from the goal, beyond {threshold}"))
+        }
         None => Some("the forward simulation with feedback stopped before its end".to_owned()),
     }
 }
@@ -289,13 +279,7 @@ struct Conclusion {
 
 impl Conclusion {
     fn new(outcome: Outcome<'_>) -> Self {
-        let Outcome {
-            method,
-            s_max,
-            defect,
-            failure,
-            ..
-        } = outcome;
+        let Outcome { method, s_max, defect, failure, .. } = outcome;
         let tolerance = match method {
             Method::Direct => DirectSettings::FEASIBLE,
             Method::Flow | Method::Rest | Method::Duals | Method::TwoPhases => LIMIT_TOLERANCE,
@@ -320,16 +304,14 @@ impl Conclusion {
         let off = format!("velocities differ from the rates of positions by up to {off}");
         let (mut notes, mut reasons) = (Vec::new(), Vec::new());
         if verdict.is_success() {
-            notes.extend(s_max.map(|s_max| {
-                format!("the curve of the flow at s = {s_max:e}, which is no minimum: its {off}")
-            }));
+            notes.extend(
+                s_max.map(|s_max| format!("the curve of the flow at s = {s_max:e}, which is no minimum: its {off}")),
+            );
             let controlled = |missed| format!("{missed}: the motion needs a better controller");
             notes.extend(outcome.missed.map(controlled));
             notes.extend(match (failure, outcome.stopped) {
                 (Some(failure), _) => Some(format!("not optimal: {failure}")),
-                (None, Some(stopped)) => Some(format!(
-                    "{stopped}: the motion is the best minimum until then"
-                )),
+                (None, Some(stopped)) => Some(format!("{stopped}: the motion is the best minimum until then")),
                 (None, None) => None,
             });
         } else {
@@ -341,11 +323,6 @@ impl Conclusion {
             reasons.extend((!is_motion).then(|| format!("{off}, beyond {LIMIT_TOLERANCE}")));
             reasons.extend(missed);
         }
-        Self {
-            verdict,
-            completed,
-            notes,
-            reasons,
-        }
+        Self { verdict, completed, notes, reasons }
     }
 }

@@ -3,9 +3,7 @@
 use super::RobotShape;
 use super::obstacles::{LARGEST_LENGTH, default_spacing};
 use aghf::error::{Error, Result, plain};
-use aghf::geometry::{
-    Capsule, CollisionGeometry, CollisionSphere, Cover, Shape, Sphere, cover_triangles,
-};
+use aghf::geometry::{Capsule, CollisionGeometry, CollisionSphere, Cover, Shape, Sphere, cover_triangles};
 use aghf::model::{Collision, CollisionShape, Model};
 use aghf::spatial::Placement;
 use aghf::urdf::load_mesh;
@@ -31,11 +29,7 @@ const LARGER: [f64; 4] = [0.01, 0.02, 0.05, 0.1];
 ///
 /// # Errors
 /// The robot has no shapes, a mesh cannot be read, or too many balls are needed; the error names the link.
-pub fn cover_links(
-    model: &Model,
-    folder: &Path,
-    excess: impl Into<Option<f64>>,
-) -> Result<CollisionGeometry> {
+pub fn cover_links(model: &Model, folder: &Path, excess: impl Into<Option<f64>>) -> Result<CollisionGeometry> {
     cover_with(model, None, folder, excess.into())
 }
 
@@ -45,11 +39,7 @@ pub fn cover_links(
 ///
 /// # Errors
 /// A mesh cannot be read, or too many balls are needed.
-pub fn cover_shape(
-    shape: &CollisionShape,
-    folder: &Path,
-    excess: impl Into<Option<f64>>,
-) -> Result<Cover> {
+pub fn cover_shape(shape: &CollisionShape, folder: &Path, excess: impl Into<Option<f64>>) -> Result<Cover> {
     let [least, most] = EXCESS;
     let given = excess.into();
     match shape {
@@ -65,11 +55,7 @@ pub fn cover_shape(
 
 /// The covers of the shapes of a robot by [`cover_shape`], in their order. Meshes are looked up from `folder`, that of
 /// the URDF.
-pub fn cover_each(
-    model: &Model,
-    folder: &Path,
-    excess: impl Into<Option<f64>>,
-) -> Vec<Result<Cover>> {
+pub fn cover_each(model: &Model, folder: &Path, excess: impl Into<Option<f64>>) -> Vec<Result<Cover>> {
     let excess = excess.into();
     let shapes = model.collisions().par_iter();
     let covers = shapes.map(|collision| cover_shape(&collision.shape, folder, excess));
@@ -93,45 +79,24 @@ fn cover_with(
     let of_load = load.map(|load| cover_shape(&load.shape, folder, excess));
     for (shape, cover) in all().zip(covers.chain(of_load)) {
         let cover = placed(model, shape, cover)?;
-        geometry
-            .links
-            .extend(cover.iter().map(|_| shape.link.clone()));
+        geometry.links.extend(cover.iter().map(|_| shape.link.clone()));
         geometry.balls.extend(cover);
     }
     let is_sphere = |c: &Collision| matches!(c.shape, CollisionShape::Solid(Shape::Sphere { .. }));
     let are_spheres = all().all(is_sphere);
-    Ok(if are_spheres {
-        geometry
-    } else {
-        geometry.with_sets()
-    })
+    Ok(if are_spheres { geometry } else { geometry.with_sets() })
 }
 
 /// The balls that cover a shape of a link, in the frame of its body.
-fn placed(
-    model: &Model,
-    collision: &Collision,
-    cover: Result<Cover>,
-) -> Result<Vec<CollisionSphere>> {
-    let Collision {
-        link,
-        body,
-        placement,
-        ..
-    } = collision;
-    let named =
-        |error: Error| Error::input(model.name(), format!("link '{link}'"), error.to_string());
+fn placed(model: &Model, collision: &Collision, cover: Result<Cover>) -> Result<Vec<CollisionSphere>> {
+    let Collision { link, body, placement, .. } = collision;
+    let named = |error: Error| Error::input(model.name(), format!("link '{link}'"), error.to_string());
     let placed = |ball: Sphere| CollisionSphere {
         body: *body,
         centre: placement.rotation * ball.centre + placement.translation,
         radius: ball.radius,
     };
-    Ok(cover
-        .map_err(named)?
-        .balls
-        .into_iter()
-        .map(placed)
-        .collect())
+    Ok(cover.map_err(named)?.balls.into_iter().map(placed).collect())
 }
 
 /// The reason why a cover of a robot, and of a load that it carries, by this many balls is refused, and the remedy, in
@@ -148,16 +113,13 @@ pub fn too_many_balls(
         return None;
     }
     let given = excess.map_or_else(|| "not given".to_owned(), plain);
-    let condition = format!(
-        "excess_m is {given}, which takes {count} balls to cover the robot, at most {MOST_BALLS} are allowed"
-    );
+    let condition =
+        format!("excess_m is {given}, which takes {count} balls to cover the robot, at most {MOST_BALLS} are allowed");
     let mut larger = LARGER.into_iter().filter(|larger| {
         let all = model.collisions().par_iter().chain(load.into_par_iter());
-        let counts =
-            all.map(|shape| Some(cover_shape(&shape.shape, folder, *larger).ok()?.balls.len()));
+        let counts = all.map(|shape| Some(cover_shape(&shape.shape, folder, *larger).ok()?.balls.len()));
         let count: Option<usize> = counts.sum();
-        excess.is_none_or(|excess| *larger > excess)
-            && count.is_some_and(|count| count as f64 <= MOST_BALLS)
+        excess.is_none_or(|excess| *larger > excess) && count.is_some_and(|count| count as f64 <= MOST_BALLS)
     });
     let remedy = larger.next().map_or_else(
         || "spheres of the links in an SRDF (\"link_sphere_approximation\")".to_owned(),
@@ -181,18 +143,12 @@ pub(super) fn collision_geometry(
     let (mut capsules, spacing) = match shape {
         RobotShape::JointFrames => {
             let points = CollisionSphere::joint_frames(model);
-            let point = |ball: CollisionSphere| Capsule {
-                body: ball.body,
-                ends: [ball.centre; 2],
-                radius: ball.radius,
-            };
+            let point =
+                |ball: CollisionSphere| Capsule { body: ball.body, ends: [ball.centre; 2], radius: ball.radius };
             // Any spacing is sufficient for points.
             (points.into_iter().map(point).collect::<Vec<_>>(), 1.0)
         }
-        RobotShape::SweptLinks {
-            radius_m,
-            spacing_m,
-        } => {
+        RobotShape::SweptLinks { radius_m, spacing_m } => {
             if !(bounded(&[radius_m, spacing_m]) && radius_m >= 0.0 && spacing_m > 0.0) {
                 return refuse(format!(
                     "a radius that is not negative and a positive spacing are needed, no number above \
@@ -206,16 +162,12 @@ pub(super) fn collision_geometry(
         }
         RobotShape::Collision { excess_m } => {
             if !excess_m.is_none_or(|excess| bounded(&[excess]) && excess > 0.0) {
-                return refuse(format!(
-                    "a positive excess of at most {LARGEST_LENGTH} m is needed"
-                ));
+                return refuse(format!("a positive excess of at most {LARGEST_LENGTH} m is needed"));
             }
             let refused = |e: Error| Error::input(path, "robot_shape", e.to_string());
             let mut geometry = cover_with(model, load, folder, excess_m).map_err(refused)?;
             let count = geometry.balls.len();
-            if let Some([condition, remedy]) =
-                too_many_balls((model, load), count, folder, excess_m)
-            {
+            if let Some([condition, remedy]) = too_many_balls((model, load), count, folder, excess_m) {
                 return refuse(format!("{condition}: {remedy} is needed"));
             }
             for CollisionSphere { body, centre, .. } in &mut geometry.balls {
@@ -226,8 +178,7 @@ pub(super) fn collision_geometry(
     };
     if let Some(load) = load {
         let cover = cover_shape(&load.shape, folder, spacing.min(default_spacing()));
-        let balls = placed(model, load, cover)
-            .map_err(|e| Error::input(path, "payload.shape", e.to_string()))?;
+        let balls = placed(model, load, cover).map_err(|e| Error::input(path, "payload.shape", e.to_string()))?;
         capsules.extend(balls.into_iter().map(|ball| Capsule {
             body: ball.body,
             ends: [ball.centre; 2],
@@ -245,14 +196,9 @@ fn check_count(spacing: f64, count: f64, path: &str) -> Result<()> {
     if count <= MOST_BALLS {
         return Ok(());
     }
-    let (given, count, key) = (
-        plain(spacing),
-        plain(count),
-        "robot_shape.swept_links.spacing_m",
-    );
-    let condition = format!(
-        "it is {given}, which takes {count} balls to cover the robot, at most {MOST_BALLS} are allowed"
-    );
+    let (given, count, key) = (plain(spacing), plain(count), "robot_shape.swept_links.spacing_m");
+    let condition =
+        format!("it is {given}, which takes {count} balls to cover the robot, at most {MOST_BALLS} are allowed");
     Err(Error::input(path, key, condition))
 }
 

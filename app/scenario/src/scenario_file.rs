@@ -36,11 +36,7 @@ pub struct ScenarioFile {
     pub robot: String,
     /// The folders of packages by their names, relative to the scenario file, for meshes `package://NAME/PATH`; others
     /// are searched for.
-    #[serde(
-        default,
-        deserialize_with = "by_name",
-        skip_serializing_if = "BTreeMap::is_empty"
-    )]
+    #[serde(default, deserialize_with = "by_name", skip_serializing_if = "BTreeMap::is_empty")]
     pub packages: BTreeMap<String, PathBuf>,
     /// The link that becomes the root of the robot, such as the foot on which it stands; by default that of the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -69,11 +65,7 @@ pub struct ScenarioFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub held_state: Option<String>,
     /// The locked joints with their positions; they are not among the `N` joints of the keys below.
-    #[serde(
-        default,
-        deserialize_with = "by_name",
-        skip_serializing_if = "BTreeMap::is_empty"
-    )]
+    #[serde(default, deserialize_with = "by_name", skip_serializing_if = "BTreeMap::is_empty")]
     pub locked_joints: BTreeMap<String, f64>,
     /// Losses and rotor inertia of the joints; none by default.
     #[serde(default, skip_serializing_if = "is_default")]
@@ -103,11 +95,7 @@ pub struct ScenarioFile {
     pub turns: Turns,
     /// For the direct method: a set of poses of a frame, or a list of sets of which the motion ends in the one that
     /// costs least. The configuration at the end is then an unknown.
-    #[serde(
-        default,
-        deserialize_with = "one_or_more",
-        skip_serializing_if = "Vec::is_empty"
-    )]
+    #[serde(default, deserialize_with = "one_or_more", skip_serializing_if = "Vec::is_empty")]
     #[schemars(schema_with = "schema::one_or_more::<Goal>")]
     pub goal: Vec<Goal>,
     /// For the direct method: conditions that are kept along the way.
@@ -177,12 +165,7 @@ pub struct ScenarioFile {
 impl ScenarioFile {
     /// Returns true if a velocity, an acceleration, a jerk, a torque or a kept speed is bounded, as a least time needs.
     pub(super) fn bounds_time(&self, model: &Model) -> bool {
-        let limits = [
-            Limit::Velocity,
-            Limit::Acceleration,
-            Limit::Jerk,
-            Limit::Torque,
-        ];
+        let limits = [Limit::Velocity, Limit::Acceleration, Limit::Jerk, Limit::Torque];
         let is_bounded = |joint, limit| self.enforced_limits.bound(model, limit, joint).is_some();
         (0..model.dof()).any(|joint| limits.iter().any(|limit| is_bounded(joint, *limit)))
             || self.keep.iter().any(|kept| kept.speed.is_some())
@@ -259,11 +242,7 @@ impl ScenarioFile {
         let Some((key, state)) = states.iter().find(|(_, state)| state.len() != expected) else {
             return Ok(());
         };
-        let left = if self.locked_joints.is_empty() {
-            ""
-        } else {
-            " that are not locked"
-        };
+        let left = if self.locked_joints.is_empty() { "" } else { " that are not locked" };
         let condition = match (*key, state.len()) {
             ("q_goal", 0) => "neither q_goal nor goal is given".to_owned(),
             (_, found) => {
@@ -291,19 +270,14 @@ impl ScenarioFile {
                 return refuse(key, value, "a positive number is needed");
             }
         }
-        let gains = [
-            ("feedback.kp", self.feedback.kp),
-            ("feedback.kv", self.feedback.kv),
-        ];
+        let gains = [("feedback.kp", self.feedback.kp), ("feedback.kv", self.feedback.kv)];
         for (key, gain) in gains {
             if !(gain.is_finite() && gain >= 0.0) {
                 return refuse(key, gain, "a gain is not negative");
             }
         }
-        Problem::check_horizon(self.horizon_s)
-            .map_err(|condition| Error::input(path, "horizon_s", condition))?;
-        Chebyshev::check_degree(self.flow.degree)
-            .map_err(|condition| Error::input(path, "flow.degree", condition))
+        Problem::check_horizon(self.horizon_s).map_err(|condition| Error::input(path, "horizon_s", condition))?;
+        Chebyshev::check_degree(self.flow.degree).map_err(|condition| Error::input(path, "flow.degree", condition))
     }
 }
 

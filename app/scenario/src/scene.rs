@@ -3,9 +3,7 @@
 use super::feasibility::three_digits;
 use super::obstacles::placed;
 use super::robot_shape::collision_geometry;
-use super::self_collision::{
-    IgnoredPair, always_overlapping, check_links, neighbours, never_meeting,
-};
+use super::self_collision::{IgnoredPair, always_overlapping, check_links, neighbours, never_meeting};
 use super::{Obstacle, RobotShape, Scenario, ScenarioFile, SelfCollision};
 use aghf::constraint::{AnyConstraint, Constraint};
 use aghf::dynamics::forward_kinematics;
@@ -82,10 +80,7 @@ pub(super) fn scene(
 
 /// Refuses a scene with too many rows; `path` names the scenario.
 fn check_rows(scene: &Scene, path: &str) -> Result<()> {
-    let rows: usize = AnyConstraint::of_scene(scene)
-        .iter()
-        .map(Constraint::dim)
-        .sum();
+    let rows: usize = AnyConstraint::of_scene(scene).iter().map(Constraint::dim).sum();
     if rows > MOST_ROWS {
         let (obstacles, balls) = (scene.obstacles().len(), scene.robot().balls.len());
         let key = match obstacles {
@@ -104,11 +99,7 @@ fn check_rows(scene: &Scene, path: &str) -> Result<()> {
 /// The error of a shape of the robot, with the remedy if no key asks for the shape.
 fn by_default(error: Error, is_default: bool) -> Error {
     match error {
-        Error::Input {
-            file,
-            element,
-            condition,
-        } if is_default => {
+        Error::Input { file, element, condition } if is_default => {
             let condition = format!(
                 "{condition}; \"robot_shape\": \"joint_frames\" plans without the shapes, by the origins of joint \
                  frames alone"
@@ -150,10 +141,7 @@ impl Scenario {
     ///
     /// # Errors
     /// A configuration has the wrong length.
-    pub fn smallest_clearance<'q>(
-        &self,
-        configurations: impl Iterator<Item = &'q [f64]>,
-    ) -> Result<Option<f64>> {
+    pub fn smallest_clearance<'q>(&self, configurations: impl Iterator<Item = &'q [f64]>) -> Result<Option<f64>> {
         Ok(self.nearest(configurations)?.map(|(.., distance)| distance))
     }
 
@@ -170,9 +158,7 @@ impl Scenario {
             let closer = self.scene.closest_pair_within(&placements, most)?;
             nearest = closer.map(|pair| (k, pair)).or(nearest);
         }
-        let named = |(k, pair): (usize, ClosestPair)| {
-            (k, self.names_of(&pair).map(str::to_owned), pair.distance)
-        };
+        let named = |(k, pair): (usize, ClosestPair)| (k, self.names_of(&pair).map(str::to_owned), pair.distance);
         Ok(nearest.map(named))
     }
 
@@ -186,11 +172,8 @@ impl Scenario {
         let distances = obstacles.map(|each| (each, each.solid.distance(&Vector3::zeros())));
         let far = distances.filter(|(_, distance)| reach > 0.0 && *distance > FAR * reach);
         let told = far.map(|(obstacle, distance)| {
-            let (name, [distance, reach]) =
-                (&obstacle.name, [distance, reach].map(|x| three_digits(x, f64::round)));
-            format!(
-                "'{name}' is {distance} m from the base, and the robot reaches {reach} m: {MILLIMETRES}"
-            )
+            let (name, [distance, reach]) = (&obstacle.name, [distance, reach].map(|x| three_digits(x, f64::round)));
+            format!("'{name}' is {distance} m from the base, and the robot reaches {reach} m: {MILLIMETRES}")
         });
         Ok(told.collect())
     }

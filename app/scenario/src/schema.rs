@@ -7,18 +7,14 @@ use serde_json::{Map, Value, json};
 
 /// The schema of a value that is selected by name.
 pub(super) fn one_of<T: Named>(_: &mut SchemaGenerator) -> Schema {
-    let values = T::ALL.iter().map(|(_, name, help)| {
-        json!({ "const": name, "description": help.trim().trim_end_matches('.') })
-    });
+    let values =
+        T::ALL.iter().map(|(_, name, help)| json!({ "const": name, "description": help.trim().trim_end_matches('.') }));
     json_schema!({ "oneOf": values.collect::<Vec<_>>() })
 }
 
 /// The schema of a value, or of a list of such values.
 pub(super) fn one_or_more<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
-    let (one, more) = (
-        generator.subschema_for::<T>(),
-        generator.subschema_for::<Vec<T>>(),
-    );
+    let (one, more) = (generator.subschema_for::<T>(), generator.subschema_for::<Vec<T>>());
     json_schema!({ "anyOf": [one, more] })
 }
 
@@ -86,11 +82,7 @@ pub fn described_options() -> Vec<DescribedOption> {
             let at = at.unwrap_or_else(|| {
                 let (name, schema) = (name.clone(), schema.clone());
                 let helps = Vec::new();
-                all.push(DescribedOption {
-                    name,
-                    schema,
-                    helps,
-                });
+                all.push(DescribedOption { name, schema, helps });
                 all.len() - 1
             });
             let helps = &mut all[at].helps;
@@ -114,11 +106,7 @@ struct Keys<'s> {
 
 /// Adds a row for each property of an object, below those of the objects in it, to a table. `root` has the definitions.
 fn add_keys(root: &Value, object: &Keys<'_>, prefix: &str, table: &mut String) {
-    let Keys {
-        schema: object,
-        is_alternative,
-        ..
-    } = object;
+    let Keys { schema: object, is_alternative, .. } = object;
     for (name, schema) in properties(object).into_iter().flatten() {
         let key = format!("{prefix}{name}");
         let required = object["required"].as_array();
@@ -148,11 +136,7 @@ fn objects_in<'s>(root: &'s Value, schema: &'s Value) -> Vec<Keys<'s>> {
         found.extend(objects_in(root, &root["$defs"][name]));
     }
     if schema["properties"].is_object() {
-        found.push(Keys {
-            schema,
-            suffix: String::new(),
-            is_alternative: false,
-        });
+        found.push(Keys { schema, suffix: String::new(), is_alternative: false });
     }
     for mut entry in objects_in(root, &schema["items"]) {
         entry.suffix.insert_str(0, "[]");

@@ -3,9 +3,7 @@
 use super::compared_ends::goal_near;
 use super::{Preset, Scenario};
 use aghf::constraint::{AnyConstraint, Constraints};
-use aghf::direct::{
-    Direct, DirectSettings, DirectSolution, FreeHorizon, GoalEnd, Iteration, Multipliers,
-};
+use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, GoalEnd, Iteration, Multipliers};
 use aghf::error::Result;
 use aghf::motion::{Problem, Stopped};
 use std::time::Instant;
@@ -67,11 +65,7 @@ pub(super) struct Search<'s, 'o> {
 }
 
 impl<'s, 'o> Search<'s, 'o> {
-    pub fn new(
-        scenario: &'s Scenario,
-        settings: DirectSettings,
-        observe: &'o mut dyn FnMut(&Iteration),
-    ) -> Self {
+    pub fn new(scenario: &'s Scenario, settings: DirectSettings, observe: &'o mut dyn FnMut(&Iteration)) -> Self {
         Self {
             scenario,
             settings,
@@ -102,10 +96,7 @@ impl<'s, 'o> Search<'s, 'o> {
         let Some(free) = settings.free_horizon.filter(|_| is_walk) else {
             return self.solve(&problem, settings);
         };
-        let fixed = DirectSettings {
-            free_horizon: None,
-            ..settings
-        };
+        let fixed = DirectSettings { free_horizon: None, ..settings };
         let before = self.solve(&problem, fixed)?;
         if self.goes_on(&before) {
             let horizon = match self.settings.parts.is_empty() {
@@ -117,10 +108,7 @@ impl<'s, 'o> Search<'s, 'o> {
                 return Ok(joined(before, found));
             }
         }
-        Ok(DirectSolution {
-            converged: false,
-            ..before
-        })
+        Ok(DirectSolution { converged: false, ..before })
     }
 
     /// The motion of least time.
@@ -140,9 +128,7 @@ impl<'s, 'o> Search<'s, 'o> {
         let mut weight_before = unit / scenario.unit_of_time(Some(goal));
         let mut settings = self.settings.clone();
         settings.free_horizon = self.weighted(weight_before);
-        settings.time_limit = settings
-            .time_limit
-            .map(|limit| limit.mul_f64(PART_OF_STARTS));
+        settings.time_limit = settings.time_limit.map(|limit| limit.mul_f64(PART_OF_STARTS));
         let mut first = self.first(settings)?;
         let (mut others, mut share, mut again) = (Vec::new(), SHARE, 0);
         for _ in 0..STEPS {
@@ -172,11 +158,7 @@ impl<'s, 'o> Search<'s, 'o> {
                 let before = others.last_mut().unwrap_or(&mut first);
                 before.iterations.extend(next.iterations);
             }
-            again = if self.complete || again == TIMES {
-                0
-            } else {
-                again + 1
-            };
+            again = if self.complete || again == TIMES { 0 } else { again + 1 };
             share = match (self.complete, others.is_empty()) {
                 _ if ends => break,
                 _ if again > 0 => share,
@@ -219,11 +201,7 @@ impl<'s, 'o> Search<'s, 'o> {
     /// The last motion, with the starts of the first one and the iterations of all.
     fn whole(&self, first: DirectSolution, others: Vec<DirectSolution>) -> DirectSolution {
         let found = others.into_iter().fold(first, joined);
-        DirectSolution {
-            converged: found.converged && self.complete,
-            stopped: self.stopped,
-            ..found
-        }
+        DirectSolution { converged: found.converged && self.complete, stopped: self.stopped, ..found }
     }
 
     /// Returns true if a search continues from this motion: it is valid, and there is time.
@@ -239,16 +217,8 @@ impl<'s, 'o> Search<'s, 'o> {
     }
 
     /// The least effort on a horizon of at most `longest`, from another motion stretched to `horizon`.
-    pub fn at_most(
-        &mut self,
-        from: &DirectSolution,
-        horizon: f64,
-        longest: f64,
-    ) -> Result<DirectSolution> {
-        let free = self.weighted(0.0).map(|free| FreeHorizon {
-            longest: free.longest.min(longest),
-            ..free
-        });
+    pub fn at_most(&mut self, from: &DirectSolution, horizon: f64, longest: f64) -> Result<DirectSolution> {
+        let free = self.weighted(0.0).map(|free| FreeHorizon { longest: free.longest.min(longest), ..free });
         self.repeated(from, horizon, free)
     }
 
@@ -275,10 +245,7 @@ impl<'s, 'o> Search<'s, 'o> {
             iterations.append(&mut other.iterations);
             let is_better = other.converged || (is_valid(&other) && !is_valid(&found));
             let better = if is_better { other } else { found };
-            found = DirectSolution {
-                iterations,
-                ..better
-            };
+            found = DirectSolution { iterations, ..better };
         }
         Ok(found)
     }
@@ -334,10 +301,7 @@ impl<'s, 'o> Search<'s, 'o> {
         settings.search.planned_penalty *= AGAIN.powi(again);
         let problem = self.problem()?.with_horizon(horizon)?;
         let found = self.solve(&problem, settings)?;
-        Ok(DirectSolution {
-            alternative,
-            ..found
-        })
+        Ok(DirectSolution { alternative, ..found })
     }
 
     /// The problem with which a search begins: on a free horizon to an end of a goal that is a set, whatever

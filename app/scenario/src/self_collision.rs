@@ -52,10 +52,7 @@ impl IgnoredPairs {
                 reason => format!("disabled in the SRDF: {reason}"),
             },
         };
-        Self {
-            robot: model.name().to_owned(),
-            ignored_pairs: srdf.disabled.iter().map(pair).collect(),
-        }
+        Self { robot: model.name().to_owned(), ignored_pairs: srdf.disabled.iter().map(pair).collect() }
     }
 
     /// Finds the pairs by sampling: neighbours, links separated by a single moving joint, and links that
@@ -67,17 +64,11 @@ impl IgnoredPairs {
     pub fn by_sampling(model: &Model, robot: &CollisionGeometry) -> Result<Self> {
         let neighbours = neighbours(model, robot);
         let others = always_overlapping(model, robot, &neighbours)?;
-        let neighbour = |links| IgnoredPair {
-            links,
-            reason: "neighbours".to_owned(),
-        };
+        let neighbour = |links| IgnoredPair { links, reason: "neighbours".to_owned() };
         let mut ignored: Vec<_> = neighbours.into_iter().map(neighbour).collect();
         ignored.extend(others);
         ignored.sort_by(|a, b| a.links.cmp(&b.links));
-        Ok(Self {
-            robot: model.name().to_owned(),
-            ignored_pairs: ignored,
-        })
+        Ok(Self { robot: model.name().to_owned(), ignored_pairs: ignored })
     }
 
     /// Adds the pairs of links that [always overlap](always_overlapping) and are not listed yet.
@@ -216,11 +207,7 @@ impl<'a> Links<'a> {
         self.robot.tree_pairs(ignored)
     }
 
-    fn always_overlapping(
-        &self,
-        model: &Model,
-        mut pairs: Vec<[usize; 2]>,
-    ) -> Result<Vec<IgnoredPair>> {
+    fn always_overlapping(&self, model: &Model, mut pairs: Vec<[usize; 2]>) -> Result<Vec<IgnoredPair>> {
         let mut rng = ChaCha8Rng::seed_from_u64(SEED);
         let mut placements = vec![Placement::identity(); model.dof()];
         for _ in 0..CONFIGURATIONS {
@@ -239,10 +226,7 @@ impl<'a> Links<'a> {
             pairs = still;
         }
         let reason = format!("overlap at each of {CONFIGURATIONS} random configurations");
-        let ignored = pairs.into_iter().map(|pair| IgnoredPair {
-            links: self.names(pair),
-            reason: reason.clone(),
-        });
+        let ignored = pairs.into_iter().map(|pair| IgnoredPair { links: self.names(pair), reason: reason.clone() });
         Ok(ignored.collect())
     }
 }
@@ -261,12 +245,7 @@ pub(super) fn in_full(given: SelfCollision, folder: &Path) -> Result<SelfCollisi
 
 /// Adds pairs of links that always overlap to those that a file lets overlap, by default neighbours, so that the file
 /// has all pairs that may overlap.
-pub(super) fn name_overlapping(
-    file: &mut ScenarioFile,
-    model: &Model,
-    scene: &Scene,
-    overlapping: &[IgnoredPair],
-) {
+pub(super) fn name_overlapping(file: &mut ScenarioFile, model: &Model, scene: &Scene, overlapping: &[IgnoredPair]) {
     if overlapping.is_empty() {
         return;
     }

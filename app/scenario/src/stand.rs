@@ -50,9 +50,7 @@ pub struct FootLoad {
 impl Stand {
     /// The foot on a robot; `path` names the scenario in errors.
     fn foot(&self, model: &Model, path: &str) -> Result<StandingFoot> {
-        let refuse = |key: &str, condition: String| {
-            Err(Error::input(path, format!("stand.{key}"), condition))
-        };
+        let refuse = |key: &str, condition: String| Err(Error::input(path, format!("stand.{key}"), condition));
         let frame = model.frames().iter().find(|frame| frame.name == self.frame);
         let Some(frame) = frame else {
             return refuse("frame", model.no_link(&self.frame));
@@ -102,11 +100,7 @@ impl Stand {
 }
 
 /// The foot of a scenario; `path` names the scenario in errors.
-pub(super) fn standing_foot(
-    file: &ScenarioFile,
-    model: &Model,
-    path: &str,
-) -> Result<Option<StandingFoot>> {
+pub(super) fn standing_foot(file: &ScenarioFile, model: &Model, path: &str) -> Result<Option<StandingFoot>> {
     let stand = file.stand.as_ref();
     stand.map(|stand| stand.foot(model, path)).transpose()
 }
@@ -136,13 +130,7 @@ impl Scenario {
             return Ok(None);
         }
         let none = [f64::INFINITY, f64::NEG_INFINITY];
-        let mut load = FootLoad {
-            normal_force: none,
-            along_m: none,
-            across_m: none,
-            friction: 0.0,
-            torsion: 0.0,
-        };
+        let mut load = FootLoad { normal_force: none, along_m: none, across_m: none, friction: 0.0, torsion: 0.0 };
         let widen = |range: &mut [f64; 2], x: f64| *range = [range[0].min(x), range[1].max(x)];
         for row in sample(&self.model, curve, intervals)? {
             if let Some(contact) = self.contact([&row.q, &row.v, &row.a])? {

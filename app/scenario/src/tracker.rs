@@ -61,11 +61,7 @@ impl ScenarioTracker {
     ///
     /// # Errors
     /// Those of [`Tracker::new`]; the objective is a preset that takes several searches; or an option is out of range.
-    pub fn new(
-        scenario: Scenario,
-        options: &ScenarioTrackerOptions,
-        interrupt: Interrupt,
-    ) -> Result<Self> {
+    pub fn new(scenario: Scenario, options: &ScenarioTrackerOptions, interrupt: Interrupt) -> Result<Self> {
         scenario.refuse_walk()?;
         let mut options = options.in_full(&scenario)?;
         options.settings.interrupt = interrupt;
@@ -87,8 +83,7 @@ impl ScenarioTracker {
     /// # Errors
     /// Those of [`Tracker::step`].
     pub fn step(&mut self, state: &[f64], now: f64) -> Result<Step<'_>> {
-        self.0
-            .with_dependent_mut(|_, tracker| tracker.step(state, now))
+        self.0.with_dependent_mut(|_, tracker| tracker.step(state, now))
     }
 
     /// The rest of the plan; see [`Tracker::rest`].
@@ -104,8 +99,7 @@ impl ScenarioTracker {
     /// # Errors
     /// Those of [`Tracker::set_goal`].
     pub fn set_goal(&mut self, q: &[f64], horizon: f64) -> Result<()> {
-        self.0
-            .with_dependent_mut(|_, tracker| tracker.set_goal(q, horizon))
+        self.0.with_dependent_mut(|_, tracker| tracker.set_goal(q, horizon))
     }
 
     /// Replaces all obstacles from the next step on.
@@ -125,24 +119,20 @@ impl ScenarioTracker {
     /// It is out of range.
     pub fn set_deadline(&mut self, seconds: Option<f64>) -> Result<()> {
         let deadline = deadline(seconds)?;
-        self.0
-            .with_dependent_mut(|_, tracker| tracker.set_deadline(deadline));
+        self.0.with_dependent_mut(|_, tracker| tracker.set_deadline(deadline));
         Ok(())
     }
 
     /// The label of a row of the current constraints.
     #[must_use]
     pub fn label(&self, row: usize) -> RowLabel {
-        self.0
-            .with_dependent(|scenario, tracker| tracker.constraints().label(row, &scenario.model))
+        self.0.with_dependent(|scenario, tracker| tracker.constraints().label(row, &scenario.model))
     }
 
     /// The excess of the quantity that a row limits over its bound, in the unit of the label, for a violation of it.
     #[must_use]
     pub fn excess(&self, row: usize, by: f64) -> f64 {
-        self.0.with_dependent(|scenario, tracker| {
-            (tracker.constraints()).excess(row, by, &scenario.model)
-        })
+        self.0.with_dependent(|scenario, tracker| (tracker.constraints()).excess(row, by, &scenario.model))
     }
 }
 
@@ -152,8 +142,7 @@ impl ScenarioTrackerOptions {
         if let Some(preset) = scenario.file.objective.preset()
             && preset != Preset::LeastEffort
         {
-            let condition =
-                format!("it is '{preset}', a tracker minimises least-effort or weights");
+            let condition = format!("it is '{preset}', a tracker minimises least-effort or weights");
             return Err(Error::input(&scenario.name, "objective", condition));
         }
         let mut search = self.search.clone();
@@ -180,8 +169,7 @@ impl ScenarioTrackerOptions {
 fn deadline(seconds: Option<f64>) -> Result<Option<Duration>> {
     match seconds {
         Some(s) if !(0.0..=LONGEST_DEADLINE_S).contains(&s) => {
-            let condition =
-                format!("it is {s}, at least 0 and at most {LONGEST_DEADLINE_S} s is needed");
+            let condition = format!("it is {s}, at least 0 and at most {LONGEST_DEADLINE_S} s is needed");
             Err(Error::input("options", "deadline_s", condition))
         }
         seconds => Ok(seconds.map(Duration::from_secs_f64)),

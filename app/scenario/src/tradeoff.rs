@@ -83,13 +83,7 @@ impl<'a> Tradeoff<'a> {
     /// Those of [`Solve::run`](super::Solve::run); the number of motions is out of range; or the horizon has neither
     /// limits nor bounds.
     pub fn run(self) -> Result<Vec<(Scenario, SolveReport)>> {
-        let Self {
-            scenario,
-            points,
-            options,
-            interrupt,
-            mut observe,
-        } = self;
+        let Self { scenario, points, options, interrupt, mut observe } = self;
         if !(2..=Self::MOST_POINTS).contains(&points) {
             let most = Self::MOST_POINTS;
             let condition = format!("it is {points}, at least 2 and at most {most} are needed");
@@ -100,12 +94,7 @@ impl<'a> Tradeoff<'a> {
         let bounds = fastest.horizon_bounds();
         fastest.check_feasible()?;
         options.settings(&fastest)?.check(&fastest.problem()?)?;
-        let mut walk = Walk {
-            options,
-            interrupt,
-            observe: &mut *observe,
-            found: Vec::new(),
-        };
+        let mut walk = Walk { options, interrupt, observe: &mut *observe, found: Vec::new() };
         let fast = walk.find(fastest, |search| search.least_time())?;
         let first = fast.curve.horizon();
         if !walk.goes_on() {
@@ -172,11 +161,7 @@ impl Walk<'_> {
 }
 
 /// The same scenario with another objective and other keys.
-fn with_objective(
-    scenario: &Scenario,
-    preset: Preset,
-    change: impl FnOnce(&mut ScenarioFile),
-) -> Result<Scenario> {
+fn with_objective(scenario: &Scenario, preset: Preset, change: impl FnOnce(&mut ScenarioFile)) -> Result<Scenario> {
     let mut scenario = scenario.clone();
     scenario.file.objective = Objective::Preset(preset);
     change(&mut scenario.file);

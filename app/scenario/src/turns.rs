@@ -27,9 +27,8 @@ pub(super) fn turn_less(file: &mut ScenarioFile, robot: &Model) -> Vec<String> {
         return notes;
     }
     let points = file.waypoints.iter_mut().enumerate();
-    let mut all: Vec<_> = points
-        .filter_map(|(k, point)| Some((format!("waypoints[{k}].q"), point.q.as_mut()?)))
-        .collect();
+    let mut all: Vec<_> =
+        points.filter_map(|(k, point)| Some((format!("waypoints[{k}].q"), point.q.as_mut()?))).collect();
     // With `goal` it is a first guess.
     if file.goal.is_empty() {
         all.push(("q_goal".to_owned(), &mut file.q_goal));

@@ -34,8 +34,7 @@ impl Scenario {
     /// The unit of time of a scaled objective for a motion to `goal`, s: the [least horizon](Self::least_horizon), or
     /// else `horizon_s`.
     pub(super) fn unit_of_time(&self, goal: Option<&[f64]>) -> f64 {
-        self.least_horizon_to(goal)
-            .map_or(self.file.horizon_s, |(.., time)| time)
+        self.least_horizon_to(goal).map_or(self.file.horizon_s, |(.., time)| time)
     }
 
     /// The duration from which a search to an end of a goal that is a set begins, s.
@@ -45,11 +44,7 @@ impl Scenario {
 
     /// The integral of a running cost along the straight motion from rest to rest to `goal`, `N` entries,
     /// $q = q_0 + (10 x^3 - 15 x^4 + 6 x^5) (q_1 - q_0)$ with $x = t / T$, in twice the unit of time.
-    pub(super) fn cost_of_straight(
-        &self,
-        cost: &mut impl CostWithControl,
-        goal: &[f64],
-    ) -> Result<f64> {
+    pub(super) fn cost_of_straight(&self, cost: &mut impl CostWithControl, goal: &[f64]) -> Result<f64> {
         let (file, horizon) = (&self.file, SLOWER * self.unit_of_time(Some(goal)));
         let ends = || file.q_start.iter().zip(goal);
         let along = |share: f64| ends().map(|(from, to)| share * (to - from)).collect();
@@ -57,9 +52,7 @@ impl Scenario {
         for index in 0..=INTERVALS {
             let x = index as f64 / INTERVALS as f64;
             let share = x.powi(3) * (10.0 + x * (6.0 * x - 15.0));
-            let q: Vec<f64> = ends()
-                .map(|(from, to)| from + share * (to - from))
-                .collect();
+            let q: Vec<f64> = ends().map(|(from, to)| from + share * (to - from)).collect();
             let v: Vec<f64> = along(30.0 * (x * (1.0 - x)).powi(2) / horizon);
             let a: Vec<f64> = along(60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / horizon.powi(2));
             // Simpson's rule.
@@ -67,15 +60,7 @@ impl Scenario {
                 0 | INTERVALS => 1.0,
                 _ => [2.0, 4.0][index % 2],
             };
-            sum += weight
-                * cost.value(Point {
-                    index,
-                    phase: 0,
-                    time: x * horizon,
-                    q: &q,
-                    v: &v,
-                    a: &a,
-                })?;
+            sum += weight * cost.value(Point { index, phase: 0, time: x * horizon, q: &q, v: &v, a: &a })?;
         }
         Ok(sum * horizon / (3.0 * INTERVALS as f64))
     }
@@ -90,41 +75,29 @@ impl Scenario {
         let way: f64 = ends.map(|(from, to)| (to - from).powi(2)).sum();
         let effort = self.cost_of_straight(&mut ControlEffort::new(&self.model), goal)?;
         // The integrals of the squared derivatives of the quintic over [0, 1] are 10/7, 120/7 and 720.
-        let [velocity, acceleration, jerk] = [
-            10.0 / 7.0 * way / horizon,
-            120.0 / 7.0 * way / horizon.powi(3),
-            720.0 * way / horizon.powi(5),
-        ];
+        let [velocity, acceleration, jerk] =
+            [10.0 / 7.0 * way / horizon, 120.0 / 7.0 * way / horizon.powi(3), 720.0 * way / horizon.powi(5)];
         let all = [effort, velocity, acceleration, jerk];
         Ok(all.map(|unit| if unit > 0.0 { unit } else { 1.0 }))
     }
 
     /// The weights of the objective; those of a preset are those of the effort.
     fn weights(&self) -> Result<SiWeights> {
-        let default = ObjectiveWeights {
-            units: Units::Si,
-            ..ObjectiveWeights::default()
-        };
+        let default = ObjectiveWeights { units: Units::Si, ..ObjectiveWeights::default() };
         let weights = match &self.file.objective {
             Objective::Weights(weights) if self.file.objective.preset().is_none() => weights,
             _ => &default,
         };
         let (time, squares) = match weights.units {
             Units::Si => (1.0, [1.0; 4]),
-            Units::Scaled => (
-                self.unit_of_time(self.aim().as_deref()),
-                self.units_of_squares()?,
-            ),
+            Units::Scaled => (self.unit_of_time(self.aim().as_deref()), self.units_of_squares()?),
         };
         let (integrals, dof) = (weights.integrals(), self.model.dof());
         let scaled = |i: usize| {
             let all = integrals[i].1.all(dof).into_iter();
             all.map(|weight| weight / squares[i]).collect()
         };
-        Ok(SiWeights {
-            time: weights.time / time,
-            squares: from_fn(scaled),
-        })
+        Ok(SiWeights { time: weights.time / time, squares: from_fn(scaled) })
     }
 
     /// The running cost that is minimised, without the weight of time; with a preset the control effort.
@@ -163,10 +136,8 @@ impl Scenario {
         let durations = file.durations();
         if file.free_horizon.is_none() && !durations.is_empty() {
             let [shortest_s, longest_s] = sum_of(&durations);
-            let bounds = HorizonBounds {
-                shortest_s: shortest_s.min(file.horizon_s),
-                longest_s: longest_s.max(file.horizon_s),
-            };
+            let bounds =
+                HorizonBounds { shortest_s: shortest_s.min(file.horizon_s), longest_s: longest_s.max(file.horizon_s) };
             return durations.iter().any(|of| of[0] < of[1]).then_some(bounds);
         }
         if file.free_horizon.is_some() || !file.objective.weighs_time() {
@@ -194,14 +165,7 @@ impl Scenario {
         let below = (bounds.shortest_s - horizon, "lower");
         let above = (horizon - bounds.longest_s, "upper");
         let (by, side) = if below.0 > above.0 { below } else { above };
-        Some((
-            by,
-            RowLabel {
-                name: format!("{side} bound of the horizon"),
-                unit: "s",
-                kind: RowKind::Other,
-            },
-        ))
+        Some((by, RowLabel { name: format!("{side} bound of the horizon"), unit: "s", kind: RowKind::Other }))
     }
 
     /// The bounds of the horizon and the cost of a second, if it is an unknown.

@@ -33,42 +33,20 @@ const KEPT: [&str; 17] = [
 ];
 
 /// The defaults of version 0.2 that are others now.
-const DEFAULTS: [(&str, &str); 3] = [
-    ("robot_shape", "joint_frames"),
-    ("self_collision", "off"),
-    ("continuity", "velocity"),
-];
+const DEFAULTS: [(&str, &str); 3] =
+    [("robot_shape", "joint_frames"), ("self_collision", "off"), ("continuity", "velocity")];
 
 /// The keys whose words had hyphens.
 const HYPHENS: [&str; 2] = ["robot_shape", "flow.guess"];
 
 /// The keys of version 0.2 that were removed, with dots before those of inner objects.
 const FORMER: [(&str, Form); 9] = [
-    (
-        "sphere_obstacles",
-        Form::Obstacle("sphere", &["radius_m"], "\"radius_m\": r"),
-    ),
-    (
-        "box_obstacles",
-        Form::Obstacle("box", &["size_m"], "\"size_m\": [x, y, z]"),
-    ),
-    (
-        "cylinder_obstacles",
-        Form::Obstacle(
-            "cylinder",
-            &["radius_m", "length_m"],
-            "\"radius_m\": r, \"length_m\": l",
-        ),
-    ),
-    (
-        "capsule_obstacles",
-        Form::Obstacle("capsule", &["radius_m"], "\"radius_m\": r, \"length_m\": l"),
-    ),
+    ("sphere_obstacles", Form::Obstacle("sphere", &["radius_m"], "\"radius_m\": r")),
+    ("box_obstacles", Form::Obstacle("box", &["size_m"], "\"size_m\": [x, y, z]")),
+    ("cylinder_obstacles", Form::Obstacle("cylinder", &["radius_m", "length_m"], "\"radius_m\": r, \"length_m\": l")),
+    ("capsule_obstacles", Form::Obstacle("capsule", &["radius_m"], "\"radius_m\": r, \"length_m\": l")),
     ("half_spaces", Form::Obstacle("half_space", &[], "")),
-    (
-        "running_cost",
-        Form::Weights("\"effort\": w, \"velocity\": w, \"acceleration\": w"),
-    ),
+    ("running_cost", Form::Weights("\"effort\": w, \"velocity\": w, \"acceleration\": w")),
     ("free_horizon.weight", Form::Weights("\"time\": w")),
     ("robot_shape.collision.spacing_m", Form::Excess),
     ("flow.p", Form::Degree),
@@ -93,10 +71,7 @@ enum Form {
 
 /// The key that replaced the one at `path` of a file, in words, if that is one of version 0.2.
 pub(super) fn instead_of(path: &str) -> Option<String> {
-    let is_at = |key: &str| {
-        path.strip_suffix(key)
-            .is_some_and(|rest| rest.is_empty() || rest.ends_with('.'))
-    };
+    let is_at = |key: &str| path.strip_suffix(key).is_some_and(|rest| rest.is_empty() || rest.ends_with('.'));
     let (_, form) = FORMER.iter().find(|(key, _)| is_at(key))?;
     let needed = match form {
         Form::Obstacle(shape, _, keys) => format!(
@@ -104,18 +79,12 @@ pub(super) fn instead_of(path: &str) -> Option<String> {
              \"pose\": {{\"position_m\": [x, y, z]}}}}]"
         ),
         Form::Weights(weights) => {
-            format!(
-                "all weights are in one object: \"objective\": {{\"units\": \"si\", {weights}}}"
-            )
+            format!("all weights are in one object: \"objective\": {{\"units\": \"si\", {weights}}}")
         }
-        Form::Excess => {
-            "the balls are chosen by the distance by which they stick out: \"excess_m\"".to_owned()
-        }
+        Form::Excess => "the balls are chosen by the distance by which they stick out: \"excess_m\"".to_owned(),
         Form::Degree => "the key has its whole name: \"degree\"".to_owned(),
     };
-    Some(format!(
-        "{needed} is needed; `aghf scenarios --upgrade FILE` rewrites a scenario of version 0.2"
-    ))
+    Some(format!("{needed} is needed; `aghf scenarios --upgrade FILE` rewrites a scenario of version 0.2"))
 }
 
 /// The keys of a file, none of them twice.
@@ -139,9 +108,7 @@ impl ScenarioFile {
             };
             let at = Place { file: path, key };
             match form {
-                Form::Obstacle(shape, keys, _) => {
-                    obstacles(value, (shape, keys), &at, &mut scenario)
-                }
+                Form::Obstacle(shape, keys, _) => obstacles(value, (shape, keys), &at, &mut scenario),
                 Form::Weights(_) => weights(value, &at, &mut scenario),
                 Form::Excess => at.number(&value).map(|spacing| {
                     scenario["robot_shape"]["collision"]["excess_m"] = json!(EXCESS * spacing);
@@ -180,9 +147,7 @@ fn underscored(value: &mut Value) {
         Value::String(word) => *word = word.replace('-', "_"),
         Value::Object(keys) => {
             let renamed = std::mem::take(keys).into_iter();
-            *keys = renamed
-                .map(|(key, value)| (key.replace('-', "_"), value))
-                .collect();
+            *keys = renamed.map(|(key, value)| (key.replace('-', "_"), value)).collect();
         }
         _ => {}
     }
@@ -246,32 +211,19 @@ fn weights(value: Value, at: &Place<'_>, scenario: &mut Value) -> Result<()> {
 }
 
 /// Puts obstacles of a shape, which has these keys, into the one list.
-fn obstacles(
-    value: Value,
-    of: (&str, &[&str]),
-    at: &Place<'_>,
-    scenario: &mut Value,
-) -> Result<()> {
+fn obstacles(value: Value, of: (&str, &[&str]), at: &Place<'_>, scenario: &mut Value) -> Result<()> {
     let former: Vec<Map<String, Value>> = at.read(value)?;
     let mut moved = Vec::with_capacity(former.len());
     for (i, former) in former.into_iter().enumerate() {
         let key = format!("{}[{i}]", at.key);
-        moved.push(obstacle(
-            former,
-            of,
-            &Place {
-                file: at.file,
-                key: &key,
-            },
-        )?);
+        moved.push(obstacle(former, of, &Place { file: at.file, key: &key })?);
     }
     let keys = scenario.as_object_mut().into_iter();
     for list in keys.map(|keys| keys.entry("obstacles").or_insert(json!([]))) {
         match list {
             Value::Array(list) => list.append(&mut moved),
             _ => {
-                return at
-                    .refuse("its obstacles are in the list `obstacles` now, and that is no list");
+                return at.refuse("its obstacles are in the list `obstacles` now, and that is no list");
             }
         }
     }
@@ -279,11 +231,7 @@ fn obstacles(
 }
 
 /// The obstacle in the form of this version.
-fn obstacle(
-    mut former: Map<String, Value>,
-    (shape, keys): (&str, &[&str]),
-    at: &Place<'_>,
-) -> Result<Value> {
+fn obstacle(mut former: Map<String, Value>, (shape, keys): (&str, &[&str]), at: &Place<'_>) -> Result<Value> {
     let mut taken = |key: &str| match former.remove(key) {
         Some(value) => Ok(value),
         None => at.refuse(format!("missing field `{key}`")),
@@ -294,20 +242,14 @@ fn obstacle(
     }
     let pose = match shape {
         "capsule" => {
-            let [from, to] = at
-                .read::<[[f64; 3]; 2]>(taken("ends_m")?)?
-                .map(Vector3::from);
+            let [from, to] = at.read::<[[f64; 3]; 2]>(taken("ends_m")?)?.map(Vector3::from);
             size.insert("length_m".to_owned(), json!((to - from).norm()));
             pose((from + to) * 0.5, &(to - from), at)?
         }
         "half_space" => {
             let normal = Vector3::from(at.read::<[f64; 3]>(taken("normal")?)?);
             let offset = at.number(&taken("offset_m")?)?;
-            pose(
-                unit_vector(&normal).unwrap_or_default() * offset,
-                &normal,
-                at,
-            )?
+            pose(unit_vector(&normal).unwrap_or_default() * offset, &normal, at)?
         }
         _ => {
             let centre = taken("center_m")?;

@@ -70,11 +70,7 @@ impl Solve<'_> {
         scenario.check_for(options.method())?;
         options.check(scenario)?;
         scenario.check_feasible()?;
-        let Self {
-            interrupt,
-            mut observe,
-            ..
-        } = self;
+        let Self { interrupt, mut observe, .. } = self;
         let run = |search: &mut Search<'_, '_>| search.run();
         let (found, whole) = search_directly(scenario, own, (None, interrupt), &mut *observe, run)?;
         let mut phases = Vec::new();
@@ -114,10 +110,7 @@ fn part(
         ..found.clone()
     };
     let part = solution_of(phase, &settings, (None, own), whole.solve_seconds)?;
-    Ok(Solution {
-        failure: whole.failure.clone(),
-        ..part
-    })
+    Ok(Solution { failure: whole.failure.clone(), ..part })
 }
 
 impl Scenario {
@@ -130,10 +123,7 @@ impl Scenario {
         let (n, count) = (self.model.dof(), self.phases.len());
         check_length("motion", n, curve.dof())?;
         if count == 0 || !curve.segments().is_multiple_of(count) {
-            let condition = format!(
-                "{} segments are not those of {count} phases",
-                curve.segments()
-            );
+            let condition = format!("{} segments are not those of {count} phases", curve.segments());
             return Err(Error::input(&self.name, "phases", condition));
         }
         let segments = curve.segments() / count;
@@ -145,8 +135,7 @@ impl Scenario {
             let x = DMatrix::from_fn(2 * n, columns, own);
             let horizon = curve.horizon_of(k * curve.parts() / count) / count as f64;
             let part = |j: usize, first: usize| x.column(j).as_slice()[first..first + n].to_vec();
-            let [[q_start, v_start], [q_goal, v_goal]] =
-                [0, columns - 1].map(|j| [part(j, 0), part(j, n)]);
+            let [[q_start, v_start], [q_goal, v_goal]] = [0, columns - 1].map(|j| [part(j, 0), part(j, n)]);
             let file = ScenarioFile {
                 robot: self.robot_place.clone(),
                 q_start,
@@ -181,21 +170,13 @@ impl Scenario {
             for row in (0..rows.dim()).filter(|row| rows.is_equality(*row)) {
                 let mut alone = vec![0.0; rows.dim()];
                 alone[row] = 1.0 / scales[row];
-                let weights = Weights {
-                    first_order: &alone,
-                    gauss_newton: None,
-                };
+                let weights = Weights { first_order: &alone, gauss_newton: None };
                 let gradient = placed.weighted_derivatives(rows, weights)?.gradient();
                 let rate: f64 = v.iter().zip(gradient.iter()).map(|(v, g)| v * g).sum();
                 speed = speed.max(rate.abs());
             }
             let frame = phase.land.as_ref().map(|land| land.frame.clone());
-            all.push(Landing {
-                time_s,
-                frame: frame.unwrap_or_default(),
-                off,
-                speed,
-            });
+            all.push(Landing { time_s, frame: frame.unwrap_or_default(), off, speed });
         }
         Ok(all)
     }

@@ -28,13 +28,12 @@ impl MultipliersFile {
     pub(super) fn new(multipliers: &Multipliers) -> Option<Self> {
         let entries = multipliers.entries(LEAST);
         let finite = |z: &f64| z.is_finite();
-        (entries.iter().all(|(.., z)| finite(z)) && multipliers.of_points().iter().all(finite))
-            .then(|| Self {
-                times: multipliers.times().to_vec(),
-                rows: multipliers.rows(),
-                entries,
-                of_points: multipliers.of_points().to_vec(),
-            })
+        (entries.iter().all(|(.., z)| finite(z)) && multipliers.of_points().iter().all(finite)).then(|| Self {
+            times: multipliers.times().to_vec(),
+            rows: multipliers.rows(),
+            entries,
+            of_points: multipliers.of_points().to_vec(),
+        })
     }
 }
 
@@ -57,14 +56,11 @@ pub(super) fn start_from(start: &Solved, search: &mut Search<'_, '_>) -> Result<
         Some(of) if of.rows == rows => {
             let times = of.times.clone();
             let known = Multipliers::of_entries(times, rows, &of.entries, of.of_points.clone());
-            search.settings.multipliers =
-                Some(known.map_err(|e| Error::input("start", "multipliers", e.to_string()))?);
+            search.settings.multipliers = Some(known.map_err(|e| Error::input("start", "multipliers", e.to_string()))?);
             "with its multipliers"
         }
         Some(_) => "without its multipliers, as the constraints are others",
         None => "without multipliers, as it has none",
     };
-    Ok(format!(
-        "start: the search began with the motion of '{name}', {kept}"
-    ))
+    Ok(format!("start: the search began with the motion of '{name}', {kept}"))
 }

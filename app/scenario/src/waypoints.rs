@@ -91,10 +91,7 @@ impl Scenario {
                 let after = self.after(k);
                 let way = |q: &Vec<f64>| {
                     let squares = |to: &[f64]| q.iter().zip(to).map(|(a, b)| (a - b).powi(2)).sum();
-                    [squares(&before), squares(after)]
-                        .map(f64::sqrt)
-                        .iter()
-                        .sum::<f64>()
+                    [squares(&before), squares(after)].map(f64::sqrt).iter().sum::<f64>()
                 };
                 waypoint.guesses.sort_by(|a, b| way(a).total_cmp(&way(b)));
             } else {

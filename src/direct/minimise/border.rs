@@ -95,23 +95,13 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let of_horizons = of_horizons.flat_map(|(k, (part, [shortest, longest]))| {
             [(shortest, -1.0), (longest, 1.0)].map(|(bound, sign)| {
                 let (value, slope) = bound_of_horizon(horizons[*part], *bound, sign);
-                LinearRow {
-                    value,
-                    slopes: [Some((k, slope)), None],
-                    of_whole: 0.0,
-                    unit: *bound,
-                }
+                LinearRow { value, slopes: [Some((k, slope)), None], of_whole: 0.0, unit: *bound }
             })
         });
         let (horizon, share) = (self.horizons.whole(), self.horizons.share());
         let of_whole = self.free.whole.iter().map(move |(bound, sign)| {
             let (value, slope) = bound_of_horizon(horizon, *bound, *sign);
-            LinearRow {
-                value,
-                slopes: [None; 2],
-                of_whole: share * slope,
-                unit: *bound,
-            }
+            LinearRow { value, slopes: [None; 2], of_whole: share * slope, unit: *bound }
         });
         self.time_rows().chain(of_horizons).chain(of_whole)
     }
@@ -160,10 +150,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 
     /// The indices of the rows of points among all rows.
     pub fn range_of_points(&self) -> Range<usize> {
-        let last = self
-            .points
-            .last()
-            .map_or(self.first_of_points, |of| of.range().end);
+        let last = self.points.last().map_or(self.first_of_points, |of| of.range().end);
         self.first_of_points..last
     }
 
@@ -185,12 +172,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let of_motion = |time: f64| (time / self.horizons.whole()).min(1.0);
         let time = rows.time.or(rows.time_s.map(of_motion));
         let time = time.or(self.times.get(point).copied());
-        Place::new(
-            &self.basis,
-            coefficients,
-            time.unwrap_or(1.0),
-            &self.horizons,
-        )
+        Place::new(&self.basis, coefficients, time.unwrap_or(1.0), &self.horizons)
     }
 
     /// Evaluates the rows of all points at the current unknowns.
@@ -203,27 +185,19 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     }
 
     /// The places of all points, with the derivatives of their weighted rows.
-    pub(super) fn of_points(
-        &mut self,
-        iterate: &Iterate,
-    ) -> Result<Vec<(Place, PointDerivatives)>> {
+    pub(super) fn of_points(&mut self, iterate: &Iterate) -> Result<Vec<(Place, PointDerivatives)>> {
         self.evaluate_points()?;
         let mut all = Vec::new();
         for point in 0..self.points.len() {
             let rows = &self.points[point];
             let own = rows.range();
             let value = |at: usize| rows.h[at - own.start] + self.margins[at];
-            let held = iterate
-                .equalities
-                .iter()
-                .filter(|of| own.contains(&of.row.at));
+            let held = iterate.equalities.iter().filter(|of| own.contains(&of.row.at));
             let held = held.map(|of| (of.row, iterate.equality_term(of, value(of.row.at))));
             let near = iterate.working.iter().filter(|of| own.contains(&of.row.at));
             let near = near.map(|of| (of.row, self.term(iterate, of, value(of.row.at))));
             let terms = held.chain(near);
-            let terms: Vec<_> = terms
-                .map(|(row, term)| (row.at, term.times(row.weight)))
-                .collect();
+            let terms: Vec<_> = terms.map(|(row, term)| (row.at, term.times(row.weight))).collect();
             let place = self.place_of_point(point, &self.coefficients);
             let of = self.points[point].derivatives(terms.into_iter())?;
             all.push((place, of));
@@ -275,9 +249,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         });
         let in_time = self.unknown_time(point);
         let in_time = in_time.map(|k| (k, pair(&place.q, 1)));
-        let Kkt {
-            gradient, hessian, ..
-        } = out;
+        let Kkt { gradient, hessian, .. } = out;
         for (k, by) in in_horizon.iter().chain(&in_time) {
             gradient[own + k] += measure * of.gradient.dot(by);
             let bent = &of.hessian * by;
@@ -297,18 +269,11 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             if let Some(at) = &at_time {
                 let mut column = hessian.border.column_mut(k);
                 let column = column.as_mut_slice();
-                hessian.corner[(k, k)] +=
-                    at.add_second((place, grid), &of.of_multipliers, measure, column);
+                hessian.corner[(k, k)] += at.add_second((place, grid), &of.of_multipliers, measure, column);
             }
             if let Some(in_part) = &place.in_part {
                 let mut column = hessian.border.column_mut(k);
-                place.scatter_functions(
-                    grid,
-                    (in_part, 0),
-                    &of.of_multipliers,
-                    measure,
-                    column.as_mut_slice(),
-                );
+                place.scatter_functions(grid, (in_part, 0), &of.of_multipliers, measure, column.as_mut_slice());
             }
             if let Some((j, _)) = in_time {
                 let late = pair(&rates, 1);
@@ -323,14 +288,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 impl Place {
     /// Adds `factor` times the derivatives in the unknown coefficients of a function of $q$ and $q'$, or, with `d` one,
     /// those of its derivative in time where the functions themselves change.
-    pub(super) fn scatter(
-        &self,
-        grid: &Grid<f64>,
-        of: &DVector<f64>,
-        d: usize,
-        factor: f64,
-        out: &mut [f64],
-    ) {
+    pub(super) fn scatter(&self, grid: &Grid<f64>, of: &DVector<f64>, d: usize, factor: f64, out: &mut [f64]) {
         self.scatter_functions(grid, (&self.functions, d), of, factor, out);
     }
 

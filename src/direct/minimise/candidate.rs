@@ -67,10 +67,7 @@ fn in_parts(path: &Path, horizons: &Horizons<f64>, basis: Basis) -> Path {
         let place = Place::new(&path.basis, &path.coefficients, time, horizons);
         [0, 1, 2].map(|d| place.q.column(d).into_owned())
     });
-    let mut path = Path {
-        basis,
-        coefficients,
-    };
+    let mut path = Path { basis, coefficients };
     unstretch(&mut path, horizons);
     path
 }
@@ -191,11 +188,7 @@ impl Multipliers {
             }
             values[at * rows + row] = *value;
         }
-        Ok(Self {
-            times,
-            values,
-            of_points,
-        })
+        Ok(Self { times, values, of_points })
     }
 
     /// The normalised times.
@@ -261,11 +254,7 @@ impl Multipliers {
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         let by = |values: &[f64]| values.iter().map(|z| factor * z).collect();
-        Self {
-            times: self.times.clone(),
-            values: by(&self.values),
-            of_points: by(&self.of_points),
-        }
+        Self { times: self.times.clone(), values: by(&self.values), of_points: by(&self.of_points) }
     }
 
     /// Takes over other multipliers in the memory of these.
@@ -298,11 +287,7 @@ impl Multipliers {
             let after = self.times.partition_point(|t| t < time);
             let (a, b) = (after.saturating_sub(1), after.min(last));
             let span = self.times[b] - self.times[a];
-            let share = if span > 0.0 {
-                (time - self.times[a]) / span
-            } else {
-                0.0
-            };
+            let share = if span > 0.0 { (time - self.times[a]) / span } else { 0.0 };
             for (row, to) in to.iter_mut().enumerate() {
                 let [x, y] = [a, b].map(|i| self.values[i * rows + row]);
                 *to = x + share * (y - x);

@@ -27,11 +27,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let term = iterate.term(state, h);
         match self.lagrangian {
             false => term,
-            true => Term {
-                slope: term.multiplier,
-                cost: 0.0,
-                ..term
-            },
+            true => Term { slope: term.multiplier, cost: 0.0, ..term },
         }
     }
 
@@ -39,15 +35,9 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     pub fn smallest_curvature(&mut self, x: &DVector<f64>, iterate: &Iterate) -> Result<f64> {
         self.place(x);
         self.set_terms(iterate);
-        self.objective
-            .derivatives(&self.coefficients, &mut self.derivatives)?;
+        self.objective.derivatives(&self.coefficients, &mut self.derivatives)?;
         for (place, of) in self.of_points(iterate)? {
-            place.add_hessian(
-                &self.grid,
-                &of,
-                self.horizons.whole(),
-                &mut self.derivatives.hessian,
-            );
+            place.add_hessian(&self.grid, &of, self.horizons.whole(), &mut self.derivatives.hessian);
         }
         let of_unknowns = |matrix: &BlockTridiagonal<f64>| {
             let full = Bordered::with_border(matrix.clone(), 0);
@@ -56,9 +46,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
                 Some(period) => period.reduced(&full),
             }
         };
-        let Derivatives {
-            hessian, metric, ..
-        } = &self.derivatives;
+        let Derivatives { hessian, metric, .. } = &self.derivatives;
         Ok(smallest(&of_unknowns(hessian), &of_unknowns(metric)))
     }
 }

@@ -87,10 +87,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         for row in (0..rows.states()).filter(is_at_bound) {
             let mut only = vec![0.0; rows.states()];
             only[row] = attributes.scales[row] * attributes.units[row];
-            let weights = Weights {
-                first_order: &only,
-                gauss_newton: None,
-            };
+            let weights = Weights { first_order: &only, gauss_newton: None };
             let state_rows = &rows.constraints.state;
             let of = evaluator.weighted_derivatives_at(&state, (state_rows, None), weights)?;
             let slope = of.gradient().rows(0, n).into_owned();

@@ -22,11 +22,7 @@ pub(super) struct PeriodicEnds {
 impl PeriodicEnds {
     /// The ends for a matrix in all free coefficients and a border.
     pub fn new(period: Period, hessian: Bordered) -> Self {
-        Self {
-            period,
-            gradient: DVector::zeros(hessian.order()),
-            hessian,
-        }
+        Self { period, gradient: DVector::zeros(hessian.order()), hessian }
     }
 
     /// The number of unknowns of the ends, slopes and values.
@@ -38,10 +34,7 @@ impl PeriodicEnds {
     fn source(&self, k: usize) -> (usize, f64) {
         let n = self.period.joints.len();
         let joint = k % n;
-        (
-            k - joint + self.period.joints[joint],
-            self.period.signs[joint],
-        )
+        (k - joint + self.period.joints[joint], self.period.signs[joint])
     }
 
     /// Exchanges gradient and matrix with those in all coefficients, or back.
@@ -57,8 +50,7 @@ impl PeriodicEnds {
         let (from, to) = (&self.gradient, &mut out.gradient);
         let kept = from.rows(ends, own);
         to.rows_mut(0, own).copy_from(&kept);
-        to.rows_mut(own, border)
-            .copy_from(&from.rows(own + 2 * ends, border));
+        to.rows_mut(own, border).copy_from(&from.rows(own + 2 * ends, border));
         let of_ends = self.collect(&from.as_slice()[..own + 2 * ends]);
         to.rows_mut(own + border, ends).copy_from(&of_ends);
         self.reduce_matrix(&self.hessian, &mut out.hessian);
@@ -69,8 +61,7 @@ impl PeriodicEnds {
         let (ends, border) = (self.count(), full.border.ncols());
         let last = full.matrix.diagonal.len() - 1;
         let blocks = full.matrix.diagonal.iter().enumerate();
-        let sizes =
-            blocks.map(|(e, block)| block.nrows() - self.cut(e, last).iter().sum::<usize>());
+        let sizes = blocks.map(|(e, block)| block.nrows() - self.cut(e, last).iter().sum::<usize>());
         let shared = full.matrix.coupling.first().map_or(0, DMatrix::ncols);
         let matrix = BlockTridiagonal::new(&sizes.collect::<Vec<_>>(), shared);
         let columns = border + ends;
@@ -143,9 +134,7 @@ impl PeriodicEnds {
         let mut of_ends = out.border.columns_mut(border, ends);
         of_ends.copy_from(&columns.rows(ends, own));
         let corner = &mut out.corner;
-        corner
-            .view_mut((0, 0), (border, border))
-            .copy_from(&full.corner);
+        corner.view_mut((0, 0), (border, border)).copy_from(&full.corner);
         for (j, column) in full.border.column_iter().enumerate() {
             let both = self.collect(column.as_slice());
             corner.view_mut((border, j), (ends, 1)).copy_from(&both);

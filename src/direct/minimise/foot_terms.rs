@@ -58,11 +58,7 @@ impl FootTerms {
             }
             let z = [0, 1, 2].map(|part| &self.z[part * n..(part + 1) * n]);
             let [slopes, multipliers, curvatures] = &self.weights;
-            let weights = FootWeights {
-                slopes,
-                multipliers,
-                curvatures,
-            };
+            let weights = FootWeights { slopes, multipliers, curvatures };
             let (data, found) = (&mut self.data, &mut self.out);
             foot.weighted_derivatives(model, data, z, weights, found)?;
             let joint = |i: usize| phase.map_or(i, |phase| phase.order[i]);
@@ -92,8 +88,7 @@ impl FootTerms {
         for (lane, terms) in terms.iter().enumerate() {
             for (row, term) in terms {
                 let row = row.checked_sub(self.first);
-                let Some((row, scale)) = row.and_then(|row| Some((row, *self.scales.get(row)?)))
-                else {
+                let Some((row, scale)) = row.and_then(|row| Some((row, *self.scales.get(row)?))) else {
                     continue;
                 };
                 let [slopes, multipliers, curvatures] = &mut self.weights;

@@ -28,15 +28,11 @@ impl Free {
             bound * (1.0 - sign * reserve.min(RANGE * (longest / shortest - 1.0)))
         };
         let all = match parts {
-            [] => free
-                .iter()
-                .map(|free| [free.shortest, free.longest])
-                .collect(),
+            [] => free.iter().map(|free| [free.shortest, free.longest]).collect(),
             _ => parts.to_vec(),
         };
         let count = all.len() as f64;
-        let is_free =
-            |(_, [shortest, longest]): &(usize, [f64; 2])| parts.is_empty() || shortest < longest;
+        let is_free = |(_, [shortest, longest]): &(usize, [f64; 2])| parts.is_empty() || shortest < longest;
         let own = all.iter().copied().enumerate().filter(is_free);
         let own = own.map(|(part, bounds)| {
             let [shortest, longest] = bounds;
@@ -46,19 +42,13 @@ impl Free {
         let [shortest, longest] = [0, 1].map(|end| all.iter().map(|of| of[end]).sum::<f64>());
         let whole = free.iter().flat_map(|free| {
             let bounds = [free.shortest, free.longest];
-            [
-                (free.shortest, -1.0, free.shortest > shortest),
-                (free.longest, 1.0, free.longest < longest),
-            ]
-            .map(|(bound, sign, is_own)| (kept(bounds, bound, sign), sign, is_own))
+            [(free.shortest, -1.0, free.shortest > shortest), (free.longest, 1.0, free.longest < longest)]
+                .map(|(bound, sign, is_own)| (kept(bounds, bound, sign), sign, is_own))
         });
         Self {
             parts: own.filter(|_| free.is_some()).collect(),
             weight: free.map_or(0.0, |free| free.weight),
-            whole: whole
-                .filter(|of| of.2)
-                .map(|(bound, sign, _)| (bound, sign))
-                .collect(),
+            whole: whole.filter(|of| of.2).map(|(bound, sign, _)| (bound, sign)).collect(),
         }
     }
 

@@ -4,10 +4,7 @@ use super::foot_terms::FootTerms;
 use super::stage_terms::StageTerms;
 use crate::constraint::{Constraint, Side, Weights};
 use crate::cost::alone;
-use crate::cost::{
-    ControlDerivatives, CostWithControl, Point, PointCost, PointDerivatives, Points,
-    PointsDerivatives,
-};
+use crate::cost::{ControlDerivatives, CostWithControl, Point, PointCost, PointDerivatives, Points, PointsDerivatives};
 use crate::error::Result;
 use crate::nlp::Term;
 use crate::scalar::{LANES, Wide};
@@ -92,12 +89,7 @@ impl<'a, K: Constraint, P: CostWithControl> Integrand<'a, K, P> {
     }
 
     /// Adds the derivatives of the rows of the state at the points from `start` on, side by side.
-    fn add_state(
-        &mut self,
-        points: Points<'_, f64>,
-        start: usize,
-        out: &mut PointsDerivatives<f64>,
-    ) -> Result<()> {
+    fn add_state(&mut self, points: Points<'_, f64>, start: usize, out: &mut PointsDerivatives<f64>) -> Result<()> {
         let n = points.states.nrows();
         let found = LANES.min(points.count() - start);
         let states = self.rows.states();
@@ -116,30 +108,20 @@ impl<'a, K: Constraint, P: CostWithControl> Integrand<'a, K, P> {
         if !any {
             return Ok(());
         }
-        let gradient = Weights {
-            first_order: &self.slopes,
-            gauss_newton: None,
-        };
+        let gradient = Weights { first_order: &self.slopes, gauss_newton: None };
         let sum = self.rows.weighted_derivatives(points, start, gradient)?;
         for (i, slope) in sum.gradient().iter().enumerate() {
             for lane in 0..found {
                 out.gradients[(i % n, 3 * (start + lane) + i / n)] += slope.0[lane];
             }
         }
-        let hessian = Weights {
-            first_order: &self.multipliers,
-            gauss_newton: Some(&self.curvatures),
-        };
+        let hessian = Weights { first_order: &self.multipliers, gauss_newton: Some(&self.curvatures) };
         let sum = self.rows.weighted_derivatives(points, start, hessian)?;
         out.hessians.add_wide(start, sum.hessian());
         for lane in 0..found {
             for (row, _) in &self.terms[points.first + start + lane] {
                 if *row < states {
-                    for weights in [
-                        &mut self.slopes,
-                        &mut self.curvatures,
-                        &mut self.multipliers,
-                    ] {
+                    for weights in [&mut self.slopes, &mut self.curvatures, &mut self.multipliers] {
                         weights[*row].0[lane] = 0.0;
                     }
                 }
@@ -186,9 +168,7 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
 
     fn time_rate(&mut self, point: Point<'_, f64>) -> Result<f64> {
         let of_rows = match &mut self.stage {
-            Some(stage) => {
-                stage.time_rate(point, &self.rows.constraints, &self.terms[point.index])?
-            }
+            Some(stage) => stage.time_rate(point, &self.rows.constraints, &self.terms[point.index])?,
             None => 0.0,
         };
         Ok(of_rows + self.rows.cost.time_rate(point)?)
@@ -208,19 +188,11 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
         self.rows.at(points, &mut self.h[own], costs)
     }
 
-    fn derivatives(
-        &mut self,
-        point: Point<'_, f64>,
-        out: &mut PointDerivatives<f64>,
-    ) -> Result<f64> {
+    fn derivatives(&mut self, point: Point<'_, f64>, out: &mut PointDerivatives<f64>) -> Result<f64> {
         alone(point, out, |points, all| self.all_derivatives(points, all))
     }
 
-    fn all_derivatives(
-        &mut self,
-        points: Points<'_, f64>,
-        out: &mut PointsDerivatives<f64>,
-    ) -> Result<()> {
+    fn all_derivatives(&mut self, points: Points<'_, f64>, out: &mut PointsDerivatives<f64>) -> Result<()> {
         let torque = &self.rows.constraints.torque;
         let (states, torques, terms) = (self.rows.states(), &self.torques, &self.terms);
         let mut add = |index: usize, _: &[f64], out: &mut ControlDerivatives<f64>| {
@@ -237,10 +209,7 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
         };
         self.rows.cost.all_derivatives_with(points, out, &mut add)?;
         for (g, cost) in out.costs.iter_mut().enumerate() {
-            *cost += terms[points.first + g]
-                .iter()
-                .map(|(_, term)| term.cost)
-                .sum::<f64>();
+            *cost += terms[points.first + g].iter().map(|(_, term)| term.cost).sum::<f64>();
         }
         self.add_rates(points, out);
         let standing = self.rows.standing(points.phase);

@@ -14,10 +14,7 @@ pub(super) fn beside(grid: &Grid<f64>, maximum: &Maximum) -> [Option<usize>; 2] 
     let after = grid.times.partition_point(|t| *t < maximum.time);
     let own = maximum.segment * grid.points()..(maximum.segment + 1) * grid.points();
     let asked = |g: &usize| !grid.collocated[g % grid.points()];
-    [
-        (own.start..after.min(own.end)).rfind(asked),
-        (after.max(own.start)..own.end).find(asked),
-    ]
+    [(own.start..after.min(own.end)).rfind(asked), (after.max(own.start)..own.end).find(asked)]
 }
 
 /// The share of the reserve of a row that is kept in one of several phases, at a time from 0 to 1. A foot that lands is
@@ -82,11 +79,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let exact = finer.value(&self.coefficients)?;
         let error = (exact - cost).abs() / exact.abs().max(SMALLEST_COST);
         self.finer_cost = [exact, error];
-        let on_the_way = if end {
-            0.0
-        } else {
-            self.search.quadrature_on_the_way
-        };
+        let on_the_way = if end { 0.0 } else { self.search.quadrature_on_the_way };
         Ok(self.refinable && error > self.stage.quadrature_tolerance.max(on_the_way))
     }
 

@@ -118,12 +118,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     stage: Stage,
     observe: &mut dyn FnMut(Iteration),
 ) -> Result<Status> {
-    let Context {
-        grids,
-        rows,
-        settings,
-        ..
-    } = context;
+    let Context { grids, rows, settings, .. } = context;
     let (basis, points) = (candidate.path.basis.clone(), candidate.points);
     let grid = grid(context, &basis, points);
     // Not a multiple, so that it evaluates between the points.
@@ -131,9 +126,7 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     let refinable = points < settings.search.most_points * basis.degree();
     let both = (grid, Some(finer));
     let mut program = Program::new(context, candidate, both, stage, refinable);
-    let goal = context
-        .goal
-        .map(|goal| &goal.alternatives[candidate.alternative][..]);
+    let goal = context.goal.map(|goal| &goal.alternatives[candidate.alternative][..]);
     program.add_goal_and_waypoints(&settings.waypoints, goal);
     program.add_windows(&rows.constraints);
     program.stiffen_points()?;
@@ -141,13 +134,9 @@ fn on_grid<K: Constraint, P: CostWithControl>(
         program.set_period(period);
     }
     let options = options_of(settings, stage, candidate.penalty, rows.count());
-    let kkt = program.kkt().ok_or_else(|| {
-        Error::input(
-            "basis",
-            "norm",
-            "the norm of velocities is not positive definite",
-        )
-    })?;
+    let kkt = program
+        .kkt()
+        .ok_or_else(|| Error::input("basis", "norm", "the norm of velocities is not positive definite"))?;
     let mut log = |progress: &Progress| observe(iteration_of(progress, &basis, points));
     program.equality_penalty = candidate.equality_penalty;
     let x = program.unknowns(candidate);
@@ -177,8 +166,7 @@ fn take_end<K: Constraint, P: CostWithControl>(
     if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
         candidate.equality_penalty = penalty / first;
     }
-    candidate.converged =
-        end.status == Status::Converged && program.finer_cost[1] <= stage.quadrature_tolerance;
+    candidate.converged = end.status == Status::Converged && program.finer_cost[1] <= stage.quadrature_tolerance;
     let (mut x, mut violation) = (end.x.clone(), end.violation);
     while stage.last && violation > stage.feasible {
         let Some(earlier) = program.kept.pop() else {
@@ -192,8 +180,7 @@ fn take_end<K: Constraint, P: CostWithControl>(
     (candidate.violation, candidate.deviation) = (violation, program.deviation);
     let rough = stage.last && candidate.deviation > settings.search.deviation;
     candidate.converged &= !rough;
-    candidate.kept =
-        rows.count() > 0 && !candidate.converged && violation <= stage.feasible && !rough;
+    candidate.kept = rows.count() > 0 && !candidate.converged && violation <= stage.feasible && !rough;
     program.put(&x, candidate);
     if stage.last && !candidate.converged {
         // The finer quadrature may be that of another iterate.
@@ -216,12 +203,7 @@ fn take_end<K: Constraint, P: CostWithControl>(
 }
 
 /// The options of the interior-point method from a start with this penalty, or that of the options.
-fn options_of(
-    settings: &DirectSettings,
-    stage: Stage,
-    penalty: Option<f64>,
-    rows: usize,
-) -> Options {
+fn options_of(settings: &DirectSettings, stage: Stage, penalty: Option<f64>, rows: usize) -> Options {
     let of_bounds = settings.search.last_barrier_of_bounds;
     Options {
         tolerance: stage.tolerance,
@@ -262,10 +244,7 @@ fn iteration_of(progress: &Progress, basis: &Basis, points: usize) -> Iteration 
 /// The number of points per segment at which equalities are collocated: `degree - 1`, as of a second-order equation,
 /// the torque of a passive joint, and fewer where equalities of the state would leave less than a quarter of the
 /// unknowns free. With half as many again, searches take twice as many iterations, more than with more segments.
-fn collocated_points<K: Constraint, P: CostWithControl>(
-    context: Context<'_, '_, K, P>,
-    basis: &Basis,
-) -> usize {
+fn collocated_points<K: Constraint, P: CostWithControl>(context: Context<'_, '_, K, P>, basis: &Basis) -> usize {
     let second_order = basis.degree() - 1;
     match context.rows.equalities_of_state().count() {
         0 => second_order,

@@ -73,12 +73,7 @@ pub(super) struct PointDerivatives {
 
 impl Place {
     /// The curve of these coefficients at a normalised time in `[0, 1]`.
-    pub fn new(
-        basis: &Basis,
-        coefficients: &DMatrix<f64>,
-        time: f64,
-        horizons: &Horizons<f64>,
-    ) -> Self {
+    pub fn new(basis: &Basis, coefficients: &DMatrix<f64>, time: f64, horizons: &Horizons<f64>) -> Self {
         let (segment, mut functions) = basis.functions_at(time);
         let own = coefficients.columns(basis.first(segment), functions.ncols());
         let horizon = horizons.parts()[horizons.part(segment, basis.segments())];
@@ -89,13 +84,7 @@ impl Place {
             rates
         });
         let q = own * functions.transpose();
-        Self {
-            segment,
-            functions,
-            in_part,
-            q,
-            horizon,
-        }
+        Self { segment, functions, in_part, q, horizon }
     }
 }
 
@@ -118,9 +107,7 @@ impl<'g> PointRows<'g> {
         let equalities = (0..rows).map(|row| is_equality(&row));
         let of_rates = rates.iter().map(|row| scales[*row]).collect();
         Self {
-            equalities: equalities
-                .chain(std::iter::repeat_n(true, others))
-                .collect(),
+            equalities: equalities.chain(std::iter::repeat_n(true, others)).collect(),
             rates: RateRows::new(model, constraints, (rates, of_rates)),
             scales,
             evaluator: Evaluator::new(model),
@@ -139,33 +126,14 @@ impl<'g> PointRows<'g> {
     }
 
     /// Linear inequalities of the configuration at a normalised time: their slopes, and the values that are subtracted.
-    pub fn of_linear(
-        model: &'g Model,
-        linear: Vec<(DVector<f64>, f64)>,
-        time: f64,
-        first: usize,
-    ) -> Self {
+    pub fn of_linear(model: &'g Model, linear: Vec<(DVector<f64>, f64)>, time: f64, first: usize) -> Self {
         let rows = Self::new(model, &[], (Vec::new(), false), first);
-        Self {
-            equalities: vec![false; linear.len()],
-            h: vec![0.0; linear.len()],
-            time: Some(time),
-            linear,
-            ..rows
-        }
+        Self { equalities: vec![false; linear.len()], h: vec![0.0; linear.len()], time: Some(time), linear, ..rows }
     }
 
     /// The rows of the state at a time in s.
-    pub fn of_time(
-        model: &'g Model,
-        constraints: &'g [AnyConstraint],
-        time_s: f64,
-        first: usize,
-    ) -> Self {
-        Self {
-            time_s: Some(time_s),
-            ..Self::new(model, constraints, (Vec::new(), false), first)
-        }
+    pub fn of_time(model: &'g Model, constraints: &'g [AnyConstraint], time_s: f64, first: usize) -> Self {
+        Self { time_s: Some(time_s), ..Self::new(model, constraints, (Vec::new(), false), first) }
     }
 
     /// The rows of a goal.
@@ -203,11 +171,7 @@ impl<'g> PointRows<'g> {
     /// that stays there in no time costs nothing but this penalty, which is the square of little.
     fn stiffen(&mut self, start: &Place) -> Result<()> {
         self.evaluate(start)?;
-        let held = self
-            .h
-            .iter()
-            .zip(&self.equalities)
-            .filter(|(_, held)| **held);
+        let held = self.h.iter().zip(&self.equalities).filter(|(_, held)| **held);
         let off: f64 = held.map(|(h, _)| h * h).sum();
         self.stiffness = off.clamp(LEAST_OFF.powi(2), 1.0).recip();
         Ok(())
@@ -257,10 +221,7 @@ impl<'g> PointRows<'g> {
     }
 
     /// The derivatives of the weighted rows at the last evaluation.
-    pub fn derivatives(
-        &mut self,
-        terms: impl Iterator<Item = (usize, Term)>,
-    ) -> Result<PointDerivatives> {
+    pub fn derivatives(&mut self, terms: impl Iterator<Item = (usize, Term)>) -> Result<PointDerivatives> {
         let (rows, n) = (self.scales.len(), self.state.len() / 2);
         let [mut slopes, mut multipliers, mut curvatures] = [(); 3].map(|()| vec![0.0; rows]);
         let mut out = PointDerivatives {
@@ -313,19 +274,13 @@ impl<'g> PointRows<'g> {
     ) -> Result<()> {
         let (n, factors) = (self.state.len() / 2, [1.0, self.rate]);
         let mut placed = self.evaluator.at(&self.state)?;
-        let weights = Weights {
-            first_order: slopes,
-            gauss_newton: None,
-        };
+        let weights = Weights { first_order: slopes, gauss_newton: None };
         let first = placed.weighted_derivatives(self.constraints, weights)?;
         for (i, factor) in factors.into_iter().enumerate() {
             let own = first.gradient().rows(i * n, n);
             out.gradient.rows_mut(i * n, n).axpy(factor, &own, 1.0);
         }
-        let weights = Weights {
-            first_order: multipliers,
-            gauss_newton: Some(curvatures),
-        };
+        let weights = Weights { first_order: multipliers, gauss_newton: Some(curvatures) };
         let both = placed.weighted_derivatives(self.constraints, weights)?;
         for i in 0..2 {
             let own = both.gradient().rows(i * n, n);
@@ -343,11 +298,7 @@ impl<'g> PointRows<'g> {
 
 impl<'g, K: Constraint, P: CostWithControl> Program<'g, '_, K, P> {
     /// Adds the rows of waypoints and of a goal.
-    pub fn add_goal_and_waypoints(
-        &mut self,
-        waypoints: &'g [Waypoint],
-        goal: Option<&'g [AnyConstraint]>,
-    ) {
+    pub fn add_goal_and_waypoints(&mut self, waypoints: &'g [Waypoint], goal: Option<&'g [AnyConstraint]>) {
         let mut first = self.first_of_points;
         for waypoint in waypoints {
             let of_waypoint = PointRows::of_waypoint(self.model, waypoint, first);

@@ -98,11 +98,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         let (search, path) = (context.settings.search.clone(), &candidate.path);
         let (n, basis) = (problem.model().dof(), &path.basis);
         let looks = search.scan * grid.points();
-        let last = if stage.last {
-            looks.max(search.last_scan / basis.segments())
-        } else {
-            looks
-        };
+        let last = if stage.last { looks.max(search.last_scan / basis.segments()) } else { looks };
         let points = grid.points() * grid.segments;
         let mut program = Self {
             scans: [looks, last].map(|times| context.grids.scan(basis, times)),
@@ -116,11 +112,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             rates: path.rates(problem),
             basis: basis.clone(),
             horizons: candidate.horizons.clone(),
-            free: Free::new(
-                context.free_horizon,
-                &context.settings.parts,
-                search.reserve,
-            ),
+            free: Free::new(context.free_horizon, &context.settings.parts, search.reserve),
             points: Vec::new(),
             windows: Vec::new(),
             first_of_points: points * rows.count(),
@@ -241,8 +233,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             self.objective.cost_mut().rows.near.forget_pieces();
         }
         self.set_terms(iterate);
-        self.objective
-            .gradient_and_hessian(&self.coefficients, &mut self.derivatives)?;
+        self.objective.gradient_and_hessian(&self.coefficients, &mut self.derivatives)?;
         let (own, of) = (self.derivatives.gradient.len(), &self.derivatives);
         out.gradient.rows_mut(0, own).copy_from(&of.gradient);
         std::mem::swap(&mut out.hessian.matrix, &mut self.derivatives.hessian);
@@ -278,12 +269,10 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
             false => cost + self.free.weight * self.horizons.whole(),
         };
         let rows = &self.objective.cost().rows;
-        Ok(
-            match self.working.is_left(rows, &h[..self.first_of_points]) {
-                true => f64::INFINITY,
-                false => objective,
-            },
-        )
+        Ok(match self.working.is_left(rows, &h[..self.first_of_points]) {
+            true => f64::INFINITY,
+            false => objective,
+        })
     }
 
     fn value_beside(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
@@ -313,12 +302,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         match &self.free.parts[..] {
             [] => self.horizons.whole(),
             [_] if parts.len() == 1 => x[self.own()],
-            _ => {
-                (0..parts.len())
-                    .map(|part| self.horizon_at(x, part))
-                    .sum::<f64>()
-                    * self.horizons.share()
-            }
+            _ => (0..parts.len()).map(|part| self.horizon_at(x, part)).sum::<f64>() * self.horizons.share(),
         }
     }
 
@@ -351,9 +335,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let mut all = equalities(&self.grid, rows, &self.search, [density, factor]);
         let first = self.search.point_penalty * density;
         let of_points = self.points.iter().flat_map(|point| point.penalties(first));
-        all.extend(
-            of_points.map(|(at, first)| Equality::new(Row { at, weight: 1.0 }, first, factor)),
-        );
+        all.extend(of_points.map(|(at, first)| Equality::new(Row { at, weight: 1.0 }, first, factor)));
         all
     }
 

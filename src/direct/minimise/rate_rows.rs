@@ -31,11 +31,7 @@ pub(super) struct RateRows<'g> {
 
 impl<'g> RateRows<'g> {
     /// The rates of these rows, whose factors are `scales`.
-    pub fn new(
-        model: &'g Model,
-        constraints: &'g [AnyConstraint],
-        (rows, scales): (Vec<usize>, Vec<f64>),
-    ) -> Self {
+    pub fn new(model: &'g Model, constraints: &'g [AnyConstraint], (rows, scales): (Vec<usize>, Vec<f64>)) -> Self {
         Self {
             constraints,
             evaluator: Evaluator::new(model),
@@ -77,10 +73,7 @@ impl<'g> RateRows<'g> {
             multipliers[row] += term.multiplier * scale;
             let mut alone = none.clone();
             alone[row] = Dual64::from(scale);
-            let weights = Weights {
-                first_order: &alone,
-                gauss_newton: None,
-            };
+            let weights = Weights { first_order: &alone, gauss_newton: None };
             let found = placed.weighted_derivatives(self.constraints, weights)?;
             let gradient = found.gradient();
             let gradient = DVector::from_fn(2 * n, |i, _| match i < n {
@@ -91,10 +84,7 @@ impl<'g> RateRows<'g> {
             out.of_multipliers.axpy(term.multiplier, &gradient, 1.0);
             out.hessian.ger(term.curvature, &gradient, &gradient, 1.0);
         }
-        let weights = Weights {
-            first_order: &multipliers,
-            gauss_newton: Some(&none),
-        };
+        let weights = Weights { first_order: &multipliers, gauss_newton: Some(&none) };
         let found = placed.weighted_derivatives(self.constraints, weights)?;
         let hessian = found.hessian();
         for j in 0..n {

@@ -49,17 +49,10 @@ struct Other {
 
 impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
     /// The iterations for candidates with the basis and the points of this one.
-    pub fn new(
-        context: Context<'_, 'a, K, P>,
-        candidate: &Candidate,
-        barrier: f64,
-    ) -> Result<Self> {
+    pub fn new(context: Context<'_, 'a, K, P>, candidate: &Candidate, barrier: f64) -> Result<Self> {
         let settings = context.settings;
         let grid = super::grid(context, &candidate.path.basis, candidate.points);
-        let stage = Stage {
-            last: false,
-            ..settings.highest()
-        };
+        let stage = Stage { last: false, ..settings.highest() };
         // The search before chose the points, so there is no finer quadrature.
         let mut program = Program::new(context, candidate, (grid, None), stage, false);
         let kkt = program.kkt().ok_or_else(|| {
@@ -109,15 +102,7 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
         (reference, is_same): (&Candidate, bool),
         goes_on: &mut dyn FnMut(usize) -> bool,
     ) -> Result<Iterations> {
-        let Self {
-            program,
-            state,
-            options,
-            known,
-            other,
-            margins,
-            ..
-        } = self;
+        let Self { program, state, options, known, other, margins, .. } = self;
         margins.clone_from(&program.margins);
         program.restart(problem, candidate);
         program.restart_kkt(&mut state.kkt);
@@ -152,21 +137,16 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
         }
         let [mut before, mut after] = [other.f, state.f];
         let barrier = state.iterate.barrier;
-        for (f, x, h, rows) in [
-            (&mut before, &other.x, &other.h, &other.rows),
-            (&mut after, &state.x, &state.h, &state.rows),
-        ] {
+        for (f, x, h, rows) in
+            [(&mut before, &other.x, &other.h, &other.rows), (&mut after, &state.x, &state.h, &state.rows)]
+        {
             // With the barrier of the search and the best slacks.
             other.iterate.restart(barrier, Vec::new());
             other.iterate.set_working(rows, h);
             *f += other.iterate.barrier_terms(h, measures(program, x));
         }
         program.put(&state.x, candidate);
-        Ok(Iterations {
-            count,
-            converged,
-            gain: (before - after) / state.scale(),
-        })
+        Ok(Iterations { count, converged, gain: (before - after) / state.scale() })
     }
 }
 

@@ -96,8 +96,7 @@ impl<'a> StageTerms<'a> {
         }
         self.rule.gradient(&self.by_y.gradient, &mut self.gradient);
         self.rule.pull_back(&self.by_y.hessian, &mut self.hessian);
-        self.rule
-            .add_curvature(point, &self.weights, &mut self.hessian)?;
+        self.rule.add_curvature(point, &self.weights, &mut self.hessian)?;
         Ok(any)
     }
 

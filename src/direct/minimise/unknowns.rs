@@ -22,11 +22,7 @@ fn parts(free: &[usize], is_periodic: bool) -> [&[usize]; 3] {
 
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// The known multipliers at the points, without those of rows beside ends that another program had.
-    pub fn known_multipliers<'k>(
-        &self,
-        of: &Candidate,
-        known: &'k mut Vec<f64>,
-    ) -> Option<&'k [f64]> {
+    pub fn known_multipliers<'k>(&self, of: &Candidate, known: &'k mut Vec<f64>) -> Option<&'k [f64]> {
         let count = self.objective.cost().rows.count();
         of.multipliers.at_in(&self.grid.times, count, known)?;
         known.truncate(self.range_of_points().end);

@@ -39,11 +39,7 @@ impl<'g, K: Constraint, P: CostWithControl> Program<'g, '_, K, P> {
                     self.points.len() - 1
                 })
             });
-            self.windows.push(Window {
-                rows: first..first + between.dim(),
-                times_s,
-                points,
-            });
+            self.windows.push(Window { rows: first..first + between.dim(), times_s, points });
         }
         self.count_margins();
     }
@@ -75,11 +71,7 @@ impl<'g, K: Constraint, P: CostWithControl> Program<'g, '_, K, P> {
         }
         let is_kept = |g: &usize| (from..=to).contains(&time_s(grid.times[*g]));
         of_points = of_points.map(|g| g.filter(is_kept));
-        [0, 1].map(|end| {
-            of_points[end]
-                .map(|g| g * count + maximum.row)
-                .or_else(|| own(end))
-        })
+        [0, 1].map(|end| of_points[end].map(|g| g * count + maximum.row).or_else(|| own(end)))
     }
 
     /// The value of a row at a point of the quadrature or another one.
@@ -121,16 +113,11 @@ impl InHorizon {
         let slope = place.q.column(1) / horizon;
         let mut of_slope = first.rows_mut(n, n);
         of_slope -= &slope;
-        let mut second = pair(q, 2) * (late * late) + pair(q, 1) * (2.0 * late / horizon)
-            - pair(rates, 1) * (2.0 * late);
+        let mut second =
+            pair(q, 2) * (late * late) + pair(q, 1) * (2.0 * late / horizon) - pair(rates, 1) * (2.0 * late);
         let mut of_slope = second.rows_mut(n, n);
         of_slope += (slope - moved.rows(n, n)) * (2.0 / horizon);
-        Self {
-            first,
-            second,
-            late,
-            horizon,
-        }
+        Self { first, second, late, horizon }
     }
 
     /// Adds the second derivatives of rows with these multipliers, `factor` times: in the horizon and each coefficient

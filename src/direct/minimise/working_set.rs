@@ -62,12 +62,10 @@ impl WorkingSet {
         let cutoffs = rows.attributes().cutoffs[..state.dim()].iter();
         let both = self.nearest.iter().zip(cutoffs);
         // A scan needs no row with a cutoff that is not in the working set.
-        let far = both
-            .clone()
-            .map(|(nearest, cutoff)| match cutoff.is_finite() {
-                true => nearest - search.reserve,
-                false => nearest.min(-search.scan_depth) - search.reserve,
-            });
+        let far = both.clone().map(|(nearest, cutoff)| match cutoff.is_finite() {
+            true => nearest - search.reserve,
+            false => nearest.min(-search.scan_depth) - search.reserve,
+        });
         let far: Vec<_> = far.collect();
         // Two balls may move before a row that was at its cutoff is near.
         let beyond = both.map(|(nearest, cutoff)| 0.5 * (cutoff + nearest) - search.reserve);
@@ -138,21 +136,19 @@ impl WorkingSet {
             let weight = grid.weights[g % grid.points()];
             let (first, (listed, others)) = (first(g), rows.near_at(g));
             let listed = listed.iter().copied().filter(|row| *row >= first);
-            listed
-                .chain(others.start.max(first)..others.end)
-                .for_each(|row| {
-                    let at = g * count + row;
-                    // NaN counts as near.
-                    let is_far = h[at] < self.nearest[row];
-                    if is_far || equalities[row] {
-                        return;
-                    }
-                    if self.clearances[row] {
-                        self.inside.push(at);
-                        self.outside[at] = false;
-                    }
-                    all.push(Row { at, weight });
-                });
+            listed.chain(others.start.max(first)..others.end).for_each(|row| {
+                let at = g * count + row;
+                // NaN counts as near.
+                let is_far = h[at] < self.nearest[row];
+                if is_far || equalities[row] {
+                    return;
+                }
+                if self.clearances[row] {
+                    self.inside.push(at);
+                    self.outside[at] = false;
+                }
+                all.push(Row { at, weight });
+            });
         }
         let listed = all.iter().map(|row| (row.at / count, row.at % count));
         rows.near.set_working(listed);
@@ -160,11 +156,7 @@ impl WorkingSet {
 
     /// Returns true if a clearance outside the working set is violated: the step leads into an obstacle or link that
     /// was far away.
-    pub fn is_left<K: Constraint, P: CostWithControl>(
-        &self,
-        rows: &Rows<'_, K, P>,
-        h: &[f64],
-    ) -> bool {
+    pub fn is_left<K: Constraint, P: CostWithControl>(&self, rows: &Rows<'_, K, P>, h: &[f64]) -> bool {
         let count = self.clearances.len().max(1);
         let points = h.chunks_exact(count).zip(self.outside.chunks_exact(count));
         let mut points = points.enumerate();

@@ -24,33 +24,20 @@ impl FreeHorizon {
             let what = format!("free_horizon.{what}");
             Err(Error::input("settings", what, condition))
         };
-        let Self {
-            shortest,
-            longest,
-            weight,
-        } = *self;
+        let Self { shortest, longest, weight } = *self;
         for (what, value) in [("shortest", shortest), ("longest", longest)] {
             if let Err(condition) = Problem::check_horizon(value) {
                 return refuse(what, condition);
             }
         }
         if !(weight.is_finite() && weight >= 0.0) {
-            return refuse(
-                "weight",
-                format!("it is {}, a weight is not negative", plain(weight)),
-            );
+            return refuse("weight", format!("it is {}, a weight is not negative", plain(weight)));
         }
         if horizon < shortest {
-            return refuse(
-                "shortest",
-                format!("it is {shortest}, above the horizon {horizon} to begin with"),
-            );
+            return refuse("shortest", format!("it is {shortest}, above the horizon {horizon} to begin with"));
         }
         if horizon > longest {
-            return refuse(
-                "longest",
-                format!("it is {longest}, below the horizon {horizon} to begin with"),
-            );
+            return refuse("longest", format!("it is {longest}, below the horizon {horizon} to begin with"));
         }
         Ok(())
     }

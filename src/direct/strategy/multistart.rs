@@ -94,16 +94,12 @@ pub(crate) fn multistart<'c, K: Constraint + Send + Sync, P: CostWithControl>(
     loop {
         let batch = all.batch(next);
         next = batch.end;
-        let starts = side_by_side(batch.collect(), settings.threads, |number| {
-            all.start(number)
-        });
+        let starts = side_by_side(batch.collect(), settings.threads, |number| all.start(number));
         let runs = starts.into_iter().collect::<Result<_>>()?;
         all.minimise_on_all_levels(runs, log)?;
         let more = match settings.time_limit {
             Some(_) => next < DirectSettings::LARGEST_STARTS,
-            None => {
-                next < settings.starts || (!all.is_found() && next < settings.search.most_starts)
-            }
+            None => next < settings.starts || (!all.is_found() && next < settings.search.most_starts),
         };
         if all.stopped() || context.watch.is_late(share) || !more {
             break;
@@ -166,20 +162,11 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
             }
         };
         candidate.alternative = context.goal.map_or(0, |goal| goal.end(number).alternative);
-        Ok(Run {
-            number,
-            first,
-            guess: candidate.clone(),
-            candidate,
-        })
+        Ok(Run { number, first, guess: candidate.clone(), candidate })
     }
 
     /// Continues the starts of a batch from level to level while they are promising.
-    fn minimise_on_all_levels(
-        &mut self,
-        mut runs: Vec<Run>,
-        log: &mut dyn FnMut(Iteration),
-    ) -> Result<()> {
+    fn minimise_on_all_levels(&mut self, mut runs: Vec<Run>, log: &mut dyn FnMut(Iteration)) -> Result<()> {
         let found_before = self.is_found();
         for (index, level) in self.levels.iter().enumerate() {
             // Starts that enter at the highest level wait.
@@ -272,9 +259,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
         let number = self.context.settings.starts;
         let mut ends = self.ends.iter();
         let enough = |end: &Run| {
-            let Candidate {
-                converged, kept, ..
-            } = end.candidate;
+            let Candidate { converged, kept, .. } = end.candidate;
             converged || kept || end.number == number
         };
         if self.planned.reserve.is_none() || ends.any(enough) {
@@ -312,11 +297,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
 fn keep_best(runs: &mut Vec<Run>, index: usize, feasible: f64, kept: usize) {
     let (mut here, waiting): (Vec<_>, Vec<_>) = runs.drain(..).partition(|run| run.first <= index);
     let order = |run: &Run| {
-        let Candidate {
-            violation,
-            objective,
-            ..
-        } = run.candidate;
+        let Candidate { violation, objective, .. } = run.candidate;
         (violation.max(feasible), objective)
     };
     here.sort_by(|a, b| {
@@ -356,10 +337,7 @@ fn minima_of(ends: &[Run], same: f64) -> (Vec<LocalMinimum>, Vec<Candidate>) {
                 if curves.len() < DirectSolution::MINIMA_CURVES {
                     curves.push(end.clone());
                 }
-                minima.push(LocalMinimum {
-                    cost: end.objective,
-                    starts: 1,
-                });
+                minima.push(LocalMinimum { cost: end.objective, starts: 1 });
             }
         }
     }
@@ -367,11 +345,7 @@ fn minima_of(ends: &[Run], same: f64) -> (Vec<LocalMinimum>, Vec<Candidate>) {
 }
 
 /// Applies `work` to each item on several threads; the results keep the order of the items.
-fn side_by_side<T: Send, R: Send>(
-    items: Vec<T>,
-    threads: usize,
-    work: impl Fn(T) -> R + Sync,
-) -> Vec<R> {
+fn side_by_side<T: Send, R: Send>(items: Vec<T>, threads: usize, work: impl Fn(T) -> R + Sync) -> Vec<R> {
     let threads = threads.min(items.len());
     if threads <= 1 {
         return items.into_iter().map(work).collect();
@@ -388,9 +362,7 @@ fn side_by_side<T: Send, R: Send>(
     let mut all: Vec<(usize, R)> = scope(|scope| {
         let workers: Vec<_> = (0..threads).map(|_| scope.spawn(worker)).collect();
         let joined = workers.into_iter().map(ScopedJoinHandle::join);
-        joined
-            .flat_map(|own| own.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-            .collect()
+        joined.flat_map(|own| own.unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
     });
     all.sort_by_key(|(i, _)| *i);
     all.into_iter().map(|(_, found)| found).collect()

@@ -28,22 +28,12 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         let settings = context.settings;
         let (state, model) = (&context.rows.constraints.state, context.problem.model());
         let rows = 0..state.dim();
-        let bounds = |row: usize| {
-            matches!(
-                state.label(row, model).kind,
-                RowKind::Position(_) | RowKind::Velocity(_)
-            )
-        };
+        let bounds = |row: usize| matches!(state.label(row, model).kind, RowKind::Position(_) | RowKind::Velocity(_));
         let wanted = settings.planned_starts != PlannedStarts::Never
             && settings.start.is_none()
             && sets_with_equalities(state).is_ok()
             && !rows.clone().all(bounds);
-        let mut planned = Self {
-            context,
-            wanted,
-            first: None,
-            reserve: None,
-        };
+        let mut planned = Self { context, wanted, first: None, reserve: None };
         if wanted && settings.planned_starts == PlannedStarts::First {
             planned.first = planned.path(0, (0, &planned.problem(0)?))?;
         } else if wanted && settings.time_limit.is_some() {
@@ -149,12 +139,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             Basis::new(segments, search.planned_degree, continuity)
         };
         let plans = self.plans(number);
-        let stops = self
-            .context
-            .settings
-            .waypoints
-            .iter()
-            .filter(|waypoint| waypoint.stop);
+        let stops = self.context.settings.waypoints.iter().filter(|waypoint| waypoint.stop);
         let stops: Vec<_> = stops.map(|waypoint| waypoint.guess(start)).collect();
         along(problem, constraint, (&path, &stops), basis, &plans).map(Some)
     }
@@ -188,9 +173,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         let legs = self.context.settings.waypoints.len() + 1;
         let lines = self.context.settings.search.planned_segments.div_ceil(legs);
         match found {
-            Plan::Found(path) if rows.attributes().equalities.contains(&true) => {
-                Ok(Some(thinned(path, lines)))
-            }
+            Plan::Found(path) if rows.attributes().equalities.contains(&true) => Ok(Some(thinned(path, lines))),
             Plan::Found(path) => Ok(Some(path)),
             _ => Ok(None),
         }
@@ -218,9 +201,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             let mut jerks = with_jerk.then(|| DMatrix::zeros(n, grid.points()));
             let mut h = vec![0.0; grid.points() * rows.count()];
             let mut kept = true;
-            let path = start
-                .clone()
-                .between_ends_of(&problem.with_horizon(horizon)?);
+            let path = start.clone().between_ends_of(&problem.with_horizon(horizon)?);
             for e in 0..basis.segments() {
                 place(&path.coefficients, grid.first(e), &grid.table, &mut states);
                 if let Some(jerks) = &mut jerks {

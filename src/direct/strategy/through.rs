@@ -13,11 +13,7 @@ const GAUSS_NEWTON: usize = 5;
 
 /// The normalised times of waypoints along the polyline from start to goal by its lengths in configuration space, those
 /// that are given where they are.
-pub(crate) fn times_by_length(
-    problem: &Problem<'_>,
-    waypoints: &[Waypoint],
-    start: usize,
-) -> Vec<f64> {
+pub(crate) fn times_by_length(problem: &Problem<'_>, waypoints: &[Waypoint], start: usize) -> Vec<f64> {
     let n = problem.model().dof();
     let mut before = &problem.start()[..n];
     let (mut lengths, mut length) = (Vec::new(), 0.0);
@@ -45,19 +41,13 @@ pub(crate) fn times_by_length(
 
 /// The normalised times at which a curve is nearest to its waypoints in their order: the least sum of squared distances
 /// over a grid of times, or, if times are given, those [by length](times_by_length).
-pub(crate) fn nearest_times(
-    path: &Path,
-    problem: &Problem<'_>,
-    waypoints: &[Waypoint],
-) -> Vec<f64> {
+pub(crate) fn nearest_times(path: &Path, problem: &Problem<'_>, waypoints: &[Waypoint]) -> Vec<f64> {
     if waypoints.iter().any(|waypoint| waypoint.share.is_some()) {
         return times_by_length(problem, waypoints, 0);
     }
     let looks = LOOKS * (waypoints.len() + 1);
     let times: Vec<f64> = (1..looks).map(|i| i as f64 / looks as f64).collect();
-    let places = times
-        .iter()
-        .map(|time| path.basis.evaluate(&path.coefficients, *time));
+    let places = times.iter().map(|time| path.basis.evaluate(&path.coefficients, *time));
     let places: Vec<_> = places.map(|[q, ..]| q).collect();
     // The least sum up to a waypoint that is passed at a time or earlier, and the time at which it is passed then.
     let mut least = vec![0.0; times.len() + 1];
@@ -130,11 +120,7 @@ impl Path {
             let [q, slope, _] = self.basis.evaluate(&self.coefficients, *time);
             let aim = DVector::from_column_slice(waypoint.guess(start));
             let conditions = [aim - q, -slope];
-            for (d, condition) in conditions
-                .iter()
-                .take(1 + usize::from(waypoint.stop))
-                .enumerate()
-            {
+            for (d, condition) in conditions.iter().take(1 + usize::from(waypoint.stop)).enumerate() {
                 for (column, function) in free.iter().enumerate() {
                     if (first..first + functions.ncols()).contains(function) {
                         values[(row, column)] = functions[(d, function - first)];

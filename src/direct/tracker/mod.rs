@@ -130,18 +130,13 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
             let condition = "a joint is passive, and the feedback needs all motors";
             return Err(Error::input("tracker", "torque", condition));
         }
-        let direct = Direct::new(problem)
-            .cost(cost.clone())
-            .constraints(&constraints);
+        let direct = Direct::new(problem).cost(cost.clone()).constraints(&constraints);
         let found = direct.settings(options.settings.clone()).solve()?;
         options.settings.degree = found.curve.degree();
         (options.settings.start, options.settings.multipliers) = (None, None);
         (options.settings.time_limit, options.settings.interrupt) = (None, Interrupt::default());
         options.settings.search.scan = SCAN;
-        let continuity = Continuity {
-            rest: [false, true],
-            ..options.settings.continuity(problem)
-        };
+        let continuity = Continuity { rest: [false, true], ..options.settings.continuity(problem) };
         let basis = Basis::new(1, options.settings.degree, continuity);
         let motion = Candidate {
             multipliers: found.multipliers,
@@ -202,8 +197,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
             let condition = format!("entry {i} is not a finite number");
             return Err(Error::input(self.model.name(), "start", condition));
         }
-        Problem::check_horizon(horizon)
-            .map_err(|condition| Error::input(self.model.name(), "horizon", condition))?;
+        Problem::check_horizon(horizon).map_err(|condition| Error::input(self.model.name(), "horizon", condition))?;
         if horizon < self.options.shortest_horizon {
             let condition = format!("it is {horizon} s, less than the shortest");
             return Err(Error::input("tracker", "horizon", condition));
@@ -322,11 +316,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
             },
             command: &self.commander.command,
             safety: match self.violated {
-                Some(Violation { row, by, at_s }) => Safety::Violated {
-                    row,
-                    by,
-                    after: at_s,
-                },
+                Some(Violation { row, by, at_s }) => Safety::Violated { row, by, after: at_s },
                 None if left => Safety::Left,
                 None => Safety::Kept,
             },
@@ -341,8 +331,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
     /// The row that the rest of the plan violates most; `None` if it is safe.
     fn look_at_rest(&mut self, now: f64) -> Result<Option<Violation>> {
         let (shortest, memory) = (self.options.shortest_horizon, &mut self.memory);
-        self.plan
-            .rest_in(now, shortest, memory, &mut self.others[0]);
+        self.plan.rest_in(now, shortest, memory, &mut self.others[0]);
         self.look(Which::Reference)
     }
 
@@ -354,8 +343,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
             return Err(Error::input("tracker", "state", condition));
         }
         if !now.is_finite() || self.now.is_some_and(|before| now < before) {
-            let condition =
-                format!("it is {now} s, a finite time not before the last step is needed");
+            let condition = format!("it is {now} s, a finite time not before the last step is needed");
             return Err(Error::input("tracker", "now", condition));
         }
         if self.now.replace(now).is_none() {

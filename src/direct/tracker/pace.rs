@@ -34,16 +34,8 @@ pub(super) struct Pace {
 impl Pace {
     /// No estimates and no end.
     pub fn unknown() -> Self {
-        let unknown = Times {
-            preparation: f64::NAN,
-            iteration: f64::NAN,
-            look: f64::NAN,
-        };
-        Self {
-            times: [unknown; 2],
-            is_first: true,
-            end: None,
-        }
+        let unknown = Times { preparation: f64::NAN, iteration: f64::NAN, look: f64::NAN };
+        Self { times: [unknown; 2], is_first: true, end: None }
     }
 
     /// The estimates for this step.
@@ -65,11 +57,7 @@ impl Pace {
     /// Lowers the estimates for this step a little.
     pub fn forget(&mut self) {
         let times = self.times();
-        for time in [
-            &mut times.preparation,
-            &mut times.iteration,
-            &mut times.look,
-        ] {
+        for time in [&mut times.preparation, &mut times.iteration, &mut times.look] {
             *time *= FORGET;
         }
     }

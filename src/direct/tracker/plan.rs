@@ -141,19 +141,9 @@ impl Commander {
     }
 
     /// Computes torques and gain.
-    pub fn command(
-        &mut self,
-        model: &Model,
-        state: &[f64],
-        options: &TrackerOptions,
-    ) -> Result<()> {
+    pub fn command(&mut self, model: &Model, state: &[f64], options: &TrackerOptions) -> Result<()> {
         let (n, omega) = (model.dof(), options.bandwidth);
-        let Self {
-            command: own,
-            data,
-            derivatives: of,
-            ..
-        } = self;
+        let Self { command: own, data, derivatives: of, .. } = self;
         rnea_derivatives(model, data, &own.q, &own.v, &own.a, of)?;
         own.tau.copy_from_slice(of.tau.as_slice());
         for i in 0..n {

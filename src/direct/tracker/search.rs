@@ -33,15 +33,11 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
         let times = *self.pace.times();
         if !(self.pace).fits(times.preparation + times.iteration + times.look) {
             self.pace.forget();
-            return Ok(Searched {
-                cut_off: true,
-                ..Searched::default()
-            });
+            return Ok(Searched { cut_off: true, ..Searched::default() });
         }
         let shortest = self.options.shortest_horizon;
         let [reference, tried, attempt] = &mut self.others;
-        self.plan
-            .rest_in(now, shortest, &mut self.memory, reference);
+        self.plan.rest_in(now, shortest, &mut self.memory, reference);
         let is_same = self.attempted.take() == Some(is_current);
         if is_same {
             attempt.rest_in(now, shortest, &mut self.memory, tried);
@@ -84,8 +80,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
         let mut since = Instant::now();
         let [reference, tried, _] = &mut self.others;
         let motion = &mut tried.motion;
-        self.problem
-            .set(begin, &self.goal, motion.horizons.whole())?;
+        self.problem.set(begin, &self.goal, motion.horizons.whole())?;
         motion.path.set_ends(&self.problem);
         let pace = &mut self.pace;
         let mut goes_on = |count: usize| {

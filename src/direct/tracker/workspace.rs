@@ -41,11 +41,7 @@ impl<'a, K: Constraint, P: CostWithControl> Workspace<'a, K, P> {
             goal: None,
         };
         let search = RealTime::new(context, candidate, options.barrier)?;
-        let rows = LargestRows::near_ends(
-            model,
-            constraints.clone(),
-            options.look * options.settings.degree,
-        )?;
+        let rows = LargestRows::near_ends(model, constraints.clone(), options.look * options.settings.degree)?;
         Ok(Self { search, rows })
     }
 }
@@ -53,10 +49,7 @@ impl<'a, K: Constraint, P: CostWithControl> Workspace<'a, K, P> {
 /// The bounds and the weight of a free horizon, which gets shorter on the way.
 pub(super) fn free_horizon(options: &TrackerOptions) -> Option<FreeHorizon> {
     let free = options.settings.free_horizon?;
-    Some(FreeHorizon {
-        shortest: options.shortest_horizon.min(free.shortest),
-        ..free
-    })
+    Some(FreeHorizon { shortest: options.shortest_horizon.min(free.shortest), ..free })
 }
 
 /// Tables of the functions of a basis, and the motion of a plan by them.
@@ -118,8 +111,7 @@ impl Motion for (&mut OnPlan, &Plan) {
         }
         own.further.clear();
         for time in times {
-            own.basis
-                .functions_in(2.0 * time / horizon - 1.0, &mut own.functions);
+            own.basis.functions_in(2.0 * time / horizon - 1.0, &mut own.functions);
             multiply(coefficients, &own.functions.transposed, &mut own.one);
             own.further.extend_from_slice(own.one.as_slice());
         }

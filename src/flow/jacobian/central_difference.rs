@@ -19,12 +19,7 @@ pub struct CentralDifference<R> {
 }
 
 /// Offsets in steps, with their weights over the step (Fornberg, 1988).
-const STENCIL: [(f64, f64); 4] = [
-    (-2.0, 1.0 / 12.0),
-    (-1.0, -2.0 / 3.0),
-    (1.0, 2.0 / 3.0),
-    (2.0, -1.0 / 12.0),
-];
+const STENCIL: [(f64, f64); 4] = [(-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)];
 
 impl<'m> CentralDifference<ControlForm<'m, f64, f64>> {
     /// The Jacobian of the control form for `model`.
@@ -38,12 +33,7 @@ impl<R: RightHandSide<f64, f64>> CentralDifference<R> {
     /// The Jacobian of any right-hand side for a model with `n` joints.
     #[must_use]
     pub fn of(rhs: R, n: usize) -> Self {
-        Self {
-            rhs,
-            inputs: vec![0.0; 6 * n],
-            omega: vec![0.0; 2 * n],
-            column: vec![0.0; 2 * n],
-        }
+        Self { rhs, inputs: vec![0.0; 6 * n], omega: vec![0.0; 2 * n], column: vec![0.0; 2 * n] }
     }
 }
 
@@ -53,10 +43,7 @@ impl<R: RightHandSide<f64, f64>> NodeJacobian for CentralDifference<R> {
         out.check(m / 2)?;
         node.check(m / 2, m)?;
         let values = node.x.iter().chain(node.xdot).chain(node.xddot);
-        self.inputs
-            .iter_mut()
-            .zip(values)
-            .for_each(|(input, value)| *input = *value);
+        self.inputs.iter_mut().zip(values).for_each(|(input, value)| *input = *value);
         for j in 0..3 * m {
             let centre = self.inputs[j];
             let step = f64::EPSILON.powf(0.2) * centre.abs().max(1.0);

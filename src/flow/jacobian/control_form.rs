@@ -2,8 +2,8 @@
 
 use super::{NodeBlocks, NodeJacobian};
 use crate::dynamics::{
-    Data, InverseDynamicsDerivatives, RneaWeightedHessian, mass_matrix_product_derivative,
-    rnea_derivatives, rnea_weighted_hessian,
+    Data, InverseDynamicsDerivatives, RneaWeightedHessian, mass_matrix_product_derivative, rnea_derivatives,
+    rnea_weighted_hessian,
 };
 use crate::error::Result;
 use crate::flow::{ControlCost, ControlLagrangian, Node, Sum};
@@ -92,10 +92,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
     /// the one without.
     #[must_use]
     pub fn of_cost(model: &'m Model<C>, cost: L) -> Sum<Self, ControlFormJacobian<'m, C, S>, S> {
-        Sum::difference(
-            Self::with_cost(model, cost),
-            ControlFormJacobian::new(model),
-        )
+        Sum::difference(Self::with_cost(model, cost), ControlFormJacobian::new(model))
     }
 
     /// The Jacobian for `model` and the paper's Lagrangian plus `cost`.
@@ -153,13 +150,10 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
         self.weigh(node.t);
         self.solve_for_y(node, k);
         self.contract(node)?;
-        self.derivatives
-            .columns(0, n)
-            .transpose_to(&mut self.jq_transposed);
+        self.derivatives.columns(0, n).transpose_to(&mut self.jq_transposed);
         self.scale_rows();
         let (one, zero) = (S::one(), S::zero());
-        self.upper
-            .gemm(one, &self.jq_transposed, &self.derivatives, zero);
+        self.upper.gemm(one, &self.jq_transposed, &self.derivatives, zero);
         self.fill_lower(k);
         self.compose(k, out);
         Ok(())
@@ -306,8 +300,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
                 self.lower[(i, j)] += self.rates[(i, j)] - self.k_y[(i, j)];
                 self.lower[(i, n + j)] += self.rates[(i, n + j)];
                 self.lower[(i, 2 * n + j)] += self.derivatives[(i, j)];
-                self.lower[(i, 3 * n + j)] +=
-                    self.derivatives[(i, n + j)] + self.rates[(i, 2 * n + j)];
+                self.lower[(i, 3 * n + j)] += self.derivatives[(i, n + j)] + self.rates[(i, 2 * n + j)];
             }
         }
         self.brackets.copy_from(&self.lower);
@@ -345,9 +338,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlFormJaco
     }
 }
 
-impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> NodeJacobian<C, S>
-    for ControlFormJacobian<'_, C, S, L>
-{
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> NodeJacobian<C, S> for ControlFormJacobian<'_, C, S, L> {
     fn evaluate(&mut self, node: Node<'_, S>, k: C, out: &mut NodeBlocks<S>) -> Result<()> {
         self.blocks(node, k, out)
     }

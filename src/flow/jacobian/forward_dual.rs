@@ -37,11 +37,7 @@ impl<R: RightHandSide<f64, Tangents>> ForwardDual<R> {
     /// The Jacobian of any right-hand side for a model with `n` joints.
     #[must_use]
     pub fn of(rhs: R, n: usize) -> Self {
-        Self {
-            rhs,
-            inputs: vec![Tangents::from(0.0); 6 * n],
-            omega: vec![Tangents::from(0.0); 2 * n],
-        }
+        Self { rhs, inputs: vec![Tangents::from(0.0); 6 * n], omega: vec![Tangents::from(0.0); 2 * n] }
     }
 }
 

@@ -35,11 +35,7 @@ impl<S: Scalar> NodeBlocks<S> {
     #[must_use]
     pub fn new(n: usize) -> Self {
         let zeros = || DMatrix::zeros(2 * n, 2 * n);
-        Self {
-            dx: zeros(),
-            dxdot: zeros(),
-            dxddot: zeros(),
-        }
+        Self { dx: zeros(), dxdot: zeros(), dxddot: zeros() }
     }
 
     /// The blocks in this order.
@@ -50,11 +46,7 @@ impl<S: Scalar> NodeBlocks<S> {
 
     /// Checks that the blocks have the sizes of a model with `n` joints.
     pub(crate) fn check(&self, n: usize) -> Result<()> {
-        for (what, block) in [
-            ("dx", &self.dx),
-            ("dxdot", &self.dxdot),
-            ("dxddot", &self.dxddot),
-        ] {
+        for (what, block) in [("dx", &self.dx), ("dxdot", &self.dxdot), ("dxddot", &self.dxddot)] {
             check_square(what, 2 * n, block)?;
         }
         Ok(())

@@ -50,13 +50,9 @@ impl JacobianKind {
                 ControlFormJacobian::with_cost(model, constraints.torque_penalty()),
                 constraints.state_penalty(model),
             )),
-            Self::TheoremB4 => {
-                Box::new(constraints.with_penalties(model, TheoremB4::<f64, f64>::new(model)))
-            }
+            Self::TheoremB4 => Box::new(constraints.with_penalties(model, TheoremB4::<f64, f64>::new(model))),
             Self::Dual => Box::new(ForwardDual::of(constraints.right_hand_side(model), n)),
-            Self::Difference => {
-                Box::new(CentralDifference::of(constraints.right_hand_side(model), n))
-            }
+            Self::Difference => Box::new(CentralDifference::of(constraints.right_hand_side(model), n)),
         };
         match &constraints.constraints.stage.foot {
             None => own,
@@ -87,9 +83,7 @@ impl Jacobians {
             let build: Constructor = Box::new(move |model| kind.build(model));
             (name.to_owned(), build)
         };
-        Self {
-            entries: JacobianKind::by_name().map(entry).collect(),
-        }
+        Self { entries: JacobianKind::by_name().map(entry).collect() }
     }
 
     /// Adds an implementation under a new name.

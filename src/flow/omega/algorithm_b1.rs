@@ -1,8 +1,8 @@
 //! Algorithm B1: the quantities of Theorem B3 by spatial recursions.
 
 use crate::dynamics::{
-    Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba_derivatives,
-    mass_matrix_and_rate, rnea_derivatives,
+    Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba_derivatives, mass_matrix_and_rate,
+    rnea_derivatives,
 };
 use crate::error::Result;
 use crate::flow::{Node, RightHandSide, TheoremB3};
@@ -54,18 +54,8 @@ impl<C: Scalar, S: AlgebraOver<C>> RightHandSide<C, S> for AlgorithmB1<'_, C, S>
         rnea_derivatives(self.model, data, q, v, self.zero.as_slice(), &mut self.id)?;
         t.c.copy_from(&self.id.tau);
         // Line 4.
-        t.cdot.gemv(
-            one,
-            &self.id.dq,
-            &DVectorView::from_slice(node.xdot_p1(), n),
-            zero,
-        );
-        t.cdot.gemv(
-            one,
-            &self.id.dv,
-            &DVectorView::from_slice(node.xdot_p2(), n),
-            one,
-        );
+        t.cdot.gemv(one, &self.id.dq, &DVectorView::from_slice(node.xdot_p1(), n), zero);
+        t.cdot.gemv(one, &self.id.dv, &DVectorView::from_slice(node.xdot_p2(), n), one);
         // Line 5.
         aba_derivatives(self.model, data, q, v, self.zero.as_slice(), &mut self.fd)?;
         t.fd0.copy_from(&self.fd.a);
@@ -75,14 +65,7 @@ impl<C: Scalar, S: AlgebraOver<C>> RightHandSide<C, S> for AlgorithmB1<'_, C, S>
         for i in 0..n {
             self.w[i] = node.xdot_p2()[i] - self.fd.a[i];
         }
-        rnea_derivatives(
-            &self.weightless,
-            data,
-            q,
-            self.zero.as_slice(),
-            self.w.as_slice(),
-            &mut self.id,
-        )?;
+        rnea_derivatives(&self.weightless, data, q, self.zero.as_slice(), self.w.as_slice(), &mut self.id)?;
         t.dh_dq_w.copy_from(&self.id.dq);
         // Lines 6 and 9 to 11.
         t.omega(node, k, omega)

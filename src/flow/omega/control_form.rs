@@ -110,29 +110,16 @@ impl<'m, C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> ControlForm<'m,
     }
 }
 
-impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> RightHandSide<C, S>
-    for ControlForm<'_, C, S, L>
-{
+impl<C: Scalar, S: AlgebraOver<C> + Tanh, L: ControlCost<C>> RightHandSide<C, S> for ControlForm<'_, C, S, L> {
     fn omega(&mut self, node: Node<'_, S>, k: C, omega: &mut [S]) -> Result<()> {
         let (n, one, zero, two) = (self.model.dof(), S::one(), S::zero(), S::from_f64(2.0));
         node.check(n, omega.len())?;
         self.lagrangian.check(n)?;
         let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
-        mass_matrix_and_rate(
-            self.model,
-            &mut self.data,
-            q,
-            node.xdot_p1(),
-            &mut self.id.h,
-            &mut self.hdot,
-        )?;
+        mass_matrix_and_rate(self.model, &mut self.data, q, node.xdot_p1(), &mut self.id.h, &mut self.hdot)?;
         rnea_derivatives(self.model, &mut self.data, q, v, a, &mut self.id)?;
         self.weigh(node.t);
-        let ControlLagrangian {
-            weights,
-            slip_dual,
-            cost,
-        } = &self.lagrangian;
+        let ControlLagrangian { weights, slip_dual, cost } = &self.lagrangian;
         let mu = &self.mu;
         let InverseDynamicsDerivatives { dq, dv, h, .. } = &self.id;
 

@@ -144,13 +144,7 @@ impl<'a, L: Lagrangian, M: Metric> AnyFlowToRest<'a, L, M> {
         let path = Path::of_states(curve, basis.clone());
         let points = (SearchOptions::default().points * degree as f64) as usize + 4;
         let grid = Grid::new(&basis, options.points.unwrap_or(points), 1.0);
-        let norm = Norm {
-            model,
-            kind: options.metric,
-            metric: self.metric,
-            k: self.k,
-            horizon: curve.horizon(),
-        };
+        let norm = Norm { model, kind: options.metric, metric: self.metric, k: self.k, horizon: curve.horizon() };
         let kkt = kkt(&grid, norm, &path.coefficients)?;
         let lagrangian = DualLagrangian::new(model, self.lagrangian, self.k);
         let watch = Watch::start(options.time_limit, &options.interrupt);

@@ -21,22 +21,13 @@ pub(super) struct Clock {
 
 impl Default for Clock {
     fn default() -> Self {
-        Self {
-            s: 0.0,
-            largest: 1.0,
-            steps: 0,
-            factorisations: 0,
-        }
+        Self { s: 0.0, largest: 1.0, steps: 0, factorisations: 0 }
     }
 }
 
 impl Clock {
     /// Counts an iteration on this number of segments of this degree. Returns its record if it made a step.
-    pub fn tick(
-        &mut self,
-        progress: &Progress,
-        (segments, degree): (usize, usize),
-    ) -> Option<RestRecord> {
+    pub fn tick(&mut self, progress: &Progress, (segments, degree): (usize, usize)) -> Option<RestRecord> {
         self.factorisations += progress.factorisations;
         if progress.alpha <= 0.0 {
             return None;

@@ -19,24 +19,11 @@ pub(super) struct Free<'g, L> {
 }
 
 impl<'g, L: PointCost<f64>> Free<'g, L> {
-    pub fn new(
-        grid: &'g Grid<f64>,
-        lagrangian: L,
-        path: Path,
-        horizon: f64,
-        watch: &'g Watch,
-    ) -> Self {
+    pub fn new(grid: &'g Grid<f64>, lagrangian: L, path: Path, horizon: f64, watch: &'g Watch) -> Self {
         let size = path.coefficients.nrows();
         let mut objective = Objective::new(grid, lagrangian, size);
         objective.set_horizon(horizon);
-        Self {
-            grid,
-            objective,
-            derivatives: Derivatives::new(grid, size),
-            path,
-            horizon,
-            watch,
-        }
+        Self { grid, objective, derivatives: Derivatives::new(grid, size), path, horizon, watch }
     }
 
     /// The unknowns of the curve.
@@ -63,8 +50,7 @@ impl<'g, L: PointCost<f64>> Free<'g, L> {
     /// Computes the derivatives of the action of the curve.
     pub fn derive(&mut self, out: &mut Kkt) -> Result<()> {
         let coefficients = &self.path.coefficients;
-        self.objective
-            .gradient_and_hessian(coefficients, &mut self.derivatives)?;
+        self.objective.gradient_and_hessian(coefficients, &mut self.derivatives)?;
         out.gradient.copy_from(&self.derivatives.gradient);
         std::mem::swap(&mut out.hessian.matrix, &mut self.derivatives.hessian);
         Ok(())

@@ -132,8 +132,7 @@ impl RestSettings {
         };
         problem.model().check("start", start.dof())?;
         let (x, last) = (start.x(), start.x().ncols() - 1);
-        let ends = x.column(0).as_slice() == problem.start()
-            && x.column(last).as_slice() == problem.goal();
+        let ends = x.column(0).as_slice() == problem.start() && x.column(last).as_slice() == problem.goal();
         if !ends || start.horizon() != problem.horizon() {
             let condition = "it does not go from the start of the problem to its goal in its time";
             return Err(Error::input("settings", "start", condition));
@@ -259,10 +258,7 @@ impl<'a, K: Constraint, P: CostWithControl> FlowToRest<'a, K, P> {
 
     /// Replaces the constraints.
     #[must_use]
-    pub fn constraints<L: Constraint>(
-        self,
-        constraints: &'a Constraints<L>,
-    ) -> FlowToRest<'a, L, P> {
+    pub fn constraints<L: Constraint>(self, constraints: &'a Constraints<L>) -> FlowToRest<'a, L, P> {
         FlowToRest {
             problem: self.problem,
             k: self.k,
@@ -293,14 +289,7 @@ impl<'a, K: Constraint, P: CostWithControl> FlowToRest<'a, K, P> {
     /// integral of the cost becomes negative. A flow that does not come to rest is not an error:
     /// [`RestSolution::at_rest`] is false.
     pub fn run(self) -> Result<RestSolution> {
-        let Self {
-            problem,
-            k,
-            cost,
-            constraints,
-            ref settings,
-            mut observe,
-        } = self;
+        let Self { problem, k, cost, constraints, ref settings, mut observe } = self;
         settings.check(problem)?;
         check_positive("flow", "k", k)?;
         let stage = &constraints.stage;
@@ -347,11 +336,7 @@ impl<'a, K: Constraint, P: CostWithControl> FlowToRest<'a, K, P> {
             [now.steps, now.factorisations, now.rounds] = work;
             let enough = kind == 0 || now.at_rest;
             let over = watch.stopped().is_some() || settings.start.is_some();
-            let most = if enough {
-                settings.starts
-            } else {
-                settings.starts.max(MOST_GUESSES)
-            };
+            let most = if enough { settings.starts } else { settings.starts.max(MOST_GUESSES) };
             if over || now.starts >= most {
                 return Ok(now);
             }

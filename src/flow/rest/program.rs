@@ -68,9 +68,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             duals,
             slip: 0.0,
             updates: 0,
-            margins: margins
-                .map(|equality| if *equality { 0.0 } else { search.reserve })
-                .collect(),
+            margins: margins.map(|equality| if *equality { 0.0 } else { search.reserve }).collect(),
             working: WorkingSet::new(problem, rows, search),
             search,
             stage,
@@ -122,13 +120,8 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         *self.slip_multipliers() = multipliers;
         self.exact = self.finer.value(&self.free.path.coefficients)?;
         self.quadrature_error = (self.exact - action).abs() / self.exact.abs().max(SMALLEST_COST);
-        let on_the_way = if end {
-            0.0
-        } else {
-            self.search.quadrature_on_the_way
-        };
-        Ok(self.refinable
-            && self.quadrature_error > self.stage.quadrature_tolerance.max(on_the_way))
+        let on_the_way = if end { 0.0 } else { self.search.quadrature_on_the_way };
+        Ok(self.refinable && self.quadrature_error > self.stage.quadrature_tolerance.max(on_the_way))
     }
 
     /// The multipliers of the slip at all points, `N` by their number; no columns without them.
@@ -161,11 +154,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         let integrand = &self.free.objective.cost().cost;
         let attributes = integrand.rows.attributes();
         let mut largest = 0.0_f64;
-        for (g, h) in integrand
-            .h
-            .chunks_exact(attributes.scales.len().max(1))
-            .enumerate()
-        {
+        for (g, h) in integrand.h.chunks_exact(attributes.scales.len().max(1)).enumerate() {
             let collocated = self.free.grid.collocated[g % self.free.grid.points()];
             for (row, h) in h.iter().enumerate() {
                 let by = match attributes.equalities[row] {
@@ -230,16 +219,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let rows = lagrangian.cost.h.iter().zip(self.margins.iter().cycle());
         h.clear();
         h.extend(rows.map(|(h, margin)| h + margin));
-        Ok(
-            if self
-                .working
-                .is_left(&self.free.objective.cost().cost.rows, h)
-            {
-                f64::INFINITY
-            } else {
-                cost
-            },
-        )
+        Ok(if self.working.is_left(&self.free.objective.cost().cost.rows, h) { f64::INFINITY } else { cost })
     }
 
     fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()> {

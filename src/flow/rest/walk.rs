@@ -52,12 +52,7 @@ struct Walk {
 
 impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
     /// Follows the flow from the guess of this number to rest.
-    pub fn from(
-        &self,
-        guess: usize,
-        curve: Curve,
-        observe: &mut dyn FnMut(&RestRecord),
-    ) -> Result<RestSolution> {
+    pub fn from(&self, guess: usize, curve: Curve, observe: &mut dyn FnMut(&RestRecord)) -> Result<RestSolution> {
         let (problem, settings) = (self.problem, self.settings);
         let constraints = &*self.rows.constraints;
         let mut levels: VecDeque<Level> = settings.levels(constraints).into();
@@ -82,8 +77,7 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
                 break;
             }
             let found = &walk.found;
-            let left =
-                found.passive_share > settings.search.passive_share && found.action < self.least;
+            let left = found.passive_share > settings.search.passive_share && found.action < self.least;
             let finer = level.basis.finer(RestSettings::LARGEST_SIZE);
             if let (true, true, Some(basis)) = (levels.is_empty(), left, finer) {
                 let stage = level.stage;
@@ -100,13 +94,7 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
     }
 
     /// Follows the flow in one basis, with as many points as needed.
-    fn minimise(
-        &self,
-        walk: &mut Walk,
-        stage: Stage,
-        factor: f64,
-        observe: &mut dyn FnMut(&RestRecord),
-    ) -> Result<()> {
+    fn minimise(&self, walk: &mut Walk, stage: Stage, factor: f64, observe: &mut dyn FnMut(&RestRecord)) -> Result<()> {
         let basis = walk.path.basis.clone();
         let search = &self.settings.search;
         let per_degree = match basis.segments() {
@@ -125,10 +113,7 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
         let limits = &self.rows.constraints.torque;
         if stage.last && limits.has_passive() {
             let curve = walk.path.curve_of_states(self.problem.horizon())?;
-            let (model, times) = (
-                self.problem.model(),
-                search.last_scan.div_ceil(curve.segments()),
-            );
+            let (model, times) = (self.problem.model(), search.last_scan.div_ceil(curve.segments()));
             walk.found.passive_share = passive_share(model, &curve, limits, times)?;
         }
         Ok(())
@@ -142,13 +127,7 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
         (stage, factor): (Stage, f64),
         observe: &mut dyn FnMut(&RestRecord),
     ) -> Result<Status> {
-        let Self {
-            problem,
-            settings,
-            rows,
-            grids,
-            ..
-        } = *self;
+        let Self { problem, settings, rows, grids, .. } = *self;
         let basis = walk.path.basis.clone();
         let grid = if rows.attributes().equalities.contains(&true) {
             grids.collocated(&basis, [points, basis.degree() - 1])
@@ -195,8 +174,7 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
         let end = solve(&mut program, x, known.as_deref(), kkt, &options, &mut log)?;
         walk.keep(&mut program, &end)?;
         let found = &mut walk.found;
-        found.at_rest =
-            end.status == Status::Converged && found.quadrature_error <= stage.quadrature_tolerance;
+        found.at_rest = end.status == Status::Converged && found.quadrature_error <= stage.quadrature_tolerance;
         Ok(end.status)
     }
 
@@ -235,14 +213,7 @@ impl Walk {
         let of_rows = end.iterate.multipliers(grid.times.len() * rows.count());
         let mut multipliers = Multipliers::default();
         multipliers.put(grid, rows, &of_rows);
-        self.multipliers = [
-            multipliers,
-            Multipliers {
-                times,
-                values: of_slips,
-                of_points: Vec::new(),
-            },
-        ];
+        self.multipliers = [multipliers, Multipliers { times, values: of_slips, of_points: Vec::new() }];
         if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
             self.equality_penalty = penalty / first;
         }
@@ -268,11 +239,7 @@ pub(super) fn longest_step(metric: RestMetric, options: &Options) -> f64 {
 }
 
 /// The equations with the metric at a curve as their norm.
-pub(super) fn kkt<M: Metric>(
-    grid: &Grid<f64>,
-    norm: Norm<'_, f64, M>,
-    coefficients: &DMatrix<f64>,
-) -> Result<Kkt> {
+pub(super) fn kkt<M: Metric>(grid: &Grid<f64>, norm: Norm<'_, f64, M>, coefficients: &DMatrix<f64>) -> Result<Kkt> {
     let size = 2 * norm.model.dof();
     let horizon = norm.horizon;
     let mut objective = Objective::new(grid, norm, size);
@@ -289,9 +256,7 @@ impl RestSettings {
     fn levels<K: Constraint>(&self, constraints: &Constraints<K>) -> Vec<Level> {
         let passive = constraints.torque.has_passive();
         let rows = usize::from(constraints.dim() > 0);
-        let mut levels = self
-            .as_direct(rows)
-            .levels(Continuity::default(), passive, 1);
+        let mut levels = self.as_direct(rows).levels(Continuity::default(), passive, 1);
         if self.start.is_some() {
             levels.drain(..levels.len() - 1);
         }

@@ -25,22 +25,15 @@ impl<'m, C: Scalar, L: Lagrangian<C>> DualLagrangian<'m, L, C> {
     /// The Lagrangian `lagrangian` for `model` under the penalty `k`.
     #[must_use]
     pub fn new(model: &'m Model<C>, lagrangian: L, k: C) -> Self {
-        Self {
-            model,
-            lagrangian,
-            k,
-        }
+        Self { model, lagrangian, k }
     }
 }
 
-impl<C: Scalar, L: Lagrangian<C>, S: AlgebraOver<C> + Tanh> PointCost<S>
-    for DualLagrangian<'_, L, C>
-{
+impl<C: Scalar, L: Lagrangian<C>, S: AlgebraOver<C> + Tanh> PointCost<S> for DualLagrangian<'_, L, C> {
     fn value(&mut self, point: Point<'_, S>) -> Result<S> {
         let (x, xdot) = (point.q, point.v);
         check_length("states", 2 * self.model.dof(), x.len())?;
-        self.lagrangian
-            .value(self.model, point.time, x, xdot, self.k)
+        self.lagrangian.value(self.model, point.time, x, xdot, self.k)
     }
 
     fn derivatives(&mut self, point: Point<'_, S>, out: &mut PointDerivatives<S>) -> Result<S> {

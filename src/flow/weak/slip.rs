@@ -99,10 +99,7 @@ impl<P: PointCost<S>, S: Scalar> PointCost<S> for WithSlip<P, S> {
 
     fn values(&mut self, points: Points<'_, S>, costs: &mut [S]) -> Result<()> {
         self.place(points)?;
-        let own = Points {
-            states: &self.states,
-            ..points
-        };
+        let own = Points { states: &self.states, ..points };
         self.cost.values(own, costs)?;
         for (g, cost) in costs.iter_mut().enumerate() {
             *cost += self.slip_terms(points.first + g);
@@ -110,16 +107,9 @@ impl<P: PointCost<S>, S: Scalar> PointCost<S> for WithSlip<P, S> {
         Ok(())
     }
 
-    fn all_derivatives(
-        &mut self,
-        points: Points<'_, S>,
-        out: &mut PointsDerivatives<S>,
-    ) -> Result<()> {
+    fn all_derivatives(&mut self, points: Points<'_, S>, out: &mut PointsDerivatives<S>) -> Result<()> {
         self.place(points)?;
-        let own = Points {
-            states: &self.states,
-            ..points
-        };
+        let own = Points { states: &self.states, ..points };
         self.cost.all_derivatives(own, &mut self.derivatives)?;
         let n = self.states.nrows();
         let stiff = self.k + self.k;
@@ -134,19 +124,13 @@ impl<P: PointCost<S>, S: Scalar> PointCost<S> for WithSlip<P, S> {
             // The places of q, v and a among x and its rate.
             for (x, (place, d)) in [(0, 0), (n, 0), (n, 1)].into_iter().enumerate() {
                 let from = self.derivatives.gradients.column(3 * g + x);
-                out.gradients
-                    .view_mut((place, 3 * g + d), (n, 1))
-                    .copy_from(&from);
+                out.gradients.view_mut((place, 3 * g + d), (n, 1)).copy_from(&from);
             }
             let mut by_v = out.gradients.view_mut((n, 3 * g), (n, 1));
             by_v -= &by_slip;
-            out.gradients
-                .view_mut((0, 3 * g + 1), (n, 1))
-                .copy_from(&by_slip);
+            out.gradients.view_mut((0, 3 * g + 1), (n, 1)).copy_from(&by_slip);
         }
-        self.derivatives
-            .hessians
-            .in_states(stiff, &mut out.hessians);
+        self.derivatives.hessians.in_states(stiff, &mut out.hessians);
         Ok(())
     }
 }

@@ -1,13 +1,10 @@
 //! Checks of the derivatives of constraints and of the Jacobians of the constrained flow by dual numbers.
 
 use super::dynamics::{split, state_of};
-use super::{
-    At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING, compare_jacobians,
-};
+use super::{At, BOUND, CheckOptions, Finding, Findings, State, Tolerance, VANISHING, compare_jacobians};
 use crate::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator,
-    FootDerivatives, FootWeights, FrameRows, SelfClearance, Side, SolidClearance, Sphere,
-    SphereClearance, StandingFoot, TorqueLimits, Weights,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, FootDerivatives, FootWeights,
+    FrameRows, SelfClearance, Side, SolidClearance, Sphere, SphereClearance, StandingFoot, TorqueLimits, Weights,
 };
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
@@ -74,36 +71,18 @@ pub fn check_constraint(
 }
 
 /// The tolerance: without divisions, entries that are small relative to metres and radians may be rounding errors.
-const TOLERANCE: Tolerance = Tolerance {
-    bound: BOUND,
-    floor: VANISHING,
-};
+const TOLERANCE: Tolerance = Tolerance { bound: BOUND, floor: VANISHING };
 
 /// The kinds of constraints on the state, in the order of their construction.
-const KINDS: [&str; 6] = [
-    "spheres",
-    "solids",
-    "self-collision",
-    "bounds",
-    "frame",
-    "frame in a frame",
-];
+const KINDS: [&str; 6] = ["spheres", "solids", "self-collision", "bounds", "frame", "frame in a frame"];
 
 /// A box, a cylinder, a capsule, a ball and a half-space about `mean`, rotated, of sizes in proportion to `reach`.
 fn solids(mean: &Vector3<f64>, reach: f64) -> Vec<Solid> {
     let size = |part: f64| part * reach;
     let shapes = [
-        Shape::Cuboid {
-            half_extents: Vector3::new(size(0.3), size(0.15), size(0.2)),
-        },
-        Shape::Cylinder {
-            radius: size(0.25),
-            half_length: size(0.2),
-        },
-        Shape::Capsule {
-            radius: size(0.15),
-            half_length: size(0.3),
-        },
+        Shape::Cuboid { half_extents: Vector3::new(size(0.3), size(0.15), size(0.2)) },
+        Shape::Cylinder { radius: size(0.25), half_length: size(0.2) },
+        Shape::Capsule { radius: size(0.15), half_length: size(0.3) },
         Shape::Sphere { radius: size(0.3) },
         Shape::HalfSpace,
     ];
@@ -111,20 +90,13 @@ fn solids(mean: &Vector3<f64>, reach: f64) -> Vec<Solid> {
         let wave = |f: f64| (f * (i as f64 + 1.0)).sin();
         let axis = Vector3::new(wave(0.7), wave(1.3), wave(2.1));
         let off = Vector3::new(wave(2.9), wave(1.7), wave(0.5)) * size(0.4);
-        Solid {
-            placement: Placement::new(Rotation3::new(axis).into_inner(), mean + off),
-            shape,
-        }
+        Solid { placement: Placement::new(Rotation3::new(axis).into_inner(), mean + off), shape }
     };
     shapes.into_iter().enumerate().map(place).collect()
 }
 
 /// Rows of every kind on a frame of a body in a reference of another one.
-fn frame_rows(
-    bodies: [Option<usize>; 2],
-    mean: &Vector3<f64>,
-    reach: f64,
-) -> Result<AnyConstraint> {
+fn frame_rows(bodies: [Option<usize>; 2], mean: &Vector3<f64>, reach: f64) -> Result<AnyConstraint> {
     let axes = [Vector3::new(0.4, -0.8, 0.3), Vector3::new(-0.2, 0.5, 1.0)];
     let place = |i: usize, off| Placement::new(Rotation3::new(axes[i]).into_inner(), off);
     let frame = Frame::new("frame", bodies[0], place(0, axes[1] * (0.1 * reach)));
@@ -155,11 +127,7 @@ fn made_up_balls(model: &Model) -> Result<Vec<CollisionSphere>> {
     // A ball off the axis of the last joint, because with a single joint all others are on the axis and do not move,
     // and one on the base.
     for body in [model.dof().checked_sub(1), None] {
-        balls.push(CollisionSphere {
-            body,
-            centre: Vector3::new(0.1, -0.2, 0.3),
-            radius: 0.1,
-        });
+        balls.push(CollisionSphere { body, centre: Vector3::new(0.1, -0.2, 0.3), radius: 0.1 });
     }
     Ok(balls)
 }
@@ -177,26 +145,17 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
         mean += p / balls.len() as f64;
         reach = reach.max(p.norm());
     }
-    let sphere = |x, y, z, part| Sphere {
-        centre: mean + Vector3::new(x, y, z) * reach,
-        radius: part * reach,
-    };
+    let sphere = |x, y, z, part| Sphere { centre: mean + Vector3::new(x, y, z) * reach, radius: part * reach };
     let near = |index: usize| Bound {
         entry: index,
-        side: if index.is_multiple_of(2) {
-            Side::Upper
-        } else {
-            Side::Lower
-        },
+        side: if index.is_multiple_of(2) { Side::Upper } else { Side::Lower },
         value: state.x[index] + 0.3 * (index as f64).sin(),
     };
     let mut u = vec![0.0; n];
     let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
     rnea(model, &mut Data::new(model), q, v, a, &mut u)?;
     let largest = u.iter().fold(1.0_f64, |m, u| m.max(u.abs()));
-    let limit = |(i, u): (usize, &f64)| {
-        (i % 4 != 1).then(|| u.abs() + largest * (0.1 * (i as f64).sin() + 0.02))
-    };
+    let limit = |(i, u): (usize, &f64)| (i % 4 != 1).then(|| u.abs() + largest * (0.1 * (i as f64).sin() + 0.02));
     Ok(Penalised {
         constraints: Constraints {
             state: vec![
@@ -209,10 +168,7 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
                     solids: solids(&mean, reach),
                     names: Vec::new(),
                 }),
-                AnyConstraint::SelfCollision(SelfClearance {
-                    pairs: pairs(&balls),
-                    balls,
-                }),
+                AnyConstraint::SelfCollision(SelfClearance { pairs: pairs(&balls), balls }),
                 AnyConstraint::Bounds(Bounds((0..2 * n).map(near).collect())),
                 frame_rows([n.checked_sub(1), None], &mean, reach)?,
                 frame_rows([n.checked_sub(1), n.checked_sub(2)], &mean, reach)?,
@@ -221,14 +177,8 @@ fn made_up(model: &Model, state: &State) -> Result<Penalised<Vec<AnyConstraint>>
             stage: Default::default(),
         },
         weights: PenaltyWeights {
-            state: Penalty {
-                k_cons: 10.0,
-                c_cons: 2.0,
-            },
-            torque: Penalty {
-                k_cons: 2.0,
-                c_cons: 1.0 / largest,
-            },
+            state: Penalty { k_cons: 10.0, c_cons: 2.0 },
+            torque: Penalty { k_cons: 2.0, c_cons: 1.0 / largest },
         },
     })
 }
@@ -244,30 +194,20 @@ fn contractions(
     findings: &mut Findings,
 ) -> Result<()> {
     let (x, rows) = (at.state.node().x, constraint.dim());
-    let wave = |f: f64| {
-        (1..=rows)
-            .map(move |j| (f * j as f64).sin())
-            .collect::<Vec<_>>()
-    };
+    let wave = |f: f64| (1..=rows).map(move |j| (f * j as f64).sin()).collect::<Vec<_>>();
     let (w, c) = (wave(0.7), wave(1.9));
     let mut evaluator = Evaluator::new(model);
     let mut here = evaluator.at(x)?;
     let mut g = vec![0.0; rows];
     here.value(constraint, &mut g)?;
-    let weights = Weights {
-        first_order: &w,
-        gauss_newton: Some(&c),
-    };
+    let weights = Weights { first_order: &w, gauss_newton: Some(&c) };
     let ours = here.weighted_derivatives(constraint, weights)?;
 
     let expected = gradient(x, |x| {
         let mut evaluator = Evaluator::new(model);
         let mut g = vec![Dual64::from(0.0); rows];
         evaluator.at(x)?.value(constraint, &mut g)?;
-        let sum = g
-            .iter()
-            .zip(&w)
-            .fold(Dual64::from(0.0), |sum, (g, w)| sum + *g * *w);
+        let sum = g.iter().zip(&w).fold(Dual64::from(0.0), |sum, (g, w)| sum + *g * *w);
         Ok(sum)
     })?;
     let row = DMatrix::from_row_slice(1, x.len(), ours.gradient().as_slice());
@@ -283,21 +223,12 @@ fn contractions(
         for (moved, ((w, c), g)) in moved.iter_mut().zip(w.iter().zip(&c).zip(&g)) {
             *moved = (*moved - *g) * *c + *w;
         }
-        let weights = Weights {
-            first_order: &moved,
-            gauss_newton: None,
-        };
+        let weights = Weights { first_order: &moved, gauss_newton: None };
         let gradient = here.weighted_derivatives(constraint, weights)?.gradient();
         Ok(gradient.clone_owned())
     })?;
     let quantity = format!("{name}: weighted Hessian");
-    findings.compare(
-        TOLERANCE,
-        &quantity,
-        at,
-        ours.hessian().as_view(),
-        expected.as_view(),
-    );
+    findings.compare(TOLERANCE, &quantity, at, ours.hessian().as_view(), expected.as_view());
     Ok(())
 }
 
@@ -315,21 +246,13 @@ fn standing_foot(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<(
         torsion: Some(0.03),
         weight: mass * (1.0 + model.gravity().norm()),
     };
-    let wave = |f: f64| {
-        (1..=foot.dim())
-            .map(move |j| (f * j as f64).sin())
-            .collect::<Vec<_>>()
-    };
+    let wave = |f: f64| (1..=foot.dim()).map(move |j| (f * j as f64).sin()).collect::<Vec<_>>();
     let (w, c) = (wave(0.7), wave(1.9));
     let (q, v, a) = split(&state);
     let mut g = vec![0.0; foot.dim()];
     foot.value(model, &mut Data::new(model), [q, v, a], &mut g)?;
     let mut ours = FootDerivatives::new(model.dof());
-    let weights = FootWeights {
-        slopes: &w,
-        multipliers: &w,
-        curvatures: &c,
-    };
+    let weights = FootWeights { slopes: &w, multipliers: &w, curvatures: &c };
     foot.weighted_derivatives(model, &mut Data::new(model), [q, v, a], weights, &mut ours)?;
 
     let rows = |z: [&[Dual64]; 3]| -> Result<Vec<Dual64>> {
@@ -354,11 +277,7 @@ fn standing_foot(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<(
             *moved = (*moved - *g) * *c + *w;
         }
         let zeros = vec![Dual64::from(0.0); foot.dim()];
-        let weights = FootWeights {
-            slopes: &moved,
-            multipliers: &zeros,
-            curvatures: &zeros,
-        };
+        let weights = FootWeights { slopes: &moved, multipliers: &zeros, curvatures: &zeros };
         let mut out = FootDerivatives::new(model.dof());
         foot.weighted_derivatives(model, &mut Data::new(model), [q, v, a], weights, &mut out)?;
         Ok(out.gradient)

@@ -37,9 +37,7 @@ pub fn check_direct(model: &Model, options: &CheckOptions) -> Result<Vec<Finding
         let mut derivatives = Derivatives::new(&grid, n);
         let mut effort = Objective::new(&grid, ControlEffort::new(model), n);
         effort.derivatives(&path.coefficients, &mut derivatives)?;
-        let gradient = derivatives
-            .gradient
-            .reshape_generic(nalgebra::Dyn(n), nalgebra::Dyn(path.basis.free().len()));
+        let gradient = derivatives.gradient.reshape_generic(nalgebra::Dyn(n), nalgebra::Dyn(path.basis.free().len()));
         for k in &options.penalties {
             let at = at.under(*k);
             findings.compare(
@@ -81,10 +79,7 @@ fn along<'a>(model: &Model, path: &Path, start: At<'a>) -> Result<At<'a>> {
         for s in &nodes {
             let [q, ..] = basis.evaluate(&path.coefficients, basis.time(e, *s));
             crba(model, &mut data, q.as_slice(), &mut h)?;
-            let here = At {
-                eigenvalues: extreme_eigenvalues(&h),
-                ..start
-            };
+            let here = At { eigenvalues: extreme_eigenvalues(&h), ..start };
             if here.condition() > worst.condition() {
                 worst = here;
             }
@@ -100,12 +95,7 @@ fn curve_about(state: &State, extent: f64) -> Path {
     let n = state.x.len() / 2;
     let part = |x: &[f64], half: usize| DVector::from_column_slice(&x[half * n..(half + 1) * n]);
     let q = part(&state.x, 0);
-    let slopes = [
-        part(&state.x, 1),
-        part(&state.xdot, 1),
-        part(&state.xddot, 0),
-    ]
-    .map(|slope| slope * extent);
+    let slopes = [part(&state.x, 1), part(&state.xdot, 1), part(&state.xddot, 0)].map(|slope| slope * extent);
     let away = [0.0, 0.1, -0.2].map(|size| part(&state.xdot, 0) * (size * extent));
     let bend = part(&state.xddot, 1) * extent;
     let mut coefficients = DMatrix::zeros(n, basis.count());
@@ -116,10 +106,7 @@ fn curve_about(state: &State, extent: f64) -> Path {
     for (i, column) in [2, 3, 6, 7].into_iter().enumerate() {
         coefficients.set_column(column, &(&bend * (i as f64).cos()));
     }
-    Path {
-        basis,
-        coefficients,
-    }
+    Path { basis, coefficients }
 }
 
 /// The right-hand side of the formula, one column per free function.
@@ -137,9 +124,7 @@ fn weak_form(model: &Model, path: &Path, k: f64) -> Result<DMatrix<f64>> {
     let mut sum = DMatrix::zeros(n, basis.count());
     let (nodes, weights) = gauss_legendre(POINTS);
     for e in 0..basis.segments() {
-        let own = path
-            .coefficients
-            .columns(basis.first(e), basis.degree() + 1);
+        let own = path.coefficients.columns(basis.first(e), basis.degree() + 1);
         let second = curve.segment(e) * chebyshev.d2().transpose();
         for (s, weight) in nodes.iter().zip(&weights) {
             let table = basis.local(*s);
@@ -147,12 +132,8 @@ fn weak_form(model: &Model, path: &Path, k: f64) -> Result<DMatrix<f64>> {
             chebyshev.interpolation(basis.half() * (1.0 + s), &mut interpolation);
             let jerk = second.rows(n, n) * &interpolation;
             let [q, v, a] = [0, 1, 2].map(|d| &state.as_slice()[d * n..(d + 1) * n]);
-            let node = Node {
-                t: 0.0,
-                x: &[q, v].concat(),
-                xdot: &[v, a].concat(),
-                xddot: &[a, jerk.as_slice()].concat(),
-            };
+            let node =
+                Node { t: 0.0, x: &[q, v].concat(), xdot: &[v, a].concat(), xddot: &[a, jerk.as_slice()].concat() };
             flow.omega(node, k, omega.as_mut_slice())?;
             crba(model, &mut data, q, &mut h)?;
             let (upper, lower) = (omega.rows(0, n) * k, &h * (&h * omega.rows(n, n)));
@@ -165,9 +146,7 @@ fn weak_form(model: &Model, path: &Path, k: f64) -> Result<DMatrix<f64>> {
     }
     for e in 1..basis.segments() {
         let mut control = |segment: usize, s: f64| -> Result<DVector<f64>> {
-            let own = path
-                .coefficients
-                .columns(basis.first(segment), basis.degree() + 1);
+            let own = path.coefficients.columns(basis.first(segment), basis.degree() + 1);
             let state = own * basis.local(s).transpose();
             let [q, v, a] = [0, 1, 2].map(|d| &state.as_slice()[d * n..(d + 1) * n]);
             let mut u = DVector::zeros(n);

@@ -3,10 +3,9 @@
 use super::tensors::second_derivatives;
 use super::{At, CheckOptions, Finding, Findings, State};
 use crate::dynamics::{
-    Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, RneaVjp, RneaWeightedHessian,
-    RootWrenchDerivatives, aba, aba_derivatives, mass_matrix_and_rate,
-    mass_matrix_product_derivative, rnea_derivatives, rnea_vjp, rnea_weighted_hessian, root_wrench,
-    root_wrench_second_order,
+    Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, RneaVjp, RneaWeightedHessian, RootWrenchDerivatives,
+    aba, aba_derivatives, mass_matrix_and_rate, mass_matrix_product_derivative, rnea_derivatives, rnea_vjp,
+    rnea_weighted_hessian, root_wrench, root_wrench_second_order,
 };
 use crate::error::Result;
 use crate::flow::{AlgorithmB1, ControlForm, RightHandSide};
@@ -29,11 +28,7 @@ pub fn check_dynamics(model: &Model, options: &CheckOptions) -> Result<Vec<Findi
 ///
 /// # Errors
 /// A state does not have `2 N` entries in each of its parts.
-pub fn check_dynamics_at(
-    model: &Model,
-    states: &[State],
-    penalties: &[f64],
-) -> Result<Vec<Finding>> {
+pub fn check_dynamics_at(model: &Model, states: &[State], penalties: &[f64]) -> Result<Vec<Finding>> {
     let mut findings = Findings::default();
     for (sample, state) in states.iter().enumerate() {
         state.node().check(model.dof(), 2 * model.dof())?;
@@ -90,29 +85,14 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
     let (mut h, mut hdot) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
     mass_matrix_and_rate(model, &mut Data::new(model), q, w, &mut h, &mut hdot)?;
     let expected = jacobian(q, |q| Ok(entries(&mass(model, q)?)))?;
-    let rate =
-        DMatrix::from_column_slice(n, n, (&expected * DVector::from_column_slice(w)).as_slice());
+    let rate = DMatrix::from_column_slice(n, n, (&expected * DVector::from_column_slice(w)).as_slice());
     let tolerance = at.direct();
-    findings.compare(
-        tolerance,
-        "mass matrix: rate",
-        at,
-        hdot.as_view(),
-        rate.as_view(),
-    );
+    findings.compare(tolerance, "mass matrix: rate", at, hdot.as_view(), rate.as_view());
 
     let mut k = DMatrix::zeros(n, n);
     mass_matrix_product_derivative(model, &mut Data::new(model), q, w, &mut k)?;
-    let expected = DMatrix::from_fn(n, n, |i, j| {
-        (0..n).map(|m| expected[(i + m * n, j)] * w[m]).sum()
-    });
-    findings.compare(
-        tolerance,
-        "mass matrix: d(H w)/dq",
-        at,
-        k.as_view(),
-        expected.as_view(),
-    );
+    let expected = DMatrix::from_fn(n, n, |i, j| (0..n).map(|m| expected[(i + m * n, j)] * w[m]).sum());
+    findings.compare(tolerance, "mass matrix: d(H w)/dq", at, k.as_view(), expected.as_view());
     Ok(())
 }
 
@@ -168,19 +148,12 @@ fn root_second_order<S: AlgebraOver<f64>>(
 fn root(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()> {
     let state = state_of(at);
     let base = [0.3, -0.7, 0.4, 0.9, -0.2, 0.6];
-    let motion = |m: [f64; 6]| {
-        Motion::new(
-            Vector3::new(m[0], m[1], m[2]),
-            Vector3::new(m[3], m[4], m[5]),
-        )
-    };
+    let motion = |m: [f64; 6]| Motion::new(Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
     let (first, second) = root_second_order(model, split(&state), motion(base))?;
     let expected = jacobian(&state, |state| {
         let (q, v, a) = split(state);
         let force = root_wrench(model, &mut Data::new(model), q, v, a)?;
-        Ok(vector(
-            &[force.angular.as_slice(), force.linear.as_slice()].concat(),
-        ))
+        Ok(vector(&[force.angular.as_slice(), force.linear.as_slice()].concat()))
     })?;
     let (wrench, ours) = ("root wrench", first.jacobian.as_view());
     findings.compare(at.direct(), wrench, at, ours, expected.as_view());
@@ -225,13 +198,7 @@ fn omega(model: &Model, k: f64, at: At<'_>, findings: &mut Findings) -> Result<(
     for (part, row) in [("Omega_P1", 0), ("Omega_P2", n)] {
         let quantity = format!("{part}: control form and Algorithm B1");
         let (control, b1) = (control.rows(row, n), b1.rows(row, n));
-        findings.compare(
-            at.divided_twice(),
-            &quantity,
-            at,
-            control.as_view(),
-            b1.as_view(),
-        );
+        findings.compare(at.divided_twice(), &quantity, at, control.as_view(), b1.as_view());
     }
     Ok(())
 }

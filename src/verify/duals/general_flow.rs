@@ -5,9 +5,9 @@ use crate::constraint::TorqueLimits;
 use crate::error::Result;
 use crate::flow::jacobian::{ControlFormJacobian, ForwardDual, NodeJacobian};
 use crate::flow::{
-    ActuationWeights, AffineLagrangian, ControlDual, ControlForm, ControlLagrangian,
-    DualTrajectory, FreeDynamics, Lagrangian, LagrangianFlow, Metric, Penalty, RightHandSide,
-    StateCost, StateCostTerm, Sum, TorquePenalty, WithStateCost,
+    ActuationWeights, AffineLagrangian, ControlDual, ControlForm, ControlLagrangian, DualTrajectory, FreeDynamics,
+    Lagrangian, LagrangianFlow, Metric, Penalty, RightHandSide, StateCost, StateCostTerm, Sum, TorquePenalty,
+    WithStateCost,
 };
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Tanh};
@@ -40,13 +40,7 @@ pub fn check_flow<L: Lagrangian, M: Metric>(
     flow: FlowUnderTest<'_, L, M>,
     options: &CheckOptions,
 ) -> Result<Vec<Finding>> {
-    let FlowUnderTest {
-        name,
-        lagrangian,
-        metric,
-        right_hand_side,
-        jacobian,
-    } = flow;
+    let FlowUnderTest { name, lagrangian, metric, right_hand_side, jacobian } = flow;
     let of = (lagrangian, metric);
     let mut findings = check_right_hand_side(model, name, of, right_hand_side, options)?;
     let definition = LagrangianFlow::in_metric(model, lagrangian, metric);
@@ -110,20 +104,13 @@ impl StateCost for LateRest {
 pub fn check_general_flow(model: &Model, options: &CheckOptions) -> Result<Vec<Finding>> {
     let (n, control) = (model.dof(), made_up(model.dof())?);
     let (weights, metric) = (&control.weights, control.metric());
-    let whole = WithStateCost {
-        lagrangian: &control,
-        cost: LateRest,
-    };
+    let whole = WithStateCost { lagrangian: &control, cost: LateRest };
     let name = "general flow";
-    let ours = &mut Sum::new(
-        ControlForm::of(model, control.clone()),
-        StateCostTerm::new(model, weights.clone(), LateRest),
-    );
+    let ours =
+        &mut Sum::new(ControlForm::of(model, control.clone()), StateCostTerm::new(model, weights.clone(), LateRest));
     let mut all = check_right_hand_side(model, name, (&whole, &metric), ours, options)?;
-    let by_duals = Sum::new(
-        ControlForm::of(model, control.clone()),
-        StateCostTerm::new(model, weights.clone(), LateRest),
-    );
+    let by_duals =
+        Sum::new(ControlForm::of(model, control.clone()), StateCostTerm::new(model, weights.clone(), LateRest));
     all.extend(compare_jacobians(
         model,
         name,
@@ -151,20 +138,11 @@ fn made_up(n: usize) -> Result<ControlLagrangian<f64, (ControlDual, TorquePenalt
         DualTrajectory::new(3.0, coefficients)
     };
     let weight = |joint: usize| {
-        if joint % 3 == 2 {
-            100.0
-        } else {
-            1.0 + 0.1 * joint as f64
-        }
+        if joint % 3 == 2 { 100.0 } else { 1.0 + 0.1 * joint as f64 }
     };
     let limits = (0..n).map(|i| (i % 2 == 0).then_some(1.0 + i as f64));
-    let torque = TorquePenalty {
-        limits: TorqueLimits(limits.collect()),
-        penalty: Penalty {
-            k_cons: 3.0,
-            c_cons: 0.7,
-        },
-    };
+    let torque =
+        TorquePenalty { limits: TorqueLimits(limits.collect()), penalty: Penalty { k_cons: 3.0, c_cons: 0.7 } };
     Ok(ControlLagrangian {
         weights: ActuationWeights::diagonal((0..n).map(weight).collect())?,
         slip_dual: Some(trajectory(0)?),
@@ -174,20 +152,10 @@ fn made_up(n: usize) -> Result<ControlLagrangian<f64, (ControlDual, TorquePenalt
 
 /// Compares the affine Lagrangian with that of the control, and twice the metric with the Hessian of the Lagrangian in
 /// $\dot x$, along $\ddot x$.
-fn metric_and_affine(
-    model: &Model,
-    weights: &ActuationWeights,
-    options: &CheckOptions,
-) -> Result<Vec<Finding>> {
-    let control: ControlLagrangian = ControlLagrangian {
-        weights: weights.clone(),
-        ..ControlLagrangian::default()
-    };
+fn metric_and_affine(model: &Model, weights: &ActuationWeights, options: &CheckOptions) -> Result<Vec<Finding>> {
+    let control: ControlLagrangian = ControlLagrangian { weights: weights.clone(), ..ControlLagrangian::default() };
     let metric = &control.metric();
-    let affine = AffineLagrangian {
-        drift: FreeDynamics,
-        metric,
-    };
+    let affine = AffineLagrangian { drift: FreeDynamics, metric };
     let mut findings = Findings::default();
     for (sample, state) in options.states(model)?.iter().enumerate() {
         let at = At::new(model, sample, state)?;
@@ -195,17 +163,13 @@ fn metric_and_affine(
         for k in &options.penalties {
             let at = at.under(*k);
             let one = |x: f64| DMatrix::from_element(1, 1, x);
-            let (a, b) = (
-                one(affine.value(model, *t, x, xdot, *k)?),
-                one(control.value(model, *t, x, xdot, *k)?),
-            );
+            let (a, b) = (one(affine.value(model, *t, x, xdot, *k)?), one(control.value(model, *t, x, xdot, *k)?));
             let (a, b) = (a.as_view(), b.as_view());
             findings.compare(at.divided_twice(), "affine Lagrangian: value", at, a, b);
             let still = vec![0.0; x.len()];
             let (y, along) = ([&x[..], xdot].concat(), [&still[..], xddot].concat());
-            let [_, rates] = gradient_and_rate(&y, &along, |x, xdot| {
-                control.value(model, AlgebraOver::lift(*t), x, xdot, *k)
-            })?;
+            let [_, rates] =
+                gradient_and_rate(&y, &along, |x, xdot| control.value(model, AlgebraOver::lift(*t), x, xdot, *k))?;
             let twice = metric.matrix(model, *t, x, *k)? * DVector::from_column_slice(xddot) * 2.0;
             let (n, quantity) = (model.dof(), "metric: Hessian of the affine Lagrangian");
             for row in [0, n] {

@@ -1,13 +1,8 @@
 //! Comparison of Jacobians of the right-hand side.
 
-use super::{
-    At, CheckOptions, DIFFERENCE_BOUND, Finding, Findings, LARGEST_DIFFERENCE_BOUND, State,
-    Tolerance,
-};
+use super::{At, CheckOptions, DIFFERENCE_BOUND, Finding, Findings, LARGEST_DIFFERENCE_BOUND, State, Tolerance};
 use crate::error::Result;
-use crate::flow::jacobian::{
-    CentralDifference, ForwardDual, JacobianKind, Jacobians, NodeBlocks, NodeJacobian,
-};
+use crate::flow::jacobian::{CentralDifference, ForwardDual, JacobianKind, Jacobians, NodeBlocks, NodeJacobian};
 use crate::flow::{AlgorithmB1, Node};
 use crate::model::Model;
 use nalgebra::DMatrix;
@@ -23,13 +18,7 @@ pub fn check_jacobian(
     jacobian: &mut dyn NodeJacobian,
     options: &CheckOptions,
 ) -> Result<Vec<Finding>> {
-    check_jacobian_at(
-        model,
-        name,
-        jacobian,
-        &options.states(model)?,
-        &options.penalties,
-    )
+    check_jacobian_at(model, name, jacobian, &options.states(model)?, &options.penalties)
 }
 
 /// Performs [`check_jacobian`] at given states, such as those at which terms vanish or coincide.
@@ -76,11 +65,7 @@ const STEP: f64 = 7.4e-4;
 
 /// Checks central differences with a larger bound: they lose entries that are small relative to the largest one of all
 /// blocks. They are not compared at states where they are meaningless.
-pub(super) fn check_differences(
-    model: &Model,
-    name: &str,
-    options: &CheckOptions,
-) -> Result<Vec<Finding>> {
+pub(super) fn check_differences(model: &Model, name: &str, options: &CheckOptions) -> Result<Vec<Finding>> {
     let mut findings = Findings::default();
     let jacobian = &mut CentralDifference::new(model);
     let duals = &mut ForwardDual::new(model);
@@ -95,35 +80,18 @@ pub(super) fn check_differences(
         }
         for (by, a, b) in pairs {
             let quantity = format!("{name}: dOmega/{by}");
-            let tolerance = Tolerance {
-                floor: largest,
-                bound,
-            };
+            let tolerance = Tolerance { floor: largest, bound };
             findings.compare(tolerance, &quantity, at, a.as_view(), b.as_view());
         }
     };
     let states = options.states(model)?;
-    each_pair(
-        model,
-        jacobian,
-        duals,
-        &states,
-        &options.penalties,
-        &mut look,
-    )?;
+    each_pair(model, jacobian, duals, &states, &options.penalties, &mut look)?;
     Ok(findings.all)
 }
 
 /// The blocks of two Jacobians with the names of their variables.
-fn pairs<'a>(
-    a: &'a NodeBlocks,
-    b: &'a NodeBlocks,
-) -> [(&'static str, &'a DMatrix<f64>, &'a DMatrix<f64>); 3] {
-    [
-        ("dx", &a.dx, &b.dx),
-        ("dxdot", &a.dxdot, &b.dxdot),
-        ("dxddot", &a.dxddot, &b.dxddot),
-    ]
+fn pairs<'a>(a: &'a NodeBlocks, b: &'a NodeBlocks) -> [(&'static str, &'a DMatrix<f64>, &'a DMatrix<f64>); 3] {
+    [("dx", &a.dx, &b.dx), ("dxdot", &a.dxdot, &b.dxdot), ("dxddot", &a.dxddot, &b.dxddot)]
 }
 
 /// Evaluates two Jacobians at all states and penalties and passes the results to `look`.
@@ -167,11 +135,7 @@ impl<J: NodeJacobian> NodeJacobian for Printed<J> {
 ///
 /// # Errors
 /// An implementation refuses the model.
-pub fn check_jacobians(
-    model: &Model,
-    jacobians: &Jacobians,
-    options: &CheckOptions,
-) -> Result<Vec<Finding>> {
+pub fn check_jacobians(model: &Model, jacobians: &Jacobians, options: &CheckOptions) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     for name in jacobians.names() {
         let jacobian = &mut *jacobians.build(name, model)?;
@@ -180,14 +144,7 @@ pub fn check_jacobians(
             Ok(JacobianKind::Dual) => {
                 let as_printed = ForwardDual::of(AlgorithmB1::new(model), model.dof());
                 let expected = &mut Printed(as_printed);
-                compare_jacobians(
-                    model,
-                    name,
-                    jacobian,
-                    expected,
-                    &options.states(model)?,
-                    &options.penalties,
-                )?
+                compare_jacobians(model, name, jacobian, expected, &options.states(model)?, &options.penalties)?
             }
             _ => check_jacobian(model, name, jacobian, options)?,
         });

@@ -95,11 +95,7 @@ pub struct CheckOptions {
 impl Default for CheckOptions {
     /// Twenty states, at `k = 1` and at the paper's penalties for Digit and Kinova.
     fn default() -> Self {
-        Self {
-            samples: 20,
-            seed: 1,
-            penalties: vec![1.0, 1e7, 1e9],
-        }
+        Self { samples: 20, seed: 1, penalties: vec![1.0, 1e7, 1e9] }
     }
 }
 
@@ -139,9 +135,7 @@ impl State {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(sample as u64);
         let n = model.dof();
-        let mut numbers = |count: usize| -> Vec<f64> {
-            (0..count).map(|_| rng.random_range(-3.0..3.0)).collect()
-        };
+        let mut numbers = |count: usize| -> Vec<f64> { (0..count).map(|_| rng.random_range(-3.0..3.0)).collect() };
         let (mut x, xdot, xddot) = (numbers(2 * n), numbers(2 * n), numbers(2 * n));
         for (q, joint) in x.iter_mut().zip(model.joints()) {
             let limits = joint.limits();
@@ -158,12 +152,7 @@ impl State {
     /// The state as the input of the flow.
     #[must_use]
     pub fn node(&self) -> Node<'_, f64> {
-        Node {
-            t: self.t,
-            x: &self.x,
-            xdot: &self.xdot,
-            xddot: &self.xddot,
-        }
+        Node { t: self.t, x: &self.x, xdot: &self.xdot, xddot: &self.xddot }
     }
 }
 
@@ -230,13 +219,7 @@ impl<'a> At<'a> {
         forward_kinematics(model, &state.x[..n], &mut placements)?;
         let inertias = model.inertias().iter().zip(&placements);
         let about_base = inertias.map(|(i, placement)| i.placed(placement).rotational.trace());
-        Ok(Self {
-            k: None,
-            sample,
-            state,
-            eigenvalues,
-            inertia: about_base.sum::<f64>().max(eigenvalues[1]),
-        })
+        Ok(Self { k: None, sample, state, eigenvalues, inertia: about_base.sum::<f64>().max(eigenvalues[1]) })
     }
 
     /// The same place with a penalty.
@@ -252,10 +235,7 @@ impl<'a> At<'a> {
 
     /// The tolerance of sums of products with inertias.
     fn direct(&self) -> Tolerance {
-        Tolerance {
-            bound: BOUND,
-            floor: VANISHING * self.inertia,
-        }
+        Tolerance { bound: BOUND, floor: VANISHING * self.inertia }
     }
 
     /// The tolerance of quantities divided by the mass matrix: rounding grows with its condition number.
@@ -271,19 +251,13 @@ impl<'a> At<'a> {
     /// on the URDFs of example-robot-data, on random trees and on arms of condition numbers up to `1e10` errors stay
     /// below 70 units of rounding times the condition number, of which seven times as much is allowed.
     pub(crate) fn divided_twice(&self) -> Tolerance {
-        Tolerance {
-            bound: (BOUND + 1e-13 * self.condition()).min(LARGEST_BOUND),
-            floor: 0.0,
-        }
+        Tolerance { bound: (BOUND + 1e-13 * self.condition()).min(LARGEST_BOUND), floor: 0.0 }
     }
 
     /// The tolerance of quantities divided by it twice and then multiplied by it twice, whose rounding grows with the
     /// square of the condition number.
     pub(crate) fn multiplied_again(&self) -> Tolerance {
-        Tolerance {
-            bound: (BOUND * self.squared_rounding()).min(LARGEST_BOUND_MULTIPLIED),
-            floor: 0.0,
-        }
+        Tolerance { bound: (BOUND * self.squared_rounding()).min(LARGEST_BOUND_MULTIPLIED), floor: 0.0 }
     }
 
     /// The growth of rounding by two divisions by the mass matrix.
@@ -328,10 +302,8 @@ impl Findings {
         let difference = a - b;
         // NaN counts as the largest error.
         let key = |x: &f64| if x.is_nan() { f64::INFINITY } else { x.abs() };
-        let (entry, worst) =
-            (difference.iter().map(key).enumerate()).fold((0, 0.0), |worst, next| {
-                if next.1 > worst.1 { next } else { worst }
-            });
+        let (entry, worst) = (difference.iter().map(key).enumerate())
+            .fold((0, 0.0), |worst, next| if next.1 > worst.1 { next } else { worst });
         let size = b.iter().map(key).fold(tolerance.floor, f64::max);
         let error = if worst == 0.0 { 0.0 } else { worst / size };
         let rows = difference.nrows().max(1);

@@ -21,10 +21,7 @@ pub fn check_running_cost(
 ) -> Result<Vec<Finding>> {
     let n = model.dof();
     let by_duals = AutodiffCost::new(closure);
-    let tolerance = Tolerance {
-        bound: BOUND,
-        floor: VANISHING,
-    };
+    let tolerance = Tolerance { bound: BOUND, floor: VANISHING };
     let (mut data, mut u) = (Data::new(model), vec![0.0; n]);
     let mut findings = Findings::default();
     for (sample, state) in options.states(model)?.iter().enumerate() {
@@ -32,13 +29,7 @@ pub fn check_running_cost(
         let node = state.node();
         let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
         rnea(model, &mut data, q, v, a, &mut u)?;
-        let input = StageInput {
-            t: 0.1 * sample as f64,
-            q,
-            v,
-            a,
-            u: &u,
-        };
+        let input = StageInput { t: 0.1 * sample as f64, q, v, a, u: &u };
         let mut ours = StageDerivatives::new(n);
         let mut expected = StageDerivatives::new(n);
         let value = by_hand.derivatives(&input, &mut ours)?;
@@ -47,11 +38,7 @@ pub fn check_running_cost(
         let row = |x: &[f64]| DMatrix::from_row_slice(1, x.len(), x);
         for (what, ours, expected) in [
             ("value", row(&[alone, value]), row(&[expected_value; 2])),
-            (
-                "gradient",
-                row(ours.gradient.as_slice()),
-                row(expected.gradient.as_slice()),
-            ),
+            ("gradient", row(ours.gradient.as_slice()), row(expected.gradient.as_slice())),
             ("Hessian", ours.hessian, expected.hessian),
         ] {
             let quantity = format!("{name}: {what}");

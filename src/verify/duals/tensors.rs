@@ -4,9 +4,8 @@ use super::dynamics::{split, state_of};
 use super::{At, Findings, Tolerance};
 use crate::dynamics::{
     Data, ForwardDynamicsDerivatives, ForwardDynamicsSecondDerivatives, InverseDynamicsDerivatives,
-    InverseDynamicsSecondDerivatives, MassMatrixDerivatives, aba_derivatives,
-    aba_second_derivatives, crba, crba_second_derivatives, rnea_derivatives,
-    rnea_second_derivatives,
+    InverseDynamicsSecondDerivatives, MassMatrixDerivatives, aba_derivatives, aba_second_derivatives, crba,
+    crba_second_derivatives, rnea_derivatives, rnea_second_derivatives,
 };
 use crate::error::Result;
 use crate::linalg::Tensor3;
@@ -41,14 +40,7 @@ fn inverse_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
         ("dvdv", &second.dvdv, 1, n),
         ("dadq", &second.dadq, 2, 0),
     ];
-    compare(
-        at.direct(),
-        "inverse dynamics",
-        at,
-        &blocks,
-        &expected,
-        findings,
-    );
+    compare(at.direct(), "inverse dynamics", at, &blocks, &expected, findings);
     Ok(())
 }
 
@@ -70,19 +62,8 @@ fn forward_dynamics(model: &Model, at: At<'_>, findings: &mut Findings) -> Resul
         aba_derivatives(model, &mut Data::new(model), q, v, &tau, &mut fd)?;
         Ok(all([&fd.dq, &fd.dv]))
     })?;
-    let blocks = [
-        ("dqdq", &second.dqdq, 0, 0),
-        ("dqdv", &second.dqdv, 0, n),
-        ("dvdv", &second.dvdv, 1, n),
-    ];
-    compare(
-        at.divided(),
-        "forward dynamics",
-        at,
-        &blocks,
-        &expected,
-        findings,
-    );
+    let blocks = [("dqdq", &second.dqdq, 0, 0), ("dqdv", &second.dqdv, 0, n), ("dvdv", &second.dvdv, 1, n)];
+    compare(at.divided(), "forward dynamics", at, &blocks, &expected, findings);
     Ok(())
 }
 
@@ -93,22 +74,10 @@ fn mass_matrix(model: &Model, at: At<'_>, findings: &mut Findings) -> Result<()>
     let mut mass = MassMatrixDerivatives::new(n);
     crba_second_derivatives(model, &mut Data::new(model), q, w, &mut mass)?;
     let expected = jacobian(q, |q| Ok(entries(&reference::mass(model, q)?)))?;
-    findings.compare(
-        at.direct(),
-        "mass matrix: dH/dq",
-        at,
-        unfold(&mass.dq, n),
-        expected.as_view(),
-    );
+    findings.compare(at.direct(), "mass matrix: dH/dq", at, unfold(&mass.dq, n), expected.as_view());
     let ours = DMatrixView::from_slice(mass.dqdq.entries(), n.pow(3), n);
     let expected = mass_matrix_by_hyper_duals(model, q)?;
-    findings.compare(
-        at.direct(),
-        "mass matrix: d2H/dqdq",
-        at,
-        ours,
-        expected.as_view(),
-    );
+    findings.compare(at.direct(), "mass matrix: d2H/dqdq", at, ours, expected.as_view());
     Ok(())
 }
 

@@ -26,22 +26,14 @@ pub(crate) struct Written<C: Scalar> {
 }
 
 impl<C: Scalar> Lagrangian<C> for Written<C> {
-    fn value<S: AlgebraOver<C> + Tanh>(
-        &self,
-        model: &Model<C>,
-        _: S,
-        x: &[S],
-        xdot: &[S],
-        k: C,
-    ) -> Result<S> {
+    fn value<S: AlgebraOver<C> + Tanh>(&self, model: &Model<C>, _: S, x: &[S], xdot: &[S], k: C) -> Result<S> {
         let n = model.dof();
         let ((q, v), (rate, a)) = (x.split_at(n), xdot.split_at(n));
         let mut u = vec![S::zero(); n];
         rnea(model, &mut Data::new(model), q, v, a, &mut u)?;
         Ok((0..n).fold(S::zero(), |sum, i| {
             let (slip, [w, wv, wa]) = (rate[i] - v[i], self.weights.each_ref().map(|w| w[i]));
-            let squares =
-                (u[i] * u[i]).scale(w) + (v[i] * v[i]).scale(wv) + (a[i] * a[i]).scale(wa);
+            let squares = (u[i] * u[i]).scale(w) + (v[i] * v[i]).scale(wv) + (a[i] * a[i]).scale(wa);
             sum + squares + (slip * slip).scale(k) + slip.scale(self.dual[i])
         }))
     }
@@ -56,21 +48,12 @@ pub fn check_weak_form(model: &Model, options: &CheckOptions) -> Result<Vec<Find
     let n = model.dof();
     let mut findings = Findings::default();
     let vector = |shift: usize| DVector::from_fn(n, |i, _| 2.0 + wave(i, shift));
-    let written = Written {
-        weights: [0, 1, 2].map(vector),
-        dual: vector(3),
-    };
+    let written = Written { weights: [0, 1, 2].map(vector), dual: vector(3) };
     for (chunk, states) in options.states(model)?.chunks(TOGETHER).enumerate() {
         let count = states.len();
         let columns: Vec<_> = states.iter().flat_map(columns).collect();
         let (times, columns) = (vec![0.0; count], DMatrix::from_columns(&columns));
-        let points = Points {
-            first: 1,
-            phase: 0,
-            times: &times,
-            states: &columns,
-            jerks: None,
-        };
+        let points = Points { first: 1, phase: 0, times: &times, states: &columns, jerks: None };
         for k in &options.penalties {
             let effort = ControlEffort::with_weights(model, &written.weights)?;
             let mut analytic = WithSlip::new(effort, *k, n, count + 1);
@@ -95,10 +78,7 @@ pub fn check_weak_form(model: &Model, options: &CheckOptions) -> Result<Vec<Find
 impl At<'_> {
     /// The tolerance of sums of products with two inertias.
     fn squared(&self) -> Tolerance {
-        Tolerance {
-            bound: BOUND,
-            floor: VANISHING * self.inertia.powi(2),
-        }
+        Tolerance { bound: BOUND, floor: VANISHING * self.inertia.powi(2) }
     }
 }
 
@@ -115,10 +95,8 @@ struct Found {
 }
 
 fn looked_at(lagrangian: &mut impl PointCost<f64>, at: Points<'_, f64>) -> Result<Found> {
-    let mut found = Found {
-        values: vec![0.0; at.count()],
-        derivatives: PointsDerivatives::new(at.states.nrows(), at.count()),
-    };
+    let mut found =
+        Found { values: vec![0.0; at.count()], derivatives: PointsDerivatives::new(at.states.nrows(), at.count()) };
     lagrangian.values(at, &mut found.values)?;
     lagrangian.all_derivatives(at, &mut found.derivatives)?;
     Ok(found)

@@ -4,15 +4,13 @@ use super::reference::{Reference, inertia_force, stack};
 use super::theorem_b3::{documentation, omega_of, terms};
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::dynamics::{
-    Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba_derivatives, bias,
-    mass_matrix_and_rate, mass_matrix_product_derivative, rnea_derivatives,
+    Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, aba_derivatives, bias, mass_matrix_and_rate,
+    mass_matrix_product_derivative, rnea_derivatives,
 };
 use crate::error::Result;
 use crate::flow::{AlgorithmB1, ControlForm, TheoremB3};
 use crate::model::Model;
-use crate::verify::reference::{
-    bias_force, constant, gradient, jacobian, mass, rate, unit, vector,
-};
+use crate::verify::reference::{bias_force, constant, gradient, jacobian, mass, rate, unit, vector};
 use nalgebra::{DMatrix, DVector};
 
 /// The identities of this file.
@@ -28,52 +26,19 @@ pub(super) fn identities() -> Vec<Identity> {
         identity("Algorithm B1 line 2", "C by RNEA is -H FD_0", line_2),
         identity("Algorithm B1 line 3", "dC/dx by RNEA_D", line_3),
         identity("Algorithm B1 line 4", "Cdot by the chain rule", line_4),
-        identity(
-            "Algorithm B1 line 5",
-            "dFD_0/dx, H^-1 and FD_0 by ABA_D",
-            line_5,
-        ),
-        identity(
-            "Algorithm B1 line 6",
-            "Omega_1, Omega_2 and Omega_3",
-            line_6,
-        ),
-        identity(
-            "Algorithm B1 line 7",
-            "RNEA without gravity at rest is H w",
-            line_7,
-        ),
-        identity(
-            "Algorithm B1 line 8",
-            "RNEA_D without gravity at rest is dH/dx_P1 w",
-            line_8,
-        ),
-        identity(
-            "Algorithm B1 line 9",
-            "omega_4 = 2/k [dH/dx_P1 w]^T H w",
-            line_9,
-        ),
+        identity("Algorithm B1 line 5", "dFD_0/dx, H^-1 and FD_0 by ABA_D", line_5),
+        identity("Algorithm B1 line 6", "Omega_1, Omega_2 and Omega_3", line_6),
+        identity("Algorithm B1 line 7", "RNEA without gravity at rest is H w", line_7),
+        identity("Algorithm B1 line 8", "RNEA_D without gravity at rest is dH/dx_P1 w", line_8),
+        identity("Algorithm B1 line 9", "omega_4 = 2/k [dH/dx_P1 w]^T H w", line_9),
         identity("Algorithm B1 line 10", "Omega_4 = [omega_4; 0]", line_10),
-        identity(
-            "Algorithm B1 line 11",
-            "Omega is the flow by definition",
-            line_11,
-        ),
-        identity(
-            "control form",
-            "Omega in u is the flow by definition",
-            control_form,
-        ),
+        identity("Algorithm B1 line 11", "Omega is the flow by definition", line_11),
+        identity("control form", "Omega in u is the flow by definition", control_form),
     ]
 }
 
 /// RNEA_D at the configuration of the point.
-fn rnea_d(
-    p: &RandomInstance,
-    model: &Model<Gf>,
-    v: &[Gf],
-    a: &[Gf],
-) -> Result<InverseDynamicsDerivatives<Gf>> {
+fn rnea_d(p: &RandomInstance, model: &Model<Gf>, v: &[Gf], a: &[Gf]) -> Result<InverseDynamicsDerivatives<Gf>> {
     let mut id = InverseDynamicsDerivatives::new(p.dof());
     rnea_derivatives(model, &mut Data::new(model), p.node().x_p1(), v, a, &mut id)?;
     Ok(id)
@@ -90,14 +55,7 @@ fn aba_d(p: &RandomInstance) -> Result<ForwardDynamicsDerivatives<Gf>> {
     let (n, node) = (p.dof(), p.node());
     let (mut fd, zero) = (ForwardDynamicsDerivatives::new(n), DVector::zeros(n));
     let data = &mut Data::new(&p.model);
-    aba_derivatives(
-        &p.model,
-        data,
-        node.x_p1(),
-        node.x_p2(),
-        zero.as_slice(),
-        &mut fd,
-    )?;
+    aba_derivatives(&p.model, data, node.x_p1(), node.x_p2(), zero.as_slice(), &mut fd)?;
     Ok(fd)
 }
 
@@ -106,14 +64,7 @@ fn crba_d(p: &RandomInstance) -> Result<[DMatrix<Gf>; 2]> {
     let (n, node) = (p.dof(), p.node());
     let (mut h, mut hdot) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
     let data = &mut Data::new(&p.model);
-    mass_matrix_and_rate(
-        &p.model,
-        data,
-        node.x_p1(),
-        node.xdot_p1(),
-        &mut h,
-        &mut hdot,
-    )?;
+    mass_matrix_and_rate(&p.model, data, node.x_p1(), node.xdot_p1(), &mut h, &mut hdot)?;
     Ok([h, hdot])
 }
 
@@ -157,11 +108,7 @@ fn line_1(p: &RandomInstance) -> Result<Vec<Equality>> {
     let moved = rate(p.x.as_slice(), p.xdot.as_slice(), columns)?;
     Ok(vec![
         Equality::new("H", h, right),
-        Equality::new(
-            "Hdot",
-            hdot,
-            DMatrix::from_column_slice(n, n, moved.as_slice()),
-        ),
+        Equality::new("Hdot", hdot, DMatrix::from_column_slice(n, n, moved.as_slice())),
     ])
 }
 
@@ -171,10 +118,7 @@ fn line_2(p: &RandomInstance) -> Result<Vec<Equality>> {
     let data = &mut Data::new(&p.model);
     bias(&p.model, data, node.x_p1(), node.x_p2(), c.as_mut_slice())?;
     let right = -(&t.h * t.fd0());
-    Ok(vec![
-        Equality::vectors("C", &c, &right),
-        Equality::vectors("C of RNEA_D", &bias_d(p)?.tau, &right),
-    ])
+    Ok(vec![Equality::vectors("C", &c, &right), Equality::vectors("C of RNEA_D", &bias_d(p)?.tau, &right)])
 }
 
 fn line_3(p: &RandomInstance) -> Result<Vec<Equality>> {
@@ -188,11 +132,7 @@ fn line_3(p: &RandomInstance) -> Result<Vec<Equality>> {
 
 fn line_4(p: &RandomInstance) -> Result<Vec<Equality>> {
     let [_, left] = bias_and_rate(p)?;
-    Ok(vec![Equality::vectors(
-        "Cdot",
-        &left,
-        &Reference::at(p)?.cdot,
-    )])
+    Ok(vec![Equality::vectors("Cdot", &left, &Reference::at(p)?.cdot)])
 }
 
 fn line_5(p: &RandomInstance) -> Result<Vec<Equality>> {
@@ -218,11 +158,7 @@ fn line_6(p: &RandomInstance) -> Result<Vec<Equality>> {
 
 fn line_7(p: &RandomInstance) -> Result<Vec<Equality>> {
     let t = Reference::at(p)?;
-    Ok(vec![Equality::vectors(
-        "H w",
-        &weightless_d(p)?.tau,
-        &(&t.h * &t.w),
-    )])
+    Ok(vec![Equality::vectors("H w", &weightless_d(p)?.tau, &(&t.h * &t.w))])
 }
 
 fn line_8(p: &RandomInstance) -> Result<Vec<Equality>> {
@@ -230,10 +166,7 @@ fn line_8(p: &RandomInstance) -> Result<Vec<Equality>> {
     let mut contracted = DMatrix::zeros(t.n, t.n);
     let (data, q) = (&mut Data::new(&p.model), p.node().x_p1());
     mass_matrix_product_derivative(&p.model, data, q, t.w.as_slice(), &mut contracted)?;
-    Ok(vec![
-        Equality::new("RNEA_D", t.dh_dq_w(), right),
-        Equality::new("contracted CRBA", t.dh_dq_w(), contracted),
-    ])
+    Ok(vec![Equality::new("RNEA_D", t.dh_dq_w(), right), Equality::new("contracted CRBA", t.dh_dq_w(), contracted)])
 }
 
 /// Line 9 by the recursions of the lines before.
@@ -249,11 +182,7 @@ fn line_9(p: &RandomInstance) -> Result<Vec<Equality>> {
         Ok(force.dot(&force))
     })?;
     let right = by_q * p.k.inverse();
-    Ok(vec![Equality::vectors(
-        "omega_4",
-        &small_omega_4(p)?,
-        &right,
-    )])
+    Ok(vec![Equality::vectors("omega_4", &small_omega_4(p)?, &right)])
 }
 
 fn line_10(p: &RandomInstance) -> Result<Vec<Equality>> {
@@ -261,26 +190,15 @@ fn line_10(p: &RandomInstance) -> Result<Vec<Equality>> {
     let meaning = t.raise(&t.by_metric()?);
     let stacked = stack(&small_omega_4(p)?, &DVector::zeros(p.dof()));
     let [.., function] = terms(p, &mut theorem(p)?);
-    Ok(vec![
-        Equality::vectors("stacked", &stacked, &meaning),
-        Equality::vectors("function", &function, &meaning),
-    ])
+    Ok(vec![Equality::vectors("stacked", &stacked, &meaning), Equality::vectors("function", &function, &meaning)])
 }
 
 fn line_11(p: &RandomInstance) -> Result<Vec<Equality>> {
     let left = omega_of(p, AlgorithmB1::new(&p.model))?;
-    Ok(vec![Equality::vectors(
-        "Omega",
-        &left,
-        &Reference::at(p)?.omega()?,
-    )])
+    Ok(vec![Equality::vectors("Omega", &left, &Reference::at(p)?.omega()?)])
 }
 
 fn control_form(p: &RandomInstance) -> Result<Vec<Equality>> {
     let left = omega_of(p, ControlForm::new(&p.model))?;
-    Ok(vec![Equality::vectors(
-        "Omega",
-        &left,
-        &Reference::at(p)?.omega()?,
-    )])
+    Ok(vec![Equality::vectors("Omega", &left, &Reference::at(p)?.omega()?)])
 }

@@ -6,8 +6,7 @@ use super::{Equality, Identity, RandomInstance};
 use crate::error::Result;
 use crate::flow::jacobian::{NodeBlocks, TheoremB4};
 use crate::verify::reference::{
-    bias_force, bias_rate, constant, fd_0, inverse_dynamics, jacobian, mass, mass_rate,
-    omega_by_definition,
+    bias_force, bias_rate, constant, fd_0, inverse_dynamics, jacobian, mass, mass_rate, omega_by_definition,
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -66,10 +65,7 @@ fn line_4(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, dc) = (p.dof(), gathered(p)?.dc);
     let by_duals = jacobian(p.node().x, |x| bias_force(&p.model, &x[..n], &x[n..]))?;
     let part = |i: usize| by_duals.columns(i * n, n).into_owned();
-    Ok(vec![
-        Equality::new("dC/dx_P1", dc.dq, part(0)),
-        Equality::new("dC/dx_P2", dc.dv, part(1)),
-    ])
+    Ok(vec![Equality::new("dC/dx_P1", dc.dq, part(0)), Equality::new("dC/dx_P2", dc.dv, part(1))])
 }
 
 fn line_5(p: &RandomInstance) -> Result<Vec<Equality>> {

@@ -22,21 +22,9 @@ pub(super) fn identities() -> Vec<Identity> {
         claims,
     };
     vec![
-        step(
-            "Algorithm B3 line 1",
-            "the nodes start on the curve",
-            line_1,
-        ),
-        step(
-            "Algorithm B3 line 2",
-            "(23) at each node, and its assembled Jacobian",
-            line_2,
-        ),
-        step(
-            "Algorithm B3 line 3",
-            "u = H xdot_P2 + C is inverse dynamics",
-            line_3,
-        ),
+        step("Algorithm B3 line 1", "the nodes start on the curve", line_1),
+        step("Algorithm B3 line 2", "(23) at each node, and its assembled Jacobian", line_2),
+        step("Algorithm B3 line 3", "u = H xdot_P2 + C is inverse dynamics", line_3),
     ]
 }
 
@@ -60,16 +48,8 @@ fn line_1(p: &RandomInstance) -> Result<Vec<Equality>> {
     for i in collocation.interior() {
         let node = collocation.node(i);
         let column = |x: &[Gf]| DMatrix::from_column_slice(x.len(), 1, x);
-        claims.push(Equality::new(
-            "D xi",
-            column(node.xdot),
-            xdot.columns(i, 1).into_owned(),
-        ));
-        claims.push(Equality::new(
-            "D^2 xi",
-            column(node.xddot),
-            xddot.columns(i, 1).into_owned(),
-        ));
+        claims.push(Equality::new("D xi", column(node.xdot), xdot.columns(i, 1).into_owned()));
+        claims.push(Equality::new("D^2 xi", column(node.xddot), xddot.columns(i, 1).into_owned()));
     }
     Ok(claims)
 }
@@ -104,27 +84,15 @@ fn line_2(p: &RandomInstance) -> Result<Vec<Equality>> {
     let mut rates = DVector::zeros(size);
     collocation.rates(&mut ControlForm::new(&p.model), p.k, rates.as_mut_slice())?;
     let by_definition = rates_by_definition(p, &nodes, &unknowns)?;
-    let reference = jacobian(&unknowns, |unknowns| {
-        rates_by_definition(p, &nodes, unknowns)
-    })?;
+    let reference = jacobian(&unknowns, |unknowns| rates_by_definition(p, &nodes, unknowns))?;
     let blocks = &mut NodeBlocks::new(p.dof());
     let (mut by_control, mut by_b4) = (DMatrix::zeros(size, size), DMatrix::zeros(size, size));
     let control = &mut ControlFormJacobian::new(&p.model);
     assemble_jacobian(&collocation, control, p.k, blocks, &mut by_control)?;
-    assemble_jacobian(
-        &collocation,
-        &mut TheoremB4::new(&p.model),
-        p.k,
-        blocks,
-        &mut by_b4,
-    )?;
+    assemble_jacobian(&collocation, &mut TheoremB4::new(&p.model), p.k, blocks, &mut by_b4)?;
     Ok(vec![
         Equality::vectors("rates", &rates, &by_definition),
-        Equality::new(
-            "Jacobian by the control form",
-            by_control,
-            reference.clone(),
-        ),
+        Equality::new("Jacobian by the control form", by_control, reference.clone()),
         Equality::new("Jacobian by Theorem B4", by_b4, reference),
     ])
 }
@@ -136,9 +104,5 @@ fn line_3(p: &RandomInstance) -> Result<Vec<Equality>> {
     rnea(&p.model, data, q, v, a, u.as_mut_slice())?;
     bias(&p.model, data, q, v, c.as_mut_slice())?;
     crba(&p.model, data, q, &mut h)?;
-    Ok(vec![Equality::vectors(
-        "u",
-        &u,
-        &(h * DVector::from_column_slice(a) + c),
-    )])
+    Ok(vec![Equality::vectors("u", &u, &(h * DVector::from_column_slice(a) + c))])
 }

@@ -2,9 +2,8 @@
 
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, FrameRow,
-    FrameRows, PlacedState, RowKind, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits,
-    WeightedDerivatives, Weights,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, FrameRow, FrameRows,
+    PlacedState, RowKind, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits, WeightedDerivatives, Weights,
 };
 use crate::dynamics::forward_kinematics;
 use crate::error::Result;
@@ -48,34 +47,17 @@ pub(super) fn set(p: &RandomInstance) -> Set {
             radius: p.w[(i + 1) % n],
         })
         .collect();
-    let sphere = |i: usize| Sphere {
-        centre: Vector3::new(s[i], s[i + 1], s[i + 2]),
-        radius: s[i + 3],
-    };
-    let bound = |index, side, i: usize| Bound {
-        entry: index,
-        side,
-        value: s[i],
-    };
+    let sphere = |i: usize| Sphere { centre: Vector3::new(s[i], s[i + 1], s[i + 2]), radius: s[i + 3] };
+    let bound = |index, side, i: usize| Bound { entry: index, side, value: s[i] };
     // Only the last axis of a half-space counts, so that the others may be any.
     let mut axes = Matrix3::from_element(s[3]);
     axes.set_column(2, &Vector3::new(s[2], s[0], s[1]));
-    let half_space = Solid {
-        placement: Placement::new(axes, Vector3::new(s[4], s[1], s[5])),
-        shape: Shape::HalfSpace,
-    };
+    let half_space = Solid { placement: Placement::new(axes, Vector3::new(s[4], s[1], s[5])), shape: Shape::HalfSpace };
     Penalised {
         constraints: Constraints {
             state: vec![
-                AnyConstraint::Spheres(SphereClearance {
-                    balls: balls.clone(),
-                    spheres: vec![sphere(0), sphere(3)],
-                }),
-                AnyConstraint::Solids(SolidClearance {
-                    balls,
-                    solids: vec![half_space],
-                    names: Vec::new(),
-                }),
+                AnyConstraint::Spheres(SphereClearance { balls: balls.clone(), spheres: vec![sphere(0), sphere(3)] }),
+                AnyConstraint::Solids(SolidClearance { balls, solids: vec![half_space], names: Vec::new() }),
                 AnyConstraint::Bounds(Bounds(vec![
                     bound(0, Side::Upper, 0),
                     bound(n - 1, Side::Lower, 1),
@@ -86,22 +68,13 @@ pub(super) fn set(p: &RandomInstance) -> Set {
             torque: TorqueLimits((0..n).map(|i| (i % 3 == 0).then_some(p.w[i])).collect()),
             stage: Default::default(),
         },
-        weights: PenaltyWeights {
-            state: pair(p),
-            torque: Penalty {
-                k_cons: s[7],
-                c_cons: s[4],
-            },
-        },
+        weights: PenaltyWeights { state: pair(p), torque: Penalty { k_cons: s[7], c_cons: s[4] } },
     }
 }
 
 /// Their penalty.
 pub(super) fn pair(p: &RandomInstance) -> Penalty<Gf> {
-    Penalty {
-        k_cons: p.extra[5],
-        c_cons: p.extra[6],
-    }
+    Penalty { k_cons: p.extra[5], c_cons: p.extra[6] }
 }
 
 /// The rows of a constraint at `x`.
@@ -130,10 +103,7 @@ impl<K: Constraint<Gf>> Constraint<Gf> for ValueAlone<K> {
 }
 
 /// The contractions of a constraint with arbitrary weights against nested duals of its rows.
-pub(super) fn contractions(
-    p: &RandomInstance,
-    constraint: &impl Constraint<Gf>,
-) -> Result<Vec<Equality>> {
+pub(super) fn contractions(p: &RandomInstance, constraint: &impl Constraint<Gf>) -> Result<Vec<Equality>> {
     let x = p.x.as_slice();
     let weight = |from: &DVector<Gf>, j: usize| from[j % from.len()] * Gf::new(j as u64 + 1);
     let count = constraint.dim();
@@ -141,14 +111,8 @@ pub(super) fn contractions(
     let c: Vec<Gf> = (0..count).map(|j| weight(&p.xddot, j)).collect();
     let mut evaluator = Evaluator::new(&p.model);
     let mut contract = |c| -> Result<WeightedDerivatives<Gf>> {
-        let weights = Weights {
-            first_order: &w,
-            gauss_newton: c,
-        };
-        Ok(evaluator
-            .at(x)?
-            .weighted_derivatives(constraint, weights)?
-            .clone())
+        let weights = Weights { first_order: &w, gauss_newton: c };
+        Ok(evaluator.at(x)?.weighted_derivatives(constraint, weights)?.clone())
     };
     let (both, alone) = (contract(Some(&c))?, contract(None)?);
 
@@ -173,11 +137,7 @@ fn kind(p: &RandomInstance, which: usize, values: Vec<Gf>) -> Result<Vec<Equalit
     let constraint = &set(p).constraints.state[which];
     let rows = rows(p, constraint, p.x.as_slice())?;
     let mut claims = contractions(p, constraint)?;
-    claims.push(Equality::vectors(
-        "value",
-        &rows,
-        &DVector::from_vec(values),
-    ));
+    claims.push(Equality::vectors("value", &rows, &DVector::from_vec(values)));
     Ok(claims)
 }
 
@@ -209,10 +169,7 @@ fn half_space(p: &RandomInstance) -> Result<Vec<Equality>> {
     let set = set(p);
     let mut values = Vec::new();
     if let AnyConstraint::Solids(SolidClearance { balls, solids, .. }) = &set.constraints.state[1] {
-        let Placement {
-            rotation,
-            translation,
-        } = &solids[0].placement;
+        let Placement { rotation, translation } = &solids[0].placement;
         let normal = rotation.column(2);
         for ball in balls {
             let height = normal.dot(&centre(p, ball)?) - normal.dot(translation);
@@ -224,12 +181,7 @@ fn half_space(p: &RandomInstance) -> Result<Vec<Equality>> {
 
 fn bounds(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, s, x) = (p.dof(), p.extra, &p.x);
-    let values = vec![
-        x[0] - s[0],
-        s[1] - x[n - 1],
-        s[2] - x[n],
-        x[2 * n - 1] - s[3],
-    ];
+    let values = vec![x[0] - s[0], s[1] - x[n - 1], s[2] - x[n], x[2 * n - 1] - s[3]];
     kind(p, 2, values)
 }
 
@@ -237,8 +189,7 @@ fn bounds(p: &RandomInstance) -> Result<Vec<Equality>> {
 /// of the base in a body, with arbitrary rows.
 fn frames(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, s) = (p.dof(), p.extra);
-    let frame =
-        |name: &str, body, i: usize| Frame::new(name, body, *p.model.joints()[i % n].origin());
+    let frame = |name: &str, body, i: usize| Frame::new(name, body, *p.model.joints()[i % n].origin());
     let row = |i: usize| FrameRow {
         constant: s[i],
         position: Vector3::new(s[i + 1], s[i + 2], p.w[i]),
@@ -250,13 +201,7 @@ fn frames(p: &RandomInstance) -> Result<Vec<Equality>> {
         kind: RowKind::Other,
         is_equality: false,
     };
-    let bodies = [
-        [Some(n - 1), None],
-        [Some(2), Some(3)],
-        [Some(3), Some(n - 1)],
-        [Some(2), Some(0)],
-        [None, Some(3)],
-    ];
+    let bodies = [[Some(n - 1), None], [Some(2), Some(3)], [Some(3), Some(n - 1)], [Some(2), Some(0)], [None, Some(3)]];
     let mut claims = Vec::new();
     for (i, [body, of]) in bodies.into_iter().enumerate() {
         let constraint = FrameRows {
@@ -283,9 +228,7 @@ fn values_of_frame(p: &RandomInstance, of: &FrameRows<Gf>) -> Result<Vec<Gf>> {
         matrix
     };
     let place = |frame: &Frame<Gf>| {
-        let body = frame
-            .body
-            .map_or(DMatrix::identity(4, 4), |b| homogeneous(&placements[b]));
+        let body = frame.body.map_or(DMatrix::identity(4, 4), |b| homogeneous(&placements[b]));
         body * homogeneous(&frame.placement)
     };
     // The inverse has the transposed rotation.

@@ -8,8 +8,8 @@ use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::error::Result;
 use crate::flow::jacobian::{ControlFormJacobian, NodeBlocks, NodeJacobian, TheoremB4};
 use crate::flow::{
-    Penalty, RightHandSide, Sum, activation, activation_slope, constrained_lagrangian, penalty,
-    penalty_curvature, penalty_slope,
+    Penalty, RightHandSide, Sum, activation, activation_slope, constrained_lagrangian, penalty, penalty_curvature,
+    penalty_slope,
 };
 use crate::scalar::{AlgebraOver, Scalar, Tanh};
 use crate::verify::reference::{At, gradient, inverse_dynamics, omega_by_theorem_b3, variation};
@@ -30,21 +30,12 @@ pub(super) fn identities() -> Vec<Identity> {
         identity("A3", "S = (1 + tanh(c g)) / 2 and its slope", a3),
         identity("A4", "the flow of Lcons is Omega - G^-1 sum db/dx", a4),
         identity("constrained flow", "flow of Lcons with torque limits", flow),
-        identity(
-            "constrained Jacobian",
-            "its three blocks",
-            constrained_jacobian,
-        ),
+        identity("constrained Jacobian", "its three blocks", constrained_jacobian),
     ]
 }
 
 /// $L_{cons}$ over any scalar, with the torque limits only if `torque` is true.
-fn constrained<S: AlgebraOver<Gf> + Tanh>(
-    p: &RandomInstance,
-    torque: bool,
-    x: &[S],
-    xdot: &[S],
-) -> Result<S> {
+fn constrained<S: AlgebraOver<Gf> + Tanh>(p: &RandomInstance, torque: bool, x: &[S], xdot: &[S]) -> Result<S> {
     let (set, n) = (set(p), p.dof());
     let Penalty { k_cons, c_cons } = set.weights.state;
     let g = rows(p, &set.constraints.state, x)?;
@@ -77,13 +68,7 @@ fn a1(p: &RandomInstance) -> Result<Vec<Equality>> {
 }
 
 fn a2(p: &RandomInstance) -> Result<Vec<Equality>> {
-    let (
-        Penalty {
-            k_cons: k,
-            c_cons: c,
-        },
-        mut claims,
-    ) = (pair(p), Vec::new());
+    let (Penalty { k_cons: k, c_cons: c }, mut claims) = (pair(p), Vec::new());
     for &g in &rows(p, &set(p).constraints.state, p.x.as_slice())? {
         let s = half() * (Gf::one() + (g * c).tanh());
         claims.push(Equality::numbers("b", penalty(g, k, c), k * g * g * s));
@@ -92,11 +77,7 @@ fn a2(p: &RandomInstance) -> Result<Vec<Equality>> {
         let slope = gradient(&[g], |g| Ok(penalty(g[0], k, c)))?[0];
         claims.push(Equality::numbers("b'", slope, penalty_slope(g, k, c)));
         let curvature = gradient(&[g], |g| Ok(penalty_slope(g[0], k, c)))?[0];
-        claims.push(Equality::numbers(
-            "b''",
-            curvature,
-            penalty_curvature(g, k, c),
-        ));
+        claims.push(Equality::numbers("b''", curvature, penalty_curvature(g, k, c)));
         let third = gradient(&[g], |g| Ok(penalty_curvature(g[0], k, c)))?[0];
         claims.push(Equality::numbers("b'''", third, at(3)));
     }
@@ -131,11 +112,7 @@ fn a4(p: &RandomInstance) -> Result<Vec<Equality>> {
     penalties.constraints.torque.0.clear();
     let of_state = omega_of(p, penalties.state_penalty(&p.model))?;
     Ok(vec![
-        Equality::vectors(
-            "dLcons/dxdot",
-            &of_constrained.by_xdot,
-            &reference.variation()?.by_xdot,
-        ),
+        Equality::vectors("dLcons/dxdot", &of_constrained.by_xdot, &reference.variation()?.by_xdot),
         Equality::vectors("flow", &left, &(omega + of_state)),
     ])
 }
@@ -171,11 +148,9 @@ fn constrained_jacobian(p: &RandomInstance) -> Result<Vec<Equality>> {
     let mut claim = |jacobian: &mut dyn NodeJacobian<Gf, Gf>| -> Result<()> {
         let mut out = NodeBlocks::new(p.dof());
         jacobian.evaluate(p.node(), p.k, &mut out)?;
-        for (what, part, ours) in [
-            ("dx", Wrt::X, out.dx),
-            ("dxdot", Wrt::Xdot, out.dxdot),
-            ("dxddot", Wrt::Xddot, out.dxddot),
-        ] {
+        for (what, part, ours) in
+            [("dx", Wrt::X, out.dx), ("dxdot", Wrt::Xdot, out.dxdot), ("dxddot", Wrt::Xddot, out.dxddot)]
+        {
             let right = derivative(p, part, |at| right_hand_side(&set, at))?;
             claims.push(Equality::new(what, ours, right));
         }

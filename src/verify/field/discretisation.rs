@@ -59,19 +59,10 @@ impl Discretisation {
         let rate = S::one() / horizon;
         let powers = [S::one(), rate, rate * rate];
         let (functions, columns) = self.table.shape();
-        let table = DMatrix::from_fn(functions, columns, |f, column| {
-            powers[column % 3].scale(self.table[(f, column)])
-        });
+        let table = DMatrix::from_fn(functions, columns, |f, column| powers[column % 3].scale(self.table[(f, column)]));
         let scaled = |x: &[Gf]| x.iter().map(|x| horizon.scale(*x)).collect();
         let (times, weights) = (scaled(&self.times), scaled(&self.weights));
-        let grid = Grid::from_table(
-            Self::SEGMENTS,
-            2,
-            Self::FREE.collect(),
-            times,
-            weights,
-            table,
-        );
+        let grid = Grid::from_table(Self::SEGMENTS, 2, Self::FREE.collect(), times, weights, table);
         let affine = |c: Gf, rate: Gf| S::lift(c) + horizon.scale(rate);
         (grid, self.coefficients.zip_map(&self.rates, affine))
     }
@@ -82,14 +73,7 @@ impl Discretisation {
         let own = e * Self::POINTS..(e + 1) * Self::POINTS;
         let times = of_all.times[own].iter().map(|time| begin + *time);
         let functions = of_all.table.nrows();
-        Grid::from_table(
-            1,
-            2,
-            (0..functions).collect(),
-            times.collect(),
-            of_all.weights.clone(),
-            of_all.table.clone(),
-        )
+        Grid::from_table(1, 2, (0..functions).collect(), times.collect(), of_all.weights.clone(), of_all.table.clone())
     }
 
     /// Adds numbers to the unknown coefficients.

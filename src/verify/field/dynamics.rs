@@ -2,8 +2,8 @@
 
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::dynamics::{
-    Data, InverseDynamicsDerivatives, aba, bias, crba, forward_kinematics, frame_jacobian,
-    frame_placement, mass_matrix_and_rate, rnea, rnea_derivatives,
+    Data, InverseDynamicsDerivatives, aba, bias, crba, forward_kinematics, frame_jacobian, frame_placement,
+    mass_matrix_and_rate, rnea, rnea_derivatives,
 };
 use crate::error::Result;
 use crate::model::Frame;
@@ -24,11 +24,7 @@ pub(super) fn identities() -> Vec<Identity> {
         law("aba", "FD(q, v, ID(q, v, a)) = a", aba_inverts_rnea),
         law("crba", "H is symmetric and dID/da", the_mass_matrix),
         law("Hdot", "Hdot = dH/dt along the velocity", hdot),
-        law(
-            "frame Jacobian",
-            "[R]' R^T = [J_angular]x and p' = J_linear",
-            frames_move_as_their_jacobian_says,
-        ),
+        law("frame Jacobian", "[R]' R^T = [J_angular]x and p' = J_linear", frames_move_as_their_jacobian_says),
         law("RNEA_D", "dID/dq and dID/dv by duals", rnea_d),
     ]
 }
@@ -36,14 +32,7 @@ pub(super) fn identities() -> Vec<Identity> {
 fn rnea_is_h_a_plus_c(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, node, data) = (p.dof(), p.node(), &mut Data::<Gf>::new(&p.model));
     let mut tau = DVector::zeros(n);
-    rnea(
-        &p.model,
-        data,
-        node.x_p1(),
-        node.x_p2(),
-        node.xdot_p2(),
-        tau.as_mut_slice(),
-    )?;
+    rnea(&p.model, data, node.x_p1(), node.x_p2(), node.xdot_p2(), tau.as_mut_slice())?;
     let (mut h, mut c) = (DMatrix::zeros(n, n), DVector::zeros(n));
     crba(&p.model, data, node.x_p1(), &mut h)?;
     bias(&p.model, data, node.x_p1(), node.x_p2(), c.as_mut_slice())?;
@@ -57,11 +46,7 @@ fn aba_inverts_rnea(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (q, v) = (node.x_p1(), node.x_p2());
     rnea(&p.model, data, q, v, node.xdot_p2(), tau.as_mut_slice())?;
     aba(&p.model, data, q, v, tau.as_slice(), a.as_mut_slice())?;
-    Ok(vec![Equality::vectors(
-        "a",
-        &a,
-        &DVector::from_column_slice(node.xdot_p2()),
-    )])
+    Ok(vec![Equality::vectors("a", &a, &DVector::from_column_slice(node.xdot_p2()))])
 }
 
 fn the_mass_matrix(p: &RandomInstance) -> Result<Vec<Equality>> {
@@ -72,10 +57,7 @@ fn the_mass_matrix(p: &RandomInstance) -> Result<Vec<Equality>> {
         let (q, v) = (constant(node.x_p1()), constant(node.x_p2()));
         inverse_dynamics(&p.model, &q, &v, a)
     })?;
-    Ok(vec![
-        Equality::new("symmetry", h.clone(), h.transpose()),
-        Equality::new("dID/da", h, by_duals),
-    ])
+    Ok(vec![Equality::new("symmetry", h.clone(), h.transpose()), Equality::new("dID/da", h, by_duals)])
 }
 
 fn hdot(p: &RandomInstance) -> Result<Vec<Equality>> {
@@ -84,16 +66,8 @@ fn hdot(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (q, w) = (node.x_p1(), node.xdot_p1());
     mass_matrix_and_rate(&p.model, &mut Data::new(&p.model), q, w, &mut h, &mut hdot)?;
     let mut moving_h = DMatrix::zeros(n, n);
-    crba(
-        &p.model,
-        &mut Data::new(&p.model),
-        &dual(q, w),
-        &mut moving_h,
-    )?;
-    Ok(vec![
-        Equality::new("H", h, moving_h.map(|h| h.re)),
-        Equality::new("Hdot", hdot, moving_h.map(|h| h.eps[0])),
-    ])
+    crba(&p.model, &mut Data::new(&p.model), &dual(q, w), &mut moving_h)?;
+    Ok(vec![Equality::new("H", h, moving_h.map(|h| h.re)), Equality::new("Hdot", hdot, moving_h.map(|h| h.eps[0]))])
 }
 
 fn rnea_d(p: &RandomInstance) -> Result<Vec<Equality>> {
@@ -102,9 +76,7 @@ fn rnea_d(p: &RandomInstance) -> Result<Vec<Equality>> {
     let mut id = InverseDynamicsDerivatives::new(n);
     rnea_derivatives(&p.model, &mut Data::new(&p.model), q, v, a, &mut id)?;
     let state = [q, v, a].concat();
-    let by_duals = jacobian(&state, |s| {
-        inverse_dynamics(&p.model, &s[..n], &s[n..2 * n], &s[2 * n..])
-    })?;
+    let by_duals = jacobian(&state, |s| inverse_dynamics(&p.model, &s[..n], &s[n..2 * n], &s[2 * n..]))?;
     let part = |i: usize| by_duals.columns(i * n, n).into_owned();
     Ok(vec![
         Equality::new("dID/dq", id.dq, part(0)),

@@ -3,10 +3,10 @@
 use super::wrt::{Wrt, derivative, gathered, unfold};
 use super::{Equality, Gf, Identity, Jet1, Jet2, RandomInstance};
 use crate::dynamics::{
-    Data, ForwardDynamicsDerivatives, InverseDynamicsSecondDerivatives, MassMatrixDerivatives,
-    RneaVjp, RneaWeightedHessian, RootWrenchDerivatives, aba, aba_derivatives,
-    crba_second_derivatives, mass_matrix_product_derivative, rnea_second_derivatives, rnea_vjp,
-    rnea_weighted_hessian, root_wrench, root_wrench_second_order,
+    Data, ForwardDynamicsDerivatives, InverseDynamicsSecondDerivatives, MassMatrixDerivatives, RneaVjp,
+    RneaWeightedHessian, RootWrenchDerivatives, aba, aba_derivatives, crba_second_derivatives,
+    mass_matrix_product_derivative, rnea_second_derivatives, rnea_vjp, rnea_weighted_hessian, root_wrench,
+    root_wrench_second_order,
 };
 use crate::error::Result;
 use crate::flow::RightHandSide;
@@ -15,8 +15,7 @@ use crate::model::{JointKind, JointSpec, Limits, Model};
 use crate::scalar::AlgebraOver;
 use crate::spatial::{Force, Inertia, Motion, Placement};
 use crate::verify::reference::{
-    At, bias_force, constant, entries, fd_0, inverse_dynamics, jacobian, mass, omega_by_definition,
-    rate, vector,
+    At, bias_force, constant, entries, fd_0, inverse_dynamics, jacobian, mass, omega_by_definition, rate, vector,
 };
 use nalgebra::{DMatrix, DVector, Vector3};
 use num_traits::{One, Zero};
@@ -37,11 +36,7 @@ pub(super) fn identities() -> Vec<Identity> {
         law("contracted gradient", "gradient of w^T ID", gradient),
         law("contracted Hessian", "Hessian of w^T ID", hessian),
         law("root wrench", "torques of six joints at the root", root),
-        law(
-            "root wrench derivatives",
-            "Jacobian, and Hessian of m . f",
-            root_second,
-        ),
+        law("root wrench derivatives", "Jacobian, and Hessian of m . f", root_second),
         law("crba contracted", "d(H w)/dq", contracted_mass),
         law("control form Jacobian", "its three blocks", control_form),
     ]
@@ -111,8 +106,7 @@ pub(super) fn of_inverse_dynamics(
     let (n, node) = (p.dof(), p.node());
     let f = |s: &[Jet2]| inverse_dynamics(&p.model, &s[..n], &s[n..2 * n], &s[2 * n..]);
     let all = second(&[node.x_p1(), node.x_p2(), a].concat(), f)?;
-    let claim =
-        |what, entries: &[Gf], j, k| Equality::new(what, unfold(n, entries), part(&all, n, j, k));
+    let claim = |what, entries: &[Gf], j, k| Equality::new(what, unfold(n, entries), part(&all, n, j, k));
     let zero = vec![Gf::default(); n * n * n];
     Ok(vec![
         claim("d2ID/dqdq", found.dqdq.entries(), 0, 0),
@@ -125,14 +119,10 @@ pub(super) fn of_inverse_dynamics(
 }
 
 /// Compares the second derivatives of the bias force, without an acceleration, with `found`.
-pub(super) fn of_bias(
-    p: &RandomInstance,
-    found: &InverseDynamicsSecondDerivatives<Gf>,
-) -> Result<Vec<Equality>> {
+pub(super) fn of_bias(p: &RandomInstance, found: &InverseDynamicsSecondDerivatives<Gf>) -> Result<Vec<Equality>> {
     let n = p.dof();
     let all = second(p.node().x, |x| bias_force(&p.model, &x[..n], &x[n..]))?;
-    let claim =
-        |what, entries: &[Gf], j, k| Equality::new(what, unfold(n, entries), part(&all, n, j, k));
+    let claim = |what, entries: &[Gf], j, k| Equality::new(what, unfold(n, entries), part(&all, n, j, k));
     Ok(vec![
         claim("d2C/dqdq", found.dqdq.entries(), 0, 0),
         claim("d2C/dvdv", found.dvdv.entries(), 1, 1),
@@ -143,8 +133,7 @@ pub(super) fn of_bias(
 pub(super) fn aba_2d(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, found) = (p.dof(), gathered(p)?.d2fd0);
     let all = second(p.node().x, |x| fd_0(&p.model, &x[..n], &x[n..]))?;
-    let claim =
-        |what, entries: &[Gf], j, k| Equality::new(what, unfold(n, entries), part(&all, n, j, k));
+    let claim = |what, entries: &[Gf], j, k| Equality::new(what, unfold(n, entries), part(&all, n, j, k));
     Ok(vec![
         claim("d2FD/dqdq", found.dqdq.entries(), 0, 0),
         claim("d2FD/dvdv", found.dvdv.entries(), 1, 1),
@@ -167,10 +156,7 @@ fn part(all: &DMatrix<Gf>, n: usize, j: usize, k: usize) -> DMatrix<Gf> {
 fn contracted<S: AlgebraOver<Gf>>(p: &RandomInstance, s: &[S]) -> Result<DVector<S>> {
     let n = p.dof();
     let tau = inverse_dynamics(&p.model, &s[..n], &s[n..2 * n], &s[2 * n..])?;
-    let sum = tau
-        .iter()
-        .zip(&p.w)
-        .fold(S::zero(), |sum, (t, w)| sum + t.scale(*w));
+    let sum = tau.iter().zip(&p.w).fold(S::zero(), |sum, (t, w)| sum + t.scale(*w));
     Ok(DVector::from_element(1, sum))
 }
 
@@ -210,9 +196,7 @@ fn hessian(p: &RandomInstance) -> Result<Vec<Equality>> {
 fn wrench_of<S: AlgebraOver<Gf>>(p: &RandomInstance, s: &[S]) -> Result<DVector<S>> {
     let (n, data) = (p.dof(), &mut Data::new(&p.model));
     let force = root_wrench(&p.model, data, &s[..n], &s[n..2 * n], &s[2 * n..])?;
-    Ok(vector(
-        &[force.angular.as_slice(), force.linear.as_slice()].concat(),
-    ))
+    Ok(vector(&[force.angular.as_slice(), force.linear.as_slice()].concat()))
 }
 
 /// The robot on six joints at the root, three that turn and three that slide, which are massless but for the last one,
@@ -223,11 +207,7 @@ fn with_floating_base(p: &RandomInstance) -> Result<Model<Gf>> {
     let mut specs: Vec<_> = (0..6_usize)
         .map(|i| JointSpec {
             name: format!("root_{i}"),
-            kind: if i < 3 {
-                JointKind::Revolute
-            } else {
-                JointKind::Prismatic
-            },
+            kind: if i < 3 { JointKind::Revolute } else { JointKind::Prismatic },
             parent: i.checked_sub(1),
             origin: Placement::identity(),
             axis: unit(i % 3),
@@ -263,31 +243,15 @@ fn root(p: &RandomInstance) -> Result<Vec<Equality>> {
 fn root_second(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, node) = (p.dof(), p.node());
     let (q, v, a) = (node.x_p1(), node.x_p2(), node.xdot_p2());
-    let (mut first, mut second_order) =
-        (RootWrenchDerivatives::new(n), RneaWeightedHessian::new(n));
+    let (mut first, mut second_order) = (RootWrenchDerivatives::new(n), RneaWeightedHessian::new(n));
     let m = DVector::from_column_slice(&p.extra[..6]);
     let motion = Motion::new(vector3(&m, 0), vector3(&m, 3));
     let (data, weigh) = (&mut Data::new(&p.model), |_: &Force<Gf>| motion);
-    root_wrench_second_order(
-        &p.model,
-        data,
-        [q, v, a],
-        weigh,
-        &mut first,
-        &mut second_order,
-    )?;
+    root_wrench_second_order(&p.model, data, [q, v, a], weigh, &mut first, &mut second_order)?;
     let state = [q, v, a].concat();
-    let wrench = [
-        first.wrench.angular.as_slice(),
-        first.wrench.linear.as_slice(),
-    ]
-    .concat();
+    let wrench = [first.wrench.angular.as_slice(), first.wrench.linear.as_slice()].concat();
     let all = second(&state, |s| {
-        let fixed = m
-            .iter()
-            .zip(&wrench_of(p, s)?)
-            .map(|(m, f)| f.scale(*m))
-            .collect::<Vec<_>>();
+        let fixed = m.iter().zip(&wrench_of(p, s)?).map(|(m, f)| f.scale(*m)).collect::<Vec<_>>();
         let sum = fixed.into_iter().fold(Jet2::zero(), |sum, x| sum + x);
         Ok(DVector::from_element(1, sum))
     })?;
@@ -312,13 +276,7 @@ fn vector3(m: &DVector<Gf>, first: usize) -> Vector3<Gf> {
 fn contracted_mass(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, q) = (p.dof(), p.node().x_p1());
     let mut found = DMatrix::zeros(n, n);
-    mass_matrix_product_derivative(
-        &p.model,
-        &mut Data::new(&p.model),
-        q,
-        p.w.as_slice(),
-        &mut found,
-    )?;
+    mass_matrix_product_derivative(&p.model, &mut Data::new(&p.model), q, p.w.as_slice(), &mut found)?;
     let w = vector(&constant(p.w.as_slice()));
     let by_duals = jacobian(q, |q| Ok(mass(&p.model, q)? * &w))?;
     Ok(vec![Equality::new("K", found, by_duals)])

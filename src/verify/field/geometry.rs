@@ -33,27 +33,16 @@ fn shapes(p: &RandomInstance) -> [Shape<Gf>; 5] {
     let s = p.extra;
     [
         Shape::Sphere { radius: s[0] },
-        Shape::Cuboid {
-            half_extents: Vector3::new(s[1], s[2], s[3]),
-        },
-        Shape::Cylinder {
-            radius: s[4],
-            half_length: s[5],
-        },
-        Shape::Capsule {
-            radius: s[6],
-            half_length: s[7],
-        },
+        Shape::Cuboid { half_extents: Vector3::new(s[1], s[2], s[3]) },
+        Shape::Cylinder { radius: s[4], half_length: s[5] },
+        Shape::Capsule { radius: s[6], half_length: s[7] },
         Shape::HalfSpace,
     ]
 }
 
 /// The shapes, each in the frame of a joint.
 fn placed(p: &RandomInstance) -> Vec<Solid<Gf>> {
-    let placed = |(shape, joint): (Shape<Gf>, &crate::model::Joint<Gf>)| Solid {
-        placement: *joint.origin(),
-        shape,
-    };
+    let placed = |(shape, joint): (Shape<Gf>, &crate::model::Joint<Gf>)| Solid { placement: *joint.origin(), shape };
     let joints = p.model.joints().iter();
     shapes(p).into_iter().zip(joints).map(placed).collect()
 }
@@ -67,14 +56,11 @@ fn distance(p: &RandomInstance) -> Result<Vec<Equality>> {
     for solid in placed(p) {
         let shape = solid.shape;
         for i in 0..POINTS {
-            let at =
-                Vector3::from_fn(|j, _| p.w[j] * Gf::new(3 * i + 1) + p.x[(i as usize + j) % 5]);
+            let at = Vector3::from_fn(|j, _| p.w[j] * Gf::new(3 * i + 1) + p.x[(i as usize + j) % 5]);
             let ours = shape.distance_derivatives(&at);
             let value = shape.distance(&at);
             claims.push(Equality::numbers("value", ours.value, value));
-            let by_p = gradient(at.as_slice(), |p| {
-                Ok(shape.distance(&Vector3::from_column_slice(p)))
-            })?;
+            let by_p = gradient(at.as_slice(), |p| Ok(shape.distance(&Vector3::from_column_slice(p))))?;
             claims.push(Equality::vectors("gradient", &column(&ours.normal), &by_p));
             let by_pp = jacobian(at.as_slice(), |p: &[Jet1]| {
                 let near = shape.distance_derivatives(&Vector3::from_column_slice(p));
@@ -87,11 +73,7 @@ fn distance(p: &RandomInstance) -> Result<Vec<Equality>> {
             let there = placement.rotation * at + placement.translation;
             let moved = solid.distance_derivatives(&there);
             claims.push(Equality::numbers("value placed", moved.value, value));
-            claims.push(Equality::numbers(
-                "value alone",
-                solid.distance(&there),
-                value,
-            ));
+            claims.push(Equality::numbers("value alone", solid.distance(&there), value));
             let turned = placement.rotation * ours.normal;
             let (moved, turned) = (column(&moved.normal), column(&turned));
             claims.push(Equality::vectors("gradient placed", &moved, &turned));
@@ -114,11 +96,7 @@ fn balls(p: &RandomInstance) -> Vec<CollisionSphere<Gf>> {
 
 /// Uses two balls, which are enough and keep the degrees low.
 fn solids(p: &RandomInstance) -> Result<Vec<Equality>> {
-    let constraint = SolidClearance {
-        balls: balls(p)[..2].to_vec(),
-        solids: placed(p),
-        names: Vec::new(),
-    };
+    let constraint = SolidClearance { balls: balls(p)[..2].to_vec(), solids: placed(p), names: Vec::new() };
     let mut values = Vec::new();
     for ball in &constraint.balls {
         let c = centre(p, ball)?;
@@ -146,10 +124,7 @@ fn self_collision(p: &RandomInstance) -> Result<Vec<Equality>> {
         });
     }
     let others = |i: usize| (0..balls.len()).map(move |j| [i, j]);
-    let constraint = SelfClearance {
-        pairs: (0..balls.len()).flat_map(others).collect(),
-        balls,
-    };
+    let constraint = SelfClearance { pairs: (0..balls.len()).flat_map(others).collect(), balls };
     let mut values = Vec::new();
     for pair in &constraint.pairs {
         let [first, second] = pair.map(|i| &constraint.balls[i]);
@@ -170,20 +145,13 @@ fn covers(p: &RandomInstance) -> Result<Vec<Equality>> {
     let balls = balls(p);
     let bodies = [Some(p.dof() - 1), Some(3), Some(2), Some(1), Some(0), None];
     let node = |i: usize, next, leaf| BallNode {
-        bound: Sphere {
-            centre: balls[i % balls.len()].centre,
-            radius: balls[i % balls.len()].radius,
-        },
+        bound: Sphere { centre: balls[i % balls.len()].centre, radius: balls[i % balls.len()].radius },
         next,
         leaf,
     };
     let tree = |(i, body)| BallTree {
         body,
-        nodes: vec![
-            node(i + 2, 3, None),
-            node(i, 2, Some(2 * i)),
-            node(i + 1, 3, Some(2 * i + 1)),
-        ],
+        nodes: vec![node(i + 2, 3, None), node(i, 2, Some(2 * i)), node(i + 1, 3, Some(2 * i + 1))],
     };
     let (links, solids) = (bodies.len(), placed(p));
     let of = |count: usize, i: usize| (0..count).map(move |j| [i, j]);

@@ -70,21 +70,12 @@ impl RandomInstance {
     /// The time, the state and its derivatives as the input of the flow.
     #[must_use]
     pub fn node(&self) -> Node<'_, Gf> {
-        Node {
-            t: self.t,
-            x: self.x.as_slice(),
-            xdot: self.xdot.as_slice(),
-            xddot: self.xddot.as_slice(),
-        }
+        Node { t: self.t, x: self.x.as_slice(), xdot: self.xdot.as_slice(), xddot: self.xddot.as_slice() }
     }
 
     /// The robot, the input of the flow, and the penalty.
     pub(super) fn at(&self) -> At<'_, Gf, Gf> {
-        At {
-            model: &self.model,
-            node: self.node(),
-            k: self.k,
-        }
+        At { model: &self.model, node: self.node(), k: self.k }
     }
 
     /// $[x; \dot x; \ddot x]$.
@@ -115,9 +106,7 @@ fn inertia(rng: &mut ChaCha8Rng) -> Inertia<Gf> {
     Inertia {
         mass: number(rng),
         first_moment: vector(rng),
-        rotational: Matrix3::new(
-            half.x, off.x, off.y, off.x, half.y, off.z, off.y, off.z, half.z,
-        ),
+        rotational: Matrix3::new(half.x, off.x, off.y, off.x, half.y, off.z, off.y, off.z, half.z),
     }
 }
 
@@ -147,11 +136,7 @@ fn robot(n: usize, rng: &mut ChaCha8Rng) -> Result<Model<Gf>> {
         };
         specs.push(JointSpec {
             name: format!("joint_{i}"),
-            kind: if slides {
-                JointKind::Prismatic
-            } else {
-                JointKind::Revolute
-            },
+            kind: if slides { JointKind::Prismatic } else { JointKind::Revolute },
             parent,
             origin: Placement::new(rotation(rng), vector(rng)),
             axis: axis(rng),

@@ -100,11 +100,7 @@ impl Equality {
     /// Two numbers that should be equal.
     #[must_use]
     pub fn numbers(what: &'static str, left: Gf, right: Gf) -> Self {
-        Self::new(
-            what,
-            DMatrix::from_element(1, 1, left),
-            DMatrix::from_element(1, 1, right),
-        )
+        Self::new(what, DMatrix::from_element(1, 1, left), DMatrix::from_element(1, 1, right))
     }
 
     /// The first entry that differs, if any, or the sizes if these differ.
@@ -117,11 +113,7 @@ impl Equality {
         let (rows, what) = (self.left.nrows().max(1), self.what);
         let mut pairs = self.left.iter().zip(&self.right).enumerate();
         let (i, (left, right)) = pairs.find(|(_, (left, right))| left != right)?;
-        Some(format!(
-            "{what}: entry ({}, {}) is {left:?} left and {right:?} right",
-            i % rows,
-            i / rows
-        ))
+        Some(format!("{what}: entry ({}, {}) is {left:?} left and {right:?} right", i % rows, i / rows))
     }
 }
 
@@ -193,13 +185,8 @@ pub fn prove(points: usize, seed: u64) -> Result<Vec<Verdict>> {
 pub fn prove_identities(identities: &[Identity], points: usize, seed: u64) -> Result<Vec<Verdict>> {
     check_count("points", points, 1..=MOST_POINTS)?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let points = (0..points)
-        .map(|_| RandomInstance::random(&mut rng))
-        .collect::<Result<Vec<_>>>()?;
-    identities
-        .iter()
-        .map(|identity| verdict(identity, &points))
-        .collect()
+    let points = (0..points).map(|_| RandomInstance::random(&mut rng)).collect::<Result<Vec<_>>>()?;
+    identities.iter().map(|identity| verdict(identity, &points)).collect()
 }
 
 fn verdict(identity: &Identity, points: &[RandomInstance]) -> Result<Verdict> {

@@ -8,8 +8,8 @@ use crate::linalg::Ldlt;
 use crate::model::Model;
 use crate::scalar::AlgebraOver;
 use crate::verify::reference::{
-    Variation, bias_force, bias_rate, constant, entries, f_d, gradient, inverse_dynamics, jacobian,
-    mass, mass_rate, omega_by_definition, rate, unit, variation_of_effort, vector,
+    Variation, bias_force, bias_rate, constant, entries, f_d, gradient, inverse_dynamics, jacobian, mass, mass_rate,
+    omega_by_definition, rate, unit, variation_of_effort, vector,
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -35,11 +35,7 @@ pub(super) fn contract(a: &DVector<Gf>, slices: &[DMatrix<Gf>], b: &DVector<Gf>)
 }
 
 /// $H w = ID(q, v, w) - ID(q, v, 0)$ at $x$, without a mass matrix and with the velocity in it.
-pub(super) fn inertia_force<S: AlgebraOver<Gf>>(
-    model: &Model<Gf>,
-    x: &[S],
-    w: &[S],
-) -> Result<DVector<S>> {
+pub(super) fn inertia_force<S: AlgebraOver<Gf>>(model: &Model<Gf>, x: &[S], w: &[S]) -> Result<DVector<S>> {
     let (q, v) = x.split_at(model.dof());
     Ok(inverse_dynamics(model, q, v, w)? - bias_force(model, q, v)?)
 }
@@ -75,9 +71,7 @@ impl<'p> Reference<'p> {
         let fd = f_d(m, node.x)?;
         let h_entries = |x: &[Jet1]| Ok(entries(&mass(m, &x[..n])?));
         let matrix = |v: DVector<Gf>| DMatrix::from_column_slice(n, n, v.as_slice());
-        let dh: Result<Vec<_>> = (0..2 * n)
-            .map(|i| Ok(matrix(rate(node.x, &unit(2 * n, i), h_entries)?)))
-            .collect();
+        let dh: Result<Vec<_>> = (0..2 * n).map(|i| Ok(matrix(rate(node.x, &unit(2 * n, i), h_entries)?))).collect();
         Ok(Self {
             h: mass(m, node.x_p1())?,
             hdot: matrix(mass_rate(&p.at())?),
@@ -106,13 +100,7 @@ impl<'p> Reference<'p> {
     /// $\dot x_{P1}$, $\dot x_{P2}$, $\ddot x_{P1}$ and $\ddot x_{P2}$.
     pub fn rates(&self) -> [DVector<Gf>; 4] {
         let node = self.p.node();
-        [
-            node.xdot_p1(),
-            node.xdot_p2(),
-            node.xddot_p1(),
-            node.xddot_p2(),
-        ]
-        .map(vector)
+        [node.xdot_p1(), node.xdot_p2(), node.xddot_p1(), node.xddot_p2()].map(vector)
     }
 
     /// $x_{P2}$.
@@ -163,9 +151,7 @@ impl<'p> Reference<'p> {
             Ok(entries(&(h.transpose() * h)))
         };
         let slice = |i| rate(self.p.x.as_slice(), &unit(2 * n, i), product);
-        (0..2 * n)
-            .map(|i| Ok(DMatrix::from_column_slice(n, n, slice(i)?.as_slice())))
-            .collect()
+        (0..2 * n).map(|i| Ok(DMatrix::from_column_slice(n, n, slice(i)?.as_slice()))).collect()
     }
 
     /// $\partial G / \partial x_i$ for the `2 N` entries of `x`.

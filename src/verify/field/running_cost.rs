@@ -2,9 +2,7 @@
 
 use super::discretisation::{Discretisation, numbers};
 use super::{Equality, Gf, Identity, RandomInstance};
-use crate::cost::{
-    ChainRule, ControlEffort, Point as CurvePoint, PointCost, PointDerivatives, StageDerivatives,
-};
+use crate::cost::{ChainRule, ControlEffort, Point as CurvePoint, PointCost, PointDerivatives, StageDerivatives};
 use crate::error::Result;
 use crate::scalar::AlgebraOver;
 use crate::transcription::{Derivatives, HorizonDerivatives, Horizons, Objective};
@@ -56,14 +54,7 @@ fn chain_rule(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, mut number) = (p.dof(), numbers(p));
     let weights: Vec<Gf> = (0..4 * n).map(|_| number()).collect();
     let z = [p.x.as_slice(), &p.xdot.as_slice()[n..]].concat();
-    let point = CurvePoint {
-        index: 0,
-        phase: 0,
-        time: Gf::zero(),
-        q: &z[..n],
-        v: &z[n..2 * n],
-        a: &z[2 * n..],
-    };
+    let point = CurvePoint { index: 0, phase: 0, time: Gf::zero(), q: &z[..n], v: &z[n..2 * n], a: &z[2 * n..] };
     let mut rule = ChainRule::new(&p.model);
     let y = [&z, rule.linearise(point)?].concat();
     let mut by_y = StageDerivatives::new(n);
@@ -77,9 +68,7 @@ fn chain_rule(p: &RandomInstance) -> Result<Vec<Equality>> {
 
     let right = gradient(&z, |z| along_motions(p, &weights, z))?;
     let direction: Vec<Gf> = (0..3 * n).map(|_| number()).collect();
-    let image = rate(&z, &direction, |z| {
-        gradient(z, |z| along_motions(p, &weights, z))
-    })?;
+    let image = rate(&z, &direction, |z| gradient(z, |z| along_motions(p, &weights, z)))?;
     Ok(vec![
         Equality::vectors("gradient", &left, &right),
         Equality::vectors("Hessian", &(hessian * vector(&direction)), &image),
@@ -94,11 +83,7 @@ impl<S: AlgebraOver<Gf>> PointCost<S> for LateEffort<'_, S> {
         Ok(self.0.value(point)? * point.time)
     }
 
-    fn derivatives(
-        &mut self,
-        point: CurvePoint<'_, S>,
-        out: &mut PointDerivatives<S>,
-    ) -> Result<S> {
+    fn derivatives(&mut self, point: CurvePoint<'_, S>, out: &mut PointDerivatives<S>) -> Result<S> {
         let value = self.0.derivatives(point, out)?;
         out.gradient *= point.time;
         Ok(value * point.time)
@@ -173,9 +158,7 @@ fn parts(p: &RandomInstance) -> Result<Vec<Equality>> {
     let late = in_parts(p, &example, (horizons(), late))?.horizons;
     let slopes = gradient(&[p.k, other], |horizons| {
         let curve = example.coefficients.map(AlgebraOver::lift);
-        sum_of_parts(&example, &curve, (horizons, reference), || {
-            LateEffort(ControlEffort::new(&p.model))
-        })
+        sum_of_parts(&example, &curve, (horizons, reference), || LateEffort(ControlEffort::new(&p.model)))
     })?;
 
     let found = in_parts(p, &example, (horizons(), ControlEffort::new(&p.model)))?;
@@ -187,9 +170,7 @@ fn parts(p: &RandomInstance) -> Result<Vec<Equality>> {
     let image = rate(&unknowns, &direction, |unknowns| {
         gradient(unknowns, |unknowns| {
             let curve = example.with_unknowns(&unknowns[..count]);
-            sum_of_parts(&example, &curve, (&unknowns[count..], reference), || {
-                ControlEffort::new(&p.model)
-            })
+            sum_of_parts(&example, &curve, (&unknowns[count..], reference), || ControlEffort::new(&p.model))
         })
     })?;
     let mut own = found.hessian.to_dense() * &example.direction;
@@ -216,8 +197,7 @@ fn horizon(p: &RandomInstance) -> Result<Vec<Equality>> {
         Objective::new(&grid, cost, p.dof()).value(&curve)
     })?;
 
-    let HorizonDerivatives { second, mixed, .. } =
-        at_a_horizon(p, &example, ControlEffort::new(&p.model))?;
+    let HorizonDerivatives { second, mixed, .. } = at_a_horizon(p, &example, ControlEffort::new(&p.model))?;
     // The unknowns are the changes of the coefficients, then the horizon.
     let count = mixed.len();
     let mut unknowns = vec![Gf::zero(); count];
@@ -233,10 +213,6 @@ fn horizon(p: &RandomInstance) -> Result<Vec<Equality>> {
     Ok(vec![
         Equality::numbers("slope", late, slope[0]),
         Equality::numbers("second derivative", second, right[count]),
-        Equality::vectors(
-            "mixed derivatives",
-            &mixed,
-            &right.rows(0, count).into_owned(),
-        ),
+        Equality::vectors("mixed derivatives", &mixed, &right.rows(0, count).into_owned()),
     ])
 }

@@ -36,12 +36,7 @@ fn constrained<S: AlgebraOver<Gf> + Tanh>(p: &RandomInstance, x: &[S], xdot: &[S
     let Penalty { k_cons, c_cons } = pair(p);
     let rows = rows(p, &[x, &xdot[p.dof()..]].concat())?;
     let own = effort(p, x, xdot)?;
-    Ok(constrained_lagrangian(
-        own,
-        rows.iter().copied(),
-        k_cons,
-        c_cons,
-    ))
+    Ok(constrained_lagrangian(own, rows.iter().copied(), k_cons, c_cons))
 }
 
 fn flow(p: &RandomInstance) -> Result<Vec<Equality>> {
@@ -110,19 +105,13 @@ fn foot(p: &RandomInstance) -> Result<Vec<Equality>> {
     };
     let (slopes, multipliers, curvatures) = (weight(&p.w), weight(&p.xdot), weight(&p.xddot));
     let mut out = FootDerivatives::new(n);
-    let weights = FootWeights {
-        slopes: &slopes,
-        multipliers: &multipliers,
-        curvatures: &curvatures,
-    };
+    let weights = FootWeights { slopes: &slopes, multipliers: &multipliers, curvatures: &curvatures };
     let data = &mut Data::new(&p.model);
     foot.weighted_derivatives(&p.model, data, parts, weights, &mut out)?;
 
     let by_z = jacobian(&z, |z| rows(p, z))?;
     let fixed = vector(&multipliers).map(Jet1::constant);
-    let mut second = jacobian(&z, |z: &[Jet1]| {
-        Ok(jacobian(z, |z| rows(p, z))?.tr_mul(&fixed))
-    })?;
+    let mut second = jacobian(&z, |z: &[Jet1]| Ok(jacobian(z, |z| rows(p, z))?.tr_mul(&fixed)))?;
     second += by_z.transpose() * DMatrix::from_diagonal(&vector(&curvatures)) * &by_z;
     Ok(vec![
         Equality::vectors("g", &rows(p, &z)?, &by_definition(p)?),

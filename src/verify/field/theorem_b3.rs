@@ -4,13 +4,9 @@ use super::reference::{Reference, blocks, effort, inertia_force, stack, two};
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::dynamics::{Data, aba, rnea};
 use crate::error::Result;
-use crate::flow::{
-    AlgorithmB1, ControlForm, Node, RightHandSide, TheoremB3, lagrangian_of_control,
-};
+use crate::flow::{AlgorithmB1, ControlForm, Node, RightHandSide, TheoremB3, lagrangian_of_control};
 use crate::linalg::Ldlt;
-use crate::verify::reference::{
-    constant, f_d, gradient, gradient_and_rate, omega_by_theorem_b3, omega_terms, unit,
-};
+use crate::verify::reference::{constant, f_d, gradient, gradient_and_rate, omega_by_theorem_b3, omega_terms, unit};
 use nalgebra::{DMatrix, DVector};
 use num_traits::Zero;
 
@@ -20,12 +16,7 @@ pub(super) fn identity(
     statement: &'static str,
     claims: fn(&RandomInstance) -> Result<Vec<Equality>>,
 ) -> Identity {
-    Identity {
-        label,
-        statement,
-        convention: "dF^T/dx is (dF/dx)^T, [dH/dx w]_ij = sum_k dH_ik/dx_j w_k",
-        claims,
-    }
+    Identity { label, statement, convention: "dF^T/dx is (dF/dx)^T, [dH/dx w]_ij = sum_k dH_ik/dx_j w_k", claims }
 }
 
 /// The identities of this file.
@@ -47,10 +38,7 @@ pub(super) fn identities() -> Vec<Identity> {
 }
 
 /// The value of a right-hand side at an instance.
-pub(super) fn omega_of(
-    p: &RandomInstance,
-    mut rhs: impl RightHandSide<Gf, Gf>,
-) -> Result<DVector<Gf>> {
+pub(super) fn omega_of(p: &RandomInstance, mut rhs: impl RightHandSide<Gf, Gf>) -> Result<DVector<Gf>> {
     let mut omega = DVector::zeros(2 * p.dof());
     rhs.omega(p.node(), p.k, omega.as_mut_slice())?;
     Ok(omega)
@@ -123,10 +111,7 @@ fn b10(p: &RandomInstance) -> Result<Vec<Equality>> {
     let left = Reference::at(p)?.omega()?;
     let algorithm = omega_of(p, AlgorithmB1::new(&p.model))?;
     let control = omega_of(p, ControlForm::new(&p.model))?;
-    Ok(vec![
-        Equality::vectors("Algorithm B1", &left, &algorithm),
-        Equality::vectors("control form", &left, &control),
-    ])
+    Ok(vec![Equality::vectors("Algorithm B1", &left, &algorithm), Equality::vectors("control form", &left, &control)])
 }
 
 fn b11(p: &RandomInstance) -> Result<Vec<Equality>> {
@@ -136,14 +121,7 @@ fn b11(p: &RandomInstance) -> Result<Vec<Equality>> {
     let by_definition = effort(p, node.x, node.xdot)?;
     let mut u = vec![Gf::zero(); p.dof()];
     let data = &mut Data::new(&p.model);
-    rnea(
-        &p.model,
-        data,
-        node.x_p1(),
-        node.x_p2(),
-        node.xdot_p2(),
-        &mut u,
-    )?;
+    rnea(&p.model, data, node.x_p1(), node.x_p2(), node.xdot_p2(), &mut u)?;
     let of_control = lagrangian_of_control(node.xdot_p1(), node.x_p2(), &u, p.k)?;
     Ok(vec![
         Equality::numbers("lagrangian", explicit, by_definition),
@@ -159,14 +137,7 @@ fn h_inverse(p: &RandomInstance) -> Result<DMatrix<Gf>> {
     for j in 0..n {
         let mut a = DVector::zeros(n);
         let (data, tau) = (&mut Data::new(&p.model), unit(n, j));
-        aba(
-            &p.model,
-            data,
-            node.x_p1(),
-            node.x_p2(),
-            &tau,
-            a.as_mut_slice(),
-        )?;
+        aba(&p.model, data, node.x_p1(), node.x_p2(), &tau, a.as_mut_slice())?;
         inverse.set_column(j, &(a - &fd0));
     }
     Ok(inverse)
@@ -189,9 +160,7 @@ fn b13(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, reference) = (p.dof(), Reference::at(p)?);
     let along = stack(&DVector::zeros(2 * n), &p.xddot);
     let at = stack(&p.x, &p.xdot);
-    let [_, rates] = gradient_and_rate(at.as_slice(), along.as_slice(), |x, xdot| {
-        effort(p, x, xdot)
-    })?;
+    let [_, rates] = gradient_and_rate(at.as_slice(), along.as_slice(), |x, xdot| effort(p, x, xdot))?;
     let right = reference.metric() * &p.xddot * two();
     let left = rates.rows(2 * n, 2 * n).into_owned();
     // The block H^T H again, from inverse dynamics: the gradient of |H w|^2 in w is 2 H^T H w.
@@ -201,11 +170,7 @@ fn b13(p: &RandomInstance) -> Result<Vec<Equality>> {
     })?;
     Ok(vec![
         Equality::vectors("2 G d", &left, &right),
-        Equality::vectors(
-            "2 H^T H w",
-            &by_w,
-            &(reference.hth() * &reference.w * two()),
-        ),
+        Equality::vectors("2 H^T H w", &by_w, &(reference.hth() * &reference.w * two())),
     ])
 }
 
@@ -215,14 +180,9 @@ fn b14(p: &RandomInstance) -> Result<Vec<Equality>> {
     let left = reference.variation()?.by_xdot;
     let middle = reference.metric() * reference.slip() * two();
     let ht = reference.h.transpose();
-    let right = stack(
-        &((xdot_p1 - reference.x_p2()) * p.k),
-        &(&ht * &reference.h * xdot_p2 + ht * &reference.c),
-    ) * two();
-    Ok(vec![
-        Equality::vectors("2 G (xdot - F_d)", &left, &middle),
-        Equality::vectors("blocks", &left, &right),
-    ])
+    let right =
+        stack(&((xdot_p1 - reference.x_p2()) * p.k), &(&ht * &reference.h * xdot_p2 + ht * &reference.c)) * two();
+    Ok(vec![Equality::vectors("2 G (xdot - F_d)", &left, &middle), Equality::vectors("blocks", &left, &right)])
 }
 
 /// $\gamma$: half the second block of (B15).
@@ -246,10 +206,7 @@ fn b15(p: &RandomInstance) -> Result<Vec<Equality>> {
 fn b16(p: &RandomInstance) -> Result<Vec<Equality>> {
     let reference = Reference::at(p)?;
     let [_, xdot_p2, xddot_p1, _] = reference.rates();
-    let right = stack(
-        &(xddot_p1 - xdot_p2),
-        &reference.solve_hth(&gamma(&reference)),
-    ) * two();
+    let right = stack(&(xddot_p1 - xdot_p2), &reference.solve_hth(&gamma(&reference))) * two();
     let left = reference.raise(&reference.variation()?.momentum_rate);
     Ok(vec![Equality::vectors("Omega_1", &left, &right)])
 }

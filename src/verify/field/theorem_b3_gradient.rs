@@ -35,10 +35,7 @@ pub(super) fn identities() -> Vec<Identity> {
 }
 
 /// Compares `dL/dx` by dual numbers with an expression.
-fn by_x(
-    p: &RandomInstance,
-    right: impl Fn(&Reference<'_>) -> Result<DVector<Gf>>,
-) -> Result<Vec<Equality>> {
+fn by_x(p: &RandomInstance, right: impl Fn(&Reference<'_>) -> Result<DVector<Gf>>) -> Result<Vec<Equality>> {
     let reference = Reference::at(p)?;
     let left = reference.variation()?.by_x;
     Ok(vec![Equality::vectors("dL/dx", &left, &right(&reference)?)])
@@ -46,11 +43,7 @@ fn by_x(
 
 /// `(xdot - F_d)^T dG/dx (xdot - F_d)`.
 fn through_metric(reference: &Reference<'_>) -> Result<DVector<Gf>> {
-    Ok(contract(
-        &reference.slip(),
-        &reference.dmetric()?,
-        &reference.slip(),
-    ))
+    Ok(contract(&reference.slip(), &reference.dmetric()?, &reference.slip()))
 }
 
 fn b17(p: &RandomInstance) -> Result<Vec<Equality>> {
@@ -104,11 +97,7 @@ fn b21(p: &RandomInstance) -> Result<Vec<Equality>> {
     let right = stack(&-dq, &(t.x_p2() * p.k - dv)) * two();
     Ok(vec![
         Equality::new("dF_d^T/dx", t.dfd.transpose(), drift_blocks(&t)),
-        Equality::vectors(
-            "middle",
-            &left,
-            &(drift_blocks(&t) * t.metric() * &t.fd * two()),
-        ),
+        Equality::vectors("middle", &left, &(drift_blocks(&t) * t.metric() * &t.fd * two())),
         Equality::vectors("right", &left, &right),
     ])
 }
@@ -122,10 +111,7 @@ fn b22(p: &RandomInstance) -> Result<Vec<Equality>> {
     let [dq, dv] = t.dfd0().map(|d| d.transpose() * t.hth() * &xdot_p2);
     let right = stack(&dq, &(xdot_p1 * p.k + dv)) * two();
     let middle = drift_blocks(&t) * t.metric() * &p.xdot * two();
-    Ok(vec![
-        Equality::vectors("middle", &left, &middle),
-        Equality::vectors("right", &left, &right),
-    ])
+    Ok(vec![Equality::vectors("middle", &left, &middle), Equality::vectors("right", &left, &right)])
 }
 
 /// `dFD_0^T/dx_P1 f` and `dFD_0^T/dx_P2 f` with `f = H^T (2 C + 2 H xdot_P2)`.
@@ -170,17 +156,10 @@ fn b24(p: &RandomInstance) -> Result<Vec<Equality>> {
 }
 
 /// Compares `dL/dx` through `G` alone, by dual numbers of inverse dynamics, with an expression.
-fn by_metric(
-    p: &RandomInstance,
-    right: impl Fn(&Reference<'_>) -> Result<DVector<Gf>>,
-) -> Result<Vec<Equality>> {
+fn by_metric(p: &RandomInstance, right: impl Fn(&Reference<'_>) -> Result<DVector<Gf>>) -> Result<Vec<Equality>> {
     let reference = Reference::at(p)?;
     let left = reference.by_metric()?;
-    Ok(vec![Equality::vectors(
-        "through G",
-        &left,
-        &right(&reference)?,
-    )])
+    Ok(vec![Equality::vectors("through G", &left, &right(&reference)?)])
 }
 
 fn b25(p: &RandomInstance) -> Result<Vec<Equality>> {
@@ -205,24 +184,15 @@ fn b28(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (n, t) = (p.dof(), Reference::at(p)?);
     // H from inverse dynamics, whose arguments include the velocity.
     let derivative = jacobian(p.x.as_slice(), |x| {
-        let columns: Result<Vec<_>> = (0..n)
-            .map(|j| inertia_force(&p.model, x, &unit(n, j)))
-            .collect();
+        let columns: Result<Vec<_>> = (0..n).map(|j| inertia_force(&p.model, x, &unit(n, j))).collect();
         let h = DMatrix::from_columns(&columns?);
         Ok(entries(&(h.transpose() * h)))
     })?;
-    let by_q: Vec<_> = t.dhth()?[..n]
-        .iter()
-        .flat_map(|d| d.as_slice().to_vec())
-        .collect();
+    let by_q: Vec<_> = t.dhth()?[..n].iter().flat_map(|d| d.as_slice().to_vec()).collect();
     let by_q = DMatrix::from_vec(n * n, n, by_q);
     Ok(vec![
         Equality::new("by x_P1", derivative.columns(0, n).into_owned(), by_q),
-        Equality::new(
-            "by x_P2",
-            derivative.columns(n, n).into_owned(),
-            DMatrix::zeros(n * n, n),
-        ),
+        Equality::new("by x_P2", derivative.columns(n, n).into_owned(), DMatrix::zeros(n * n, n)),
     ])
 }
 
@@ -235,10 +205,7 @@ fn b29(p: &RandomInstance) -> Result<Vec<Equality>> {
 
 fn b30(p: &RandomInstance) -> Result<Vec<Equality>> {
     let t = Reference::at(p)?;
-    let beta = DVector::from_iterator(
-        2 * t.n,
-        t.dhth()?.iter().map(|d| (t.w.transpose() * d * &t.w)[0]),
-    );
+    let beta = DVector::from_iterator(2 * t.n, t.dhth()?.iter().map(|d| (t.w.transpose() * d * &t.w)[0]));
     Ok(vec![Equality::vectors("beta", &t.by_metric()?, &beta)])
 }
 
@@ -250,9 +217,7 @@ fn by_slice(t: &Reference<'_>, f: impl Fn(&DMatrix<Gf>) -> Gf) -> DVector<Gf> {
 fn b31(p: &RandomInstance) -> Result<Vec<Equality>> {
     let t = Reference::at(p)?;
     let (w, hw) = (&t.w, &t.h * &t.w);
-    let right = by_slice(&t, |d| {
-        w.dot(&(d.transpose() * &hw)) + w.dot(&(t.h.transpose() * d * w))
-    });
+    let right = by_slice(&t, |d| w.dot(&(d.transpose() * &hw)) + w.dot(&(t.h.transpose() * d * w)));
     let left = contract(&t.w, &t.dhth()?, &t.w);
     Ok(vec![Equality::vectors("beta", &left, &right)])
 }
@@ -263,10 +228,7 @@ fn b32(p: &RandomInstance) -> Result<Vec<Equality>> {
     let right = by_slice(&t, |d| t.w.dot(&(d.transpose() * &t.h * &t.w)));
     // Each is half of the gradient.
     let half = t.by_metric()? * two().inverse();
-    Ok(vec![
-        Equality::vectors("transposed", &left, &right),
-        Equality::vectors("half of beta", &half, &right),
-    ])
+    Ok(vec![Equality::vectors("transposed", &left, &right), Equality::vectors("half of beta", &half, &right)])
 }
 
 fn b33(p: &RandomInstance) -> Result<Vec<Equality>> {
@@ -275,10 +237,7 @@ fn b33(p: &RandomInstance) -> Result<Vec<Equality>> {
     let left = contract(&t.w, &t.dhth()?, &t.w);
     let middle = by_slice(&t, |d| t.w.dot(&(d.transpose() * &hw)) * two());
     let right = by_slice(&t, |d| (d * &t.w).dot(&hw) * two());
-    Ok(vec![
-        Equality::vectors("middle", &left, &middle),
-        Equality::vectors("right", &left, &right),
-    ])
+    Ok(vec![Equality::vectors("middle", &left, &middle), Equality::vectors("right", &left, &right)])
 }
 
 /// `[2 [dH/dx_P1 w]^T H w; 0]`.
@@ -310,8 +269,5 @@ fn b36(p: &RandomInstance) -> Result<Vec<Equality>> {
     let [one, two, three, four] = omega_terms(&p.at())?;
     let sum = one - (two - three + four);
     let algorithm = super::theorem_b3::omega_of(p, AlgorithmB1::new(&p.model))?;
-    Ok(vec![
-        Equality::vectors("flow", &left, &sum),
-        Equality::vectors("Omega", &sum, &algorithm),
-    ])
+    Ok(vec![Equality::vectors("flow", &left, &sum), Equality::vectors("Omega", &sum, &algorithm)])
 }

@@ -84,10 +84,7 @@ pub fn rate<S: Differentiable>(
 ///
 /// # Errors
 /// Those of `f`.
-pub fn jacobian<S: Differentiable>(
-    x: &[S],
-    f: impl Fn(&[S::Dual]) -> Result<DVector<S::Dual>>,
-) -> Result<DMatrix<S>> {
+pub fn jacobian<S: Differentiable>(x: &[S], f: impl Fn(&[S::Dual]) -> Result<DVector<S::Dual>>) -> Result<DMatrix<S>> {
     let column = |j| rate(x, &unit(x.len(), j), &f);
     let columns: Result<Vec<_>> = (0..x.len()).map(column).collect();
     Ok(DMatrix::from_columns(&columns?))
@@ -97,10 +94,7 @@ pub fn jacobian<S: Differentiable>(
 ///
 /// # Errors
 /// Those of `f`.
-pub fn gradient<S: Differentiable>(
-    x: &[S],
-    f: impl Fn(&[S::Dual]) -> Result<S::Dual>,
-) -> Result<DVector<S>> {
+pub fn gradient<S: Differentiable>(x: &[S], f: impl Fn(&[S::Dual]) -> Result<S::Dual>) -> Result<DVector<S>> {
     let row = jacobian(x, |x| Ok(DVector::from_element(1, f(x)?)))?;
     Ok(row.row(0).transpose())
 }

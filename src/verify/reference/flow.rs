@@ -1,8 +1,8 @@
 //! The dynamics and the flow over any scalar.
 
 use super::differentiation::{
-    Differentiable, DifferentiableOver, DualNumber, SecondDual, constant, dual, entries, gradient,
-    jacobian, rate, vector,
+    Differentiable, DifferentiableOver, DualNumber, SecondDual, constant, dual, entries, gradient, jacobian, rate,
+    vector,
 };
 use crate::dynamics::{Data, aba, bias, crba, rnea};
 use crate::error::Result;
@@ -27,11 +27,7 @@ pub fn mass<C: Scalar, S: AlgebraOver<C>>(model: &Model<C>, q: &[S]) -> Result<D
 ///
 /// # Errors
 /// `q` or `v` does not have `N` entries.
-pub fn bias_force<C: Scalar, S: AlgebraOver<C>>(
-    model: &Model<C>,
-    q: &[S],
-    v: &[S],
-) -> Result<DVector<S>> {
+pub fn bias_force<C: Scalar, S: AlgebraOver<C>>(model: &Model<C>, q: &[S], v: &[S]) -> Result<DVector<S>> {
     let mut c = DVector::zeros(model.dof());
     bias(model, &mut Data::new(model), q, v, c.as_mut_slice())?;
     Ok(c)
@@ -56,11 +52,7 @@ pub fn inverse_dynamics<C: Scalar, S: AlgebraOver<C>>(
 ///
 /// # Errors
 /// `q` or `v` does not have `N` entries.
-pub fn fd_0<C: Scalar, S: AlgebraOver<C>>(
-    model: &Model<C>,
-    q: &[S],
-    v: &[S],
-) -> Result<DVector<S>> {
+pub fn fd_0<C: Scalar, S: AlgebraOver<C>>(model: &Model<C>, q: &[S], v: &[S]) -> Result<DVector<S>> {
     let (mut a, tau) = (DVector::zeros(model.dof()), vec![S::zero(); model.dof()]);
     aba(model, &mut Data::new(model), q, v, &tau, a.as_mut_slice())?;
     Ok(a)
@@ -91,12 +83,7 @@ impl<'a, C: Scalar, S: Scalar> At<'a, C, S> {
     /// depend.
     pub fn new(model: &'a Model<C>, z: &'a [S], k: C) -> Self {
         let m = z.len() / 3;
-        let node = Node {
-            t: S::zero(),
-            x: &z[..m],
-            xdot: &z[m..2 * m],
-            xddot: &z[2 * m..],
-        };
+        let node = Node { t: S::zero(), x: &z[..m], xdot: &z[m..2 * m], xddot: &z[2 * m..] };
         Self { model, node, k }
     }
 }
@@ -136,9 +123,7 @@ pub fn gamma<C: Scalar, S: DifferentiableOver<C>>(at: &At<'_, C, S>) -> Result<D
 }
 
 /// $2 H (H \dot x_{P2} + C)$ as a constant.
-fn twice_h_force<C: Scalar, S: DifferentiableOver<C>>(
-    at: &At<'_, C, S>,
-) -> Result<DVector<S::Dual>> {
+fn twice_h_force<C: Scalar, S: DifferentiableOver<C>>(at: &At<'_, C, S>) -> Result<DVector<S::Dual>> {
     let (q, v) = (at.node.x_p1(), at.node.x_p2());
     let h = mass(at.model, q)?;
     let force = &h * vector(at.node.xdot_p2()) + bias_force(at.model, q, v)?;
@@ -207,9 +192,7 @@ pub fn theorem_b3<C: Scalar, S: DifferentiableOver<C>>(at: &At<'_, C, S>) -> Res
 ///
 /// # Errors
 /// A part of the node does not have `2 N` entries.
-pub fn omega_terms<C: Scalar, S: DifferentiableOver<C>>(
-    at: &At<'_, C, S>,
-) -> Result<[DVector<S>; 4]> {
+pub fn omega_terms<C: Scalar, S: DifferentiableOver<C>>(at: &At<'_, C, S>) -> Result<[DVector<S>; 4]> {
     let (node, k, mut t) = (at.node, at.k, theorem_b3(at)?);
     let mut terms = [(); 4].map(|()| DVector::zeros(2 * at.model.dof()));
     t.omega_1(node, &mut terms[0]);
@@ -223,9 +206,7 @@ pub fn omega_terms<C: Scalar, S: DifferentiableOver<C>>(
 ///
 /// # Errors
 /// A part of the node does not have `2 N` entries.
-pub fn omega_by_theorem_b3<C: Scalar, S: DifferentiableOver<C>>(
-    at: &At<'_, C, S>,
-) -> Result<DVector<S>> {
+pub fn omega_by_theorem_b3<C: Scalar, S: DifferentiableOver<C>>(at: &At<'_, C, S>) -> Result<DVector<S>> {
     let mut omega = DVector::zeros(2 * at.model.dof());
     theorem_b3(at)?.omega(at.node, at.k, omega.as_mut_slice())?;
     Ok(omega)
@@ -246,10 +227,7 @@ pub fn gradient_and_rate<S: Differentiable>(
         let (x, xdot) = y.split_at(y.len() / 2);
         value(x, xdot)
     })?;
-    Ok([
-        gradient.map(DualNumber::real),
-        gradient.map(DualNumber::tangent),
-    ])
+    Ok([gradient.map(DualNumber::real), gradient.map(DualNumber::tangent)])
 }
 
 /// The terms of the heat flow of a Lagrangian, `2 N` entries each.
@@ -271,10 +249,7 @@ pub fn variation<S: Differentiable>(
     node: Node<'_, S>,
     value: impl Fn(SecondDual<S>, &[SecondDual<S>], &[SecondDual<S>]) -> Result<SecondDual<S>>,
 ) -> Result<Variation<S>> {
-    let (y, along) = (
-        [node.x, node.xdot].concat(),
-        [node.xdot, node.xddot].concat(),
-    );
+    let (y, along) = ([node.x, node.xdot].concat(), [node.xdot, node.xddot].concat());
     // The inner dual moves along the curve, and time with it.
     let t = S::Dual::from_parts(node.t, S::one());
     let t = SecondDual::<S>::from_parts(t, S::Dual::zero());
@@ -291,13 +266,9 @@ pub fn variation<S: Differentiable>(
 ///
 /// # Errors
 /// A part of the node does not have `2 N` entries.
-pub fn variation_of_effort<C: Scalar, S: DifferentiableOver<C>>(
-    at: &At<'_, C, S>,
-) -> Result<Variation<S>> {
+pub fn variation_of_effort<C: Scalar, S: DifferentiableOver<C>>(at: &At<'_, C, S>) -> Result<Variation<S>> {
     let data = || Data::new(at.model);
-    variation(at.node, |_, x, xdot| {
-        lagrangian(at.model, &mut data(), x, xdot, at.k)
-    })
+    variation(at.node, |_, x, xdot| lagrangian(at.model, &mut data(), x, xdot, at.k))
 }
 
 /// Computes $\Omega$ by its definition (7), $G^{-1} \left( \frac{d}{dt} \frac{\partial L}{\partial \dot x} -
@@ -305,9 +276,7 @@ pub fn variation_of_effort<C: Scalar, S: DifferentiableOver<C>>(
 ///
 /// # Errors
 /// A part of the node does not have `2 N` entries.
-pub fn omega_by_definition<C: Scalar, S: DifferentiableOver<C>>(
-    at: &At<'_, C, S>,
-) -> Result<DVector<S>> {
+pub fn omega_by_definition<C: Scalar, S: DifferentiableOver<C>>(at: &At<'_, C, S>) -> Result<DVector<S>> {
     let variation = variation_of_effort(at)?;
     let mut omega = variation.momentum_rate - variation.by_x;
     let mut ldlt = Ldlt::new(at.model.dof());

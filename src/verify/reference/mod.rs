@@ -10,11 +10,11 @@ mod differentiation;
 mod flow;
 
 pub use differentiation::{
-    Differentiable, DifferentiableOver, DualNumber, SecondDual, constant, dual, entries, gradient,
-    jacobian, rate, unit, vector,
+    Differentiable, DifferentiableOver, DualNumber, SecondDual, constant, dual, entries, gradient, jacobian, rate,
+    unit, vector,
 };
 pub use flow::{
-    At, Variation, alpha_1, alpha_2, bias_force, bias_rate, capital_gamma, f_d, fd_0, gamma,
-    gradient_and_rate, inverse_dynamics, mass, mass_rate, omega_by_definition, omega_by_theorem_b3,
-    omega_terms, theorem_b3, variation, variation_of_effort,
+    At, Variation, alpha_1, alpha_2, bias_force, bias_rate, capital_gamma, f_d, fd_0, gamma, gradient_and_rate,
+    inverse_dynamics, mass, mass_rate, omega_by_definition, omega_by_theorem_b3, omega_terms, theorem_b3, variation,
+    variation_of_effort,
 };

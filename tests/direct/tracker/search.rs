@@ -12,15 +12,9 @@ fn a_moved_goal_takes_an_eighth_of_the_iterations() {
     options.settings.search.most_starts = 2;
     while counts.len() < 20 {
         let middle = reach(&model);
-        let mut near = |q: &[f64], size: f64| -> Vec<f64> {
-            q.iter()
-                .map(|q| q + rng.random_range(-size..size))
-                .collect()
-        };
-        let (start, goal) = (
-            near(&middle.start()[..7], 0.3),
-            near(&middle.goal()[..7], 0.3),
-        );
+        let mut near =
+            |q: &[f64], size: f64| -> Vec<f64> { q.iter().map(|q| q + rng.random_range(-size..size)).collect() };
+        let (start, goal) = (near(&middle.start()[..7], 0.3), near(&middle.goal()[..7], 0.3));
         let target = near(&goal, 0.015);
         let problem = Problem::new(&model, at_rest(&start), at_rest(&goal), 2.0).expect("valid");
         let kept = kept(&model, [0.3, 0.4, 0.5]);
@@ -46,16 +40,10 @@ fn a_moved_goal_takes_an_eighth_of_the_iterations() {
         }
         let from = Problem::new(&model, x, at_rest(&target), left).expect("valid");
         let direct = Direct::new(&from).constraints(&kept);
-        let cold = direct
-            .settings(options.settings.clone())
-            .solve()
-            .expect("valid");
+        let cold = direct.settings(options.settings.clone()).solve().expect("valid");
         counts.push((iterations, cold.iterations.len()));
     }
-    let [warm, cold] = [
-        counts.iter().map(|(warm, _)| warm).sum::<usize>(),
-        counts.iter().map(|(_, cold)| cold).sum(),
-    ];
+    let [warm, cold] = [counts.iter().map(|(warm, _)| warm).sum::<usize>(), counts.iter().map(|(_, cold)| cold).sum()];
     assert!(8 * warm <= cold, "{counts:?}");
 }
 
@@ -70,16 +58,11 @@ fn crowded(model: &Model) -> Kept {
     let count = balls.len();
     let apart = (0..count).flat_map(|i| (i + 3..count).map(move |j| [i, j]));
     let apart: Vec<_> = apart.collect();
-    let solid = |shape, place: [f64; 3]| Solid {
-        placement: Placement::new(Matrix3::identity(), Vector3::from(place)),
-        shape,
-    };
+    let solid =
+        |shape, place: [f64; 3]| Solid { placement: Placement::new(Matrix3::identity(), Vector3::from(place)), shape };
     let half_extents = Vector3::new(0.25, 0.4, 0.02);
     let [half_length, radius] = [0.3, 0.05];
-    let post = Shape::Cylinder {
-        radius,
-        half_length,
-    };
+    let post = Shape::Cylinder { radius, half_length };
     let solids = vec![
         solid(Shape::Cuboid { half_extents }, [0.6, 0.0, 0.0]),
         solid(post, [-0.45, 0.3, 0.3]),
@@ -87,9 +70,7 @@ fn crowded(model: &Model) -> Kept {
     ];
     let of_solids = |solid| (0..count).map(move |link| [link, solid]);
     let cover = CoverClearance {
-        links: (0..count)
-            .map(|ball| BallTree::new(&balls, vec![ball]))
-            .collect(),
+        links: (0..count).map(|ball| BallTree::new(&balls, vec![ball])).collect(),
         counts: vec![1; count],
         sets: vec![0; count],
         names: ["table", "post", "ball"].map(str::to_owned).into(),
@@ -99,16 +80,9 @@ fn crowded(model: &Model) -> Kept {
         margins: [0.01; 2],
         far: 0.35,
     };
-    let beside = SolidClearance {
-        balls: balls.clone(),
-        solids,
-        names: Vec::new(),
-    };
+    let beside = SolidClearance { balls: balls.clone(), solids, names: Vec::new() };
     kept.state.extend([
-        AnyConstraint::SelfCollision(SelfClearance {
-            balls,
-            pairs: apart,
-        }),
+        AnyConstraint::SelfCollision(SelfClearance { balls, pairs: apart }),
         AnyConstraint::Solids(beside),
         AnyConstraint::Cover(cover),
     ]);
@@ -166,10 +140,7 @@ fn without_time_the_last_plan_is_followed() {
     let model = robot("kinova_gen3");
     let problem = reach(&model);
     let kept = || kept(&model, FAR);
-    let options = TrackerOptions {
-        deadline: Some(Duration::ZERO),
-        ..options(9)
-    };
+    let options = TrackerOptions { deadline: Some(Duration::ZERO), ..options(9) };
     let mut tracker = tracker(&problem, kept(), options);
     let plan = tracker.rest().expect("a plan");
     tracker.step(problem.start(), 3.0).expect("valid");
@@ -179,10 +150,7 @@ fn without_time_the_last_plan_is_followed() {
         let (x, xdot) = plan.at(t.min(plan.horizon()));
         let step = tracker.step(x.as_slice(), 3.0 + t).expect("valid");
         assert!(step.cut_off && step.iterations == 0 && !step.replaced);
-        assert_eq!(
-            (step.outcome, step.safety),
-            (Outcome::Working, Safety::Kept)
-        );
+        assert_eq!((step.outcome, step.safety), (Outcome::Working, Safety::Kept));
         assert!(step.deviation < 1e-9, "{}", step.deviation);
         if t < plan.horizon() {
             assert!(distance(&step.command.a, &xdot.as_slice()[7..]) < 1e-6);

@@ -11,9 +11,7 @@ use proptest::prelude::*;
 
 fn blocks_of(jacobian: &mut impl NodeJacobian, parts: &[Vec<f64>; 3], k: f64) -> NodeBlocks {
     let mut blocks = NodeBlocks::new(parts[0].len() / 2);
-    jacobian
-        .evaluate(node(parts), k, &mut blocks)
-        .expect("lengths agree");
+    jacobian.evaluate(node(parts), k, &mut blocks).expect("lengths agree");
     blocks
 }
 
@@ -38,16 +36,9 @@ fn it_runs_over_other_scalars() {
         let lift = |part: &Vec<f64>| Vec::from_iter(part.iter().map(|x| S::lift(*x)));
         let [x, xdot, xddot] = parts.each_ref().map(lift);
         let t = S::zero();
-        let node: Node<'_, S> = Node {
-            t,
-            x: &x,
-            xdot: &xdot,
-            xddot: &xddot,
-        };
+        let node: Node<'_, S> = Node { t, x: &x, xdot: &xdot, xddot: &xddot };
         let mut blocks = NodeBlocks::new(model.dof());
-        TheoremB4::new(model)
-            .blocks(node, 5.0, &mut blocks)
-            .expect("lengths agree");
+        TheoremB4::new(model).blocks(node, 5.0, &mut blocks).expect("lengths agree");
         blocks.dx.as_slice().to_vec()
     }
     let model = robot("kinova_gen3");
@@ -55,10 +46,7 @@ fn it_runs_over_other_scalars() {
     let double = of::<f64>(&model, &parts);
     let of_duals: Vec<f64> = of::<Dual64>(&model, &parts).iter().map(|x| x.re).collect();
     assert_close!(&double, &of_duals, 1e-10);
-    let single: Vec<f64> = of::<f32>(&model, &parts)
-        .into_iter()
-        .map(f64::from)
-        .collect();
+    let single: Vec<f64> = of::<f32>(&model, &parts).into_iter().map(f64::from).collect();
     assert_close!(&single, &double, 1e-2);
 }
 

@@ -24,10 +24,7 @@ fn settings_that_make_no_sense_are_refused() {
         refused(&settings, words);
     };
     for segments in [0, 33] {
-        let many = RestSettings {
-            segments,
-            ..degree(16)
-        };
+        let many = RestSettings { segments, ..degree(16) };
         refused(&many, "segments");
     }
     for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
@@ -39,9 +36,7 @@ fn settings_that_make_no_sense_are_refused() {
     let other = robot("pendulum_1");
     let start = rested(&swing(&other), &degree(6), 1e3, &FREE).curve;
     changed(&|s| s.start = Some(start.clone()), "start");
-    let longer = problem
-        .with_horizon(3.0 * problem.horizon())
-        .expect("valid");
+    let longer = problem.with_horizon(3.0 * problem.horizon()).expect("valid");
     let start = rested(&longer, &degree(6), 1e3, &FREE).curve;
     let words = "settings: start: it does not go";
     changed(&|s| s.start = Some(start.clone()), words);
@@ -50,11 +45,7 @@ fn settings_that_make_no_sense_are_refused() {
     for k in [0.0, f64::INFINITY] {
         assert_refused(FlowToRest::new(&problem, k).run(), "k");
     }
-    let limits = Constraints {
-        state: (),
-        torque: TorqueLimits(vec![Some(1.0)]),
-        stage: Default::default(),
-    };
+    let limits = Constraints { state: (), torque: TorqueLimits(vec![Some(1.0)]), stage: Default::default() };
     let flow = FlowToRest::new(&problem, 1e3).settings(degree(9));
     assert_refused(flow.constraints(&limits).run(), "entries");
 }
@@ -65,22 +56,13 @@ fn it_stops_when_asked_to() {
     let model = robot("pendulum_2");
     let problem = swing(&model);
     let limit = Duration::ZERO;
-    let late = RestSettings {
-        time_limit: Some(limit),
-        ..degree(9)
-    };
+    let late = RestSettings { time_limit: Some(limit), ..degree(9) };
     let solution = rested(&problem, &late, 1e3, &FREE);
-    assert_eq!(
-        (solution.stopped, solution.at_rest),
-        (Some(Stopped::TimeLimit(limit)), false)
-    );
+    assert_eq!((solution.stopped, solution.at_rest), (Some(Stopped::TimeLimit(limit)), false));
     assert_close!(&solution.curve.at(0.0).0, problem.start(), 1e-12);
 
     let interrupt = Interrupt::default();
-    let settings = RestSettings {
-        interrupt: interrupt.clone(),
-        ..degree(9)
-    };
+    let settings = RestSettings { interrupt: interrupt.clone(), ..degree(9) };
     let mut seen = 0;
     let flow = FlowToRest::new(&problem, 1e3).settings(settings);
     let flow = flow.observe(|_| {
@@ -90,8 +72,5 @@ fn it_stops_when_asked_to() {
         }
     });
     let solution = flow.run().expect("valid");
-    assert_eq!(
-        (solution.stopped, solution.at_rest, seen),
-        (Some(Stopped::Interrupt), false, 3)
-    );
+    assert_eq!((solution.stopped, solution.at_rest, seen), (Some(Stopped::Interrupt), false, 3));
 }

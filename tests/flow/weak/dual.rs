@@ -9,21 +9,10 @@ use aghf::scalar::{AlgebraOver, Tanh};
 use nalgebra::DMatrix;
 
 /// The value and the derivatives at one point.
-fn found(
-    lagrangian: &mut impl PointCost<f64>,
-    x: &[f64],
-    xdot: &[f64],
-) -> aghf::Result<(f64, PointDerivatives<f64>)> {
+fn found(lagrangian: &mut impl PointCost<f64>, x: &[f64], xdot: &[f64]) -> aghf::Result<(f64, PointDerivatives<f64>)> {
     let mut out = PointDerivatives::new(x.len());
     let rest = vec![0.0; x.len()];
-    let point = Point {
-        index: 0,
-        phase: 0,
-        time: 0.2,
-        q: x,
-        v: xdot,
-        a: &rest,
-    };
+    let point = Point { index: 0, phase: 0, time: 0.2, q: x, v: xdot, a: &rest };
     let value = lagrangian.derivatives(point, &mut out)?;
     assert_eq!(value, lagrangian.value(point)?);
     Ok((value, out))
@@ -33,14 +22,7 @@ fn found(
 struct Saddle;
 
 impl Lagrangian for Saddle {
-    fn value<S: AlgebraOver<f64> + Tanh>(
-        &self,
-        _: &Model,
-        t: S,
-        x: &[S],
-        xdot: &[S],
-        k: f64,
-    ) -> aghf::Result<S> {
+    fn value<S: AlgebraOver<f64> + Tanh>(&self, _: &Model, t: S, x: &[S], xdot: &[S], k: f64) -> aghf::Result<S> {
         Ok(t * x[0] * xdot[1] + (xdot[0] * xdot[0]).scale(k) - x[1] * x[1])
     }
 }
@@ -72,8 +54,8 @@ fn the_lagrangian_of_the_paper_has_the_same_derivatives_by_hand() {
     let (x, xdot) = (wave(6, 0.7), wave(6, 1.9));
     let mut duals = DualLagrangian::new(&model, AghfLagrangian, 2.0);
     let mut by_hand = WithSlip::new(ControlEffort::new(&model), 2.0, 3, 1);
-    let [ours, expected] = [found(&mut duals, &x, &xdot), found(&mut by_hand, &x, &xdot)]
-        .map(|found| found.expect("sizes agree"));
+    let [ours, expected] =
+        [found(&mut duals, &x, &xdot), found(&mut by_hand, &x, &xdot)].map(|found| found.expect("sizes agree"));
     assert!((ours.0 - expected.0).abs() < 1e-12 * expected.0);
     let size = expected.1.hessian.amax();
     assert_close!(&ours.1.gradient, &expected.1.gradient, 1e-12 * size);

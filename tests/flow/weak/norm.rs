@@ -13,21 +13,8 @@ use std::f64::consts::PI;
 fn at(model: &Model, kind: RestMetric, n: usize) -> aghf::Result<DMatrix<f64>> {
     let (x, xdot) = (wave(2 * n, 0.7), wave(2 * n, 1.9));
     let mut out = PointDerivatives::new(2 * n);
-    let mut norm = Norm {
-        model,
-        kind,
-        metric: ActuationMetric::default(),
-        k: 5.0,
-        horizon: 1.5,
-    };
-    let point = Point {
-        index: 0,
-        phase: 0,
-        time: 0.0,
-        q: &x,
-        v: &xdot,
-        a: &xdot,
-    };
+    let mut norm = Norm { model, kind, metric: ActuationMetric::default(), k: 5.0, horizon: 1.5 };
+    let point = Point { index: 0, phase: 0, time: 0.0, q: &x, v: &xdot, a: &xdot };
     assert_eq!(norm.derivatives(point, &mut out)?, norm.value(point)?);
     assert_eq!((out.gradient.amax(), out.hessian.amax()), (0.0, 0.0));
     Ok(out.metric)
@@ -46,9 +33,7 @@ fn it_is_that_of_the_flow_or_of_the_velocities() {
     let ours = at(&model, RestMetric::Flow, 2).expect("sizes agree");
     assert_close!(&ours, &expected, 1e-12);
     expected.fill(0.0);
-    expected
-        .view_mut((2, 2), (4, 4))
-        .fill_diagonal(0.75 / (PI * PI));
+    expected.view_mut((2, 2), (4, 4)).fill_diagonal(0.75 / (PI * PI));
     let ours = at(&model, RestMetric::Velocity, 2).expect("sizes agree");
     assert_close!(&ours, &expected, 1e-15);
     assert!(at(&model, RestMetric::Flow, 3).is_err());

@@ -36,25 +36,17 @@ fn agrees_with_differences<L: PointCost<f64>>(grid: &Grid<f64>, lagrangian: L, n
     for by in [STEP, -STEP] {
         let mut moved = at.clone();
         let own = &mut moved.as_mut_slice()[2 * n..2 * n + unknowns];
-        own.iter_mut()
-            .zip(along.iter())
-            .for_each(|(c, d)| *c += by * d);
+        own.iter_mut().zip(along.iter()).for_each(|(c, d)| *c += by * d);
         let mut out = Derivatives::new(grid, 2 * n);
         let value = derive(&moved, &mut out);
         sides.push((value, out.gradient));
     }
     let slope = (sides[0].0 - sides[1].0) / (2.0 * STEP);
     let expected = ours.gradient.dot(&along);
-    assert!(
-        (slope - expected).abs() < 1e-6 * expected.abs().max(value),
-        "{slope} {expected}"
-    );
+    assert!((slope - expected).abs() < 1e-6 * expected.abs().max(value), "{slope} {expected}");
     let rate = (&sides[0].1 - &sides[1].1) / (2.0 * STEP);
     let product = ours.hessian.to_dense() * &along;
-    assert!(
-        (&rate - &product).amax() < 1e-6 * product.amax(),
-        "{rate} {product}"
-    );
+    assert!((&rate - &product).amax() < 1e-6 * product.amax(), "{rate} {product}");
 }
 
 #[test]
@@ -77,17 +69,8 @@ fn the_slip_costs_its_square_and_its_multiplier() {
     let (x, xdot, rest) = (wave(4, 0.7), wave(4, 1.9), [0.0; 4]);
     let mut lagrangian = WithSlip::new(ControlEffort::new(&model), 3.0, 2, 5);
     lagrangian.multipliers = DMatrix::from_column_slice(2, 5, &wave(10, 1.1));
-    let point = |q, v, a| Point {
-        index: 4,
-        phase: 0,
-        time: 0.2,
-        q,
-        v,
-        a,
-    };
-    let ours = lagrangian
-        .value(point(&x, &xdot, &rest))
-        .expect("sizes agree");
+    let point = |q, v, a| Point { index: 4, phase: 0, time: 0.2, q, v, a };
+    let ours = lagrangian.value(point(&x, &xdot, &rest)).expect("sizes agree");
     let effort = ControlEffort::new(&model).value(point(&x[..2], &x[2..], &xdot[2..]));
     let mut expected = effort.expect("sizes agree");
     for i in 0..2 {

@@ -3,19 +3,15 @@
 use crate::common::{robot, robots};
 use aghf::flow::jacobian::{ControlFormJacobian, ForwardDual, NodeJacobian};
 use aghf::flow::{
-    ActuationMetric, ActuationWeights, AghfLagrangian, ControlDual, ControlForm, ControlLagrangian,
-    DualTrajectory, LagrangianFlow, Metric, RightHandSide,
+    ActuationMetric, ActuationWeights, AghfLagrangian, ControlDual, ControlForm, ControlLagrangian, DualTrajectory,
+    LagrangianFlow, Metric, RightHandSide,
 };
 use aghf::model::Model;
 use aghf::verify::duals::{CheckOptions, Finding, FlowUnderTest, check_all, check_flow};
 use nalgebra::DMatrix;
 
 fn options(samples: usize) -> CheckOptions {
-    CheckOptions {
-        samples,
-        seed: 3,
-        penalties: vec![1.0, 1e7],
-    }
+    CheckOptions { samples, seed: 3, penalties: vec![1.0, 1e7] }
 }
 
 type General = ControlLagrangian<f64, ControlDual>;
@@ -45,13 +41,7 @@ fn checked<M: Metric>(
     right_hand_side: &mut dyn RightHandSide<f64, f64>,
     jacobian: &mut dyn NodeJacobian,
 ) -> Vec<Finding> {
-    let flow = FlowUnderTest {
-        name: "mine",
-        lagrangian,
-        metric,
-        right_hand_side,
-        jacobian,
-    };
+    let flow = FlowUnderTest { name: "mine", lagrangian, metric, right_hand_side, jacobian };
     check_flow(model, flow, &options(1)).expect("it fits")
 }
 
@@ -78,10 +68,7 @@ fn a_flow_passes_on_every_robot() {
 fn what_belongs_to_another_flow_is_found() {
     let model = robot("pendulum_3");
     let right = general(3);
-    let without_dual = ControlLagrangian {
-        slip_dual: None,
-        ..right.clone()
-    };
+    let without_dual = ControlLagrangian { slip_dual: None, ..right.clone() };
     let off = |metric: &ActuationMetric, flow: &General, jacobian: &General| {
         let findings = checked(
             &model,
@@ -96,22 +83,11 @@ fn what_belongs_to_another_flow_is_found() {
     };
     let metric = right.metric();
     assert!(off(&metric, &right, &right).is_empty());
-    assert_eq!(
-        off(&metric, &without_dual, &right),
-        ["mine: Omega_P1", "mine: Omega_P2"]
-    );
+    assert_eq!(off(&metric, &without_dual, &right), ["mine: Omega_P1", "mine: Omega_P2"]);
     assert_eq!(off(&metric, &right, &without_dual), ["mine: dOmega_P2/dx"]);
     // In another metric the second half of all quantities differs.
     let of_another = off(&ActuationMetric::default(), &right, &right);
-    assert_eq!(
-        of_another,
-        [
-            "mine: Omega_P2",
-            "mine: dOmega_P2/dx",
-            "mine: dOmega_P2/dxdot",
-            "mine: dOmega_P2/dxddot"
-        ]
-    );
+    assert_eq!(of_another, ["mine: Omega_P2", "mine: dOmega_P2/dx", "mine: dOmega_P2/dxdot", "mine: dOmega_P2/dxddot"]);
 }
 
 #[test]

@@ -49,33 +49,19 @@ impl Problem {
 ///
 /// # Errors
 /// The folder cannot be read, contains neither, or a request is missing.
-pub fn problems(
-    folder: &Path,
-    robot: &str,
-    packages: &BTreeMap<String, PathBuf>,
-) -> Result<Vec<Problem>> {
+pub fn problems(folder: &Path, robot: &str, packages: &BTreeMap<String, PathBuf>) -> Result<Vec<Problem>> {
     let mut found = Vec::new();
     for path in entries(folder)? {
         if path.extension().is_some_and(|ending| ending == "json") {
             let name = name_of(&path.to_string_lossy());
-            let family = name
-                .rsplit_once('_')
-                .map_or(name.as_str(), |(family, _)| family);
-            found.push(Problem {
-                family: family.to_owned(),
-                files: Files::Scenario(path),
-                name,
-            });
+            let family = name.rsplit_once('_').map_or(name.as_str(), |(family, _)| family);
+            found.push(Problem { family: family.to_owned(), files: Files::Scenario(path), name });
         }
     }
     if found.is_empty() {
         let srdf = folder.join(format!("{}.srdf", name_of(robot)));
         let inner = folder.join("problems");
-        let of_families = if inner.is_dir() {
-            inner
-        } else {
-            folder.to_owned()
-        };
+        let of_families = if inner.is_dir() { inner } else { folder.to_owned() };
         for family in entries(&of_families)? {
             if family.is_dir() {
                 found.extend(of_moveit(&family, (robot, packages), &srdf)?);
@@ -84,11 +70,7 @@ pub fn problems(
     }
     if found.is_empty() {
         let condition = "it has neither scenarios nor folders of scenes and requests";
-        return Err(Error::input(
-            folder.display().to_string(),
-            "folder",
-            condition,
-        ));
+        return Err(Error::input(folder.display().to_string(), "folder", condition));
     }
     Ok(found)
 }
@@ -99,9 +81,7 @@ fn of_moveit(
     (robot, packages): (&str, &BTreeMap<String, PathBuf>),
     srdf: &Path,
 ) -> Result<Vec<Problem>> {
-    let name = folder
-        .file_name()
-        .map(|name| name.to_string_lossy().into_owned());
+    let name = folder.file_name().map(|name| name.to_string_lossy().into_owned());
     let name = name.unwrap_or_default();
     let suffix = format!("_{}", name_of(robot));
     let family = name.strip_suffix(&suffix).unwrap_or(&name);
@@ -114,11 +94,7 @@ fn of_moveit(
         let request = folder.join(format!("request{number}.yaml"));
         if !request.is_file() {
             let condition = format!("there is no '{}' for it", request.display());
-            return Err(Error::input(
-                scene.display().to_string(),
-                "scene",
-                condition,
-            ));
+            return Err(Error::input(scene.display().to_string(), "scene", condition));
         }
         let files = MoveIt {
             scene,

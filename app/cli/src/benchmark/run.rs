@@ -59,16 +59,10 @@ pub struct Row {
 /// # Errors
 /// A problem cannot be read, or the file cannot be read or written.
 pub fn run(problems: &[Problem], path: &Path, observe: &mut dyn FnMut(&Row)) -> Result<Vec<Row>> {
-    let mut known = if path.exists() {
-        read(path)?
-    } else {
-        Vec::new()
-    };
+    let mut known = if path.exists() { read(path)? } else { Vec::new() };
     let file = OpenOptions::new().create(true).append(true).open(path);
     let file = file.map_err(|error| Error::io(path, error))?;
-    let mut writer = csv::WriterBuilder::new()
-        .has_headers(known.is_empty())
-        .from_writer(file);
+    let mut writer = csv::WriterBuilder::new().has_headers(known.is_empty()).from_writer(file);
     let mut rows = Vec::new();
     for problem in problems {
         let before = known.iter().position(|row| row.problem == problem.name);
@@ -77,9 +71,7 @@ pub fn run(problems: &[Problem], path: &Path, observe: &mut dyn FnMut(&Row)) -> 
             continue;
         }
         let row = solve(problem)?;
-        writer
-            .serialize(&row)
-            .map_err(|error| Error::io(path, error.into()))?;
+        writer.serialize(&row).map_err(|error| Error::io(path, error.into()))?;
         writer.flush().map_err(|error| Error::io(path, error))?;
         observe(&row);
         rows.push(row);
@@ -93,10 +85,8 @@ fn read(path: &Path) -> Result<Vec<Row>> {
     let reader = csv::Reader::from_path(path);
     let mut reader = reader.map_err(|error| Error::io(path, error.into()))?;
     let rows = reader.deserialize().enumerate();
-    rows.map(|(line, row)| {
-        row.map_err(|error| Error::input(&file, format!("line {}", line + 2), error.to_string()))
-    })
-    .collect()
+    rows.map(|(line, row)| row.map_err(|error| Error::input(&file, format!("line {}", line + 2), error.to_string())))
+        .collect()
 }
 
 /// Solves a problem and judges the motion.
@@ -117,10 +107,7 @@ fn solve(problem: &Problem) -> Result<Row> {
         return Ok(row);
     }
     // As `aghf solve` without options, on one thread.
-    let options = DirectOptions {
-        threads: Some(1),
-        ..DirectOptions::default()
-    };
+    let options = DirectOptions { threads: Some(1), ..DirectOptions::default() };
     let report = Solve::new(&scenario).options(options).run()?;
     let summary = &report.summary;
     row.solve_seconds = summary.solve_seconds;

@@ -83,9 +83,7 @@ pub fn table(families: &[Family]) -> String {
     );
     for family in families {
         let [median, ninety, ninety_nine, worst] = family.seconds.map(|s| 1e3 * s);
-        let clearance = family
-            .clearance
-            .map_or_else(String::new, |m| format!("{:.2}", 1e3 * m));
+        let clearance = family.clearance.map_or_else(String::new, |m| format!("{:.2}", 1e3 * m));
         text += &format!(
             "| {} | {} | {} | {} | {} | {median:.0} | {ninety:.0} | {ninety_nine:.0} | {worst:.0} | {:.0} | {:.2} | \
             {clearance} |\n",

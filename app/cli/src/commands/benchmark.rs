@@ -38,11 +38,7 @@ impl Benchmark {
     pub(super) fn run(self) -> Result<ExitCode> {
         if !self.folder.is_dir() {
             let condition = format!("there is no such folder; {DOWNLOAD}");
-            return Err(Error::input(
-                self.folder.display().to_string(),
-                "folder",
-                condition,
-            ));
+            return Err(Error::input(self.folder.display().to_string(), "folder", condition));
         }
         let problems = problems(&self.folder, &self.robot, &self.packages.folders())?;
         std::fs::create_dir_all(&self.out).map_err(|error| Error::io(&self.out, error))?;
@@ -58,10 +54,6 @@ impl Benchmark {
         print(&format!("wrote {}", results.display()))?;
         print(&format!("wrote {}", summary.display()))?;
         let good = |end: End| end.is_valid() || end == End::Impossible;
-        Ok(if rows.iter().all(|row| good(row.end)) {
-            ExitCode::SUCCESS
-        } else {
-            ExitCode::from(CHECK_FAILED)
-        })
+        Ok(if rows.iter().all(|row| good(row.end)) { ExitCode::SUCCESS } else { ExitCode::from(CHECK_FAILED) })
     }
 }

@@ -2,14 +2,10 @@
 
 use super::compare::summary_at;
 use super::{CHECK_FAILED, IN_PART, RobotArgs, print};
-use crate::output::{
-    certification_text, refuse_existing, table_difference_text, write_json, write_text,
-};
+use crate::output::{certification_text, refuse_existing, table_difference_text, write_json, write_text};
 use aghf::error::{Error, Result};
 use aghf::input::read_text;
-use aghf_scenario::certify::{
-    Certificate, NAME, TOLERANCE, Texts, certify, named_run, table_differences,
-};
+use aghf_scenario::certify::{Certificate, NAME, TOLERANCE, Texts, certify, named_run, table_differences};
 use aghf_scenario::judge::Trajectory;
 use aghf_scenario::{Details, Solved};
 use clap::Args;
@@ -58,10 +54,7 @@ impl Certify {
         let given = self.given()?;
         let scenarios = given.iter().chain([&full]).map(String::as_str);
         let scenarios: Vec<&str> = scenarios.collect();
-        let texts = Texts {
-            scenario: &scenarios,
-            run: &run,
-        };
+        let texts = Texts { scenario: &scenarios, run: &run };
         let begin = Instant::now();
         let times = match &solved.summary.details {
             Details::Direct(details) => &details.waypoint_times_s[..],
@@ -70,20 +63,14 @@ impl Certify {
         let curve = &solved.summary.curve;
         let certification = certify(&scenario, curve, texts, times, self.tracking_error)?;
         let seconds = begin.elapsed().as_secs_f64();
-        print(&certification_text(
-            &certification,
-            scenario.robot_shape(),
-            seconds,
-        ))?;
+        print(&certification_text(&certification, scenario.robot_shape(), seconds))?;
         let Some(certificate) = certification.certificate else {
             return Ok(ExitCode::from(CHECK_FAILED));
         };
         let text = json(&certificate)?;
         let checked = aghf_check::check(&scenario.source.text, &full, &run, &text);
         if let Err(fault) = checked {
-            print(&format!(
-                "not certified: the checker refuses the certificate: {fault}"
-            ))?;
+            print(&format!("not certified: the checker refuses the certificate: {fault}"))?;
             return Ok(ExitCode::from(CHECK_FAILED));
         }
         write_text(&text, &self.out)?;
@@ -134,17 +121,9 @@ impl CheckCertificate {
     /// Bounds the difference of a table from the certified motion, in words; true if it is within the tracking error.
     fn check_table(&self, path: &Path) -> Result<(Vec<String>, bool)> {
         let run = self.run.display().to_string();
-        let Solved {
-            scenario, summary, ..
-        } = Solved::load(&run)?;
+        let Solved { scenario, summary, .. } = Solved::load(&run)?;
         let certificate: Certificate = serde_json::from_str(&read_text(&self.certificate)?)
-            .map_err(|e| {
-                Error::input(
-                    self.certificate.display().to_string(),
-                    "certificate",
-                    e.to_string(),
-                )
-            })?;
+            .map_err(|e| Error::input(self.certificate.display().to_string(), "certificate", e.to_string()))?;
         let (name, text) = (path.display().to_string(), read_text(path)?);
         if named_run(&text).is_some_and(|hash| hash != certificate.run_sha256) {
             let condition = "it names another motion than the certificate";
@@ -156,10 +135,7 @@ impl CheckCertificate {
         let differences = found.iter();
         let text = |difference| table_difference_text(&name, count, difference);
         let mut lines: Vec<String> = differences.map(text).collect();
-        let least = found
-            .iter()
-            .map(|of| of.position)
-            .fold(f64::INFINITY, f64::min);
+        let least = found.iter().map(|of| of.position).fold(f64::INFINITY, f64::min);
         if least > tube {
             lines.push(format!(
                 "{name}: beyond the tracking error of the certificate, or the tolerance {TOLERANCE}; \
@@ -177,11 +153,7 @@ impl CheckCertificate {
                 let table = self.table.as_ref().map(|table| self.check_table(table));
                 let (lines, is_kept) = table.unwrap_or_else(|| Ok((Vec::new(), true)))?;
                 print(&[&[report.text][..], &lines].concat().join("\n"))?;
-                Ok(if report.is_complete && is_kept {
-                    ExitCode::SUCCESS
-                } else {
-                    ExitCode::from(IN_PART)
-                })
+                Ok(if report.is_complete && is_kept { ExitCode::SUCCESS } else { ExitCode::from(IN_PART) })
             }
             Err(fault) => {
                 print(&format!("refused: {fault}"))?;

@@ -33,11 +33,7 @@ pub(super) struct Check {
 impl Check {
     pub(super) fn run(self) -> Result<ExitCode> {
         let model = self.reading.load(&self.robot)?;
-        let options = CheckOptions {
-            samples: self.samples,
-            seed: self.seed,
-            ..CheckOptions::default()
-        };
+        let options = CheckOptions { samples: self.samples, seed: self.seed, ..CheckOptions::default() };
         let findings = check_all(&model, &options)?;
         let off = findings.iter().filter(|f| !f.passes()).count();
         let passed = off == 0;
@@ -55,10 +51,6 @@ impl Check {
             let (all, states) = (findings.len(), self.samples);
             print(&format!("{all} quantities at {states} states, {off} off"))?;
         }
-        Ok(if passed {
-            ExitCode::SUCCESS
-        } else {
-            ExitCode::from(CHECK_FAILED)
-        })
+        Ok(if passed { ExitCode::SUCCESS } else { ExitCode::from(CHECK_FAILED) })
     }
 }

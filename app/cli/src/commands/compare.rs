@@ -35,10 +35,7 @@ impl Compare {
         let paths = [summary_at(&self.first)?, summary_at(&self.second)?];
         let [first, second] = &paths;
         let solved = [Solved::load(first)?, Solved::load(second)?];
-        let motions = [
-            Motion::of_solved(&solved[0], first)?,
-            Motion::of_solved(&solved[1], second)?,
-        ];
+        let motions = [Motion::of_solved(&solved[0], first)?, Motion::of_solved(&solved[1], second)?];
         write_page(&motions, &self.out)?;
         print(&format!("wrote {}", self.out.display()))?;
         Ok(ExitCode::SUCCESS)

@@ -62,9 +62,7 @@ impl Export {
             (Target::Trajectory, Format::Json) => "trajectory.json",
             (Target::Mcap, _) => "motion.mcap",
         };
-        let path = self
-            .out
-            .unwrap_or_else(|| Path::new(&summary).with_file_name(name));
+        let path = self.out.unwrap_or_else(|| Path::new(&summary).with_file_name(name));
         refuse_existing(&path, self.force)?;
         let solved = Solved::load(&summary)?;
         let (scenario, curve) = (&solved.scenario, &solved.curve);
@@ -79,9 +77,7 @@ impl Export {
         };
         if let Some(reason) = reason {
             let verdict = found.verdict;
-            tell(&format!(
-                "note: {summary}: the motion is {verdict}: {reason}"
-            ));
+            tell(&format!("note: {summary}: the motion is {verdict}: {reason}"));
         }
         let sampling = self.sampling.sampling();
         let run = sha256(&read_bytes(Path::new(&summary))?);

@@ -71,16 +71,13 @@ impl Ik {
         let scenario = Scenario::parse(&scenario.to_string(), "options", Path::new(""))?;
         let mut ends = match scenario.goal_with_ends() {
             Ok(goal) => goal.map_or_else(Vec::new, |goal| goal.ends),
-            Err(Error::Input {
-                element, condition, ..
-            }) if element == "goal" => {
+            Err(Error::Input { element, condition, .. }) if element == "goal" => {
                 tell(&format!("aghf: {condition}"));
                 return Ok(ExitCode::from(FAILED));
             }
             Err(other) => return Err(other),
         };
-        let distance =
-            |q: &[f64]| -> f64 { q.iter().zip(&near).map(|(a, b)| (a - b).powi(2)).sum() };
+        let distance = |q: &[f64]| -> f64 { q.iter().zip(&near).map(|(a, b)| (a - b).powi(2)).sum() };
         ends.sort_by(|a, b| distance(&a.q).total_cmp(&distance(&b.q)));
         let found: Vec<_> = ends.into_iter().map(|end| end.q).collect();
         if self.json {
@@ -100,10 +97,7 @@ impl Ik {
             tolerance_m: self.tolerance_m,
             within: None,
             orientation_xyzw: self.orientation,
-            axis: self.axis.map(|[a, b, c, x, y, z]| AxisDirection {
-                of_frame: [a, b, c],
-                direction: [x, y, z],
-            }),
+            axis: self.axis.map(|[a, b, c, x, y, z]| AxisDirection { of_frame: [a, b, c], direction: [x, y, z] }),
             tolerance_rad: self.tolerance_rad,
         }
     }
@@ -112,9 +106,7 @@ impl Ik {
 /// Reads numbers that are separated by commas.
 fn numbers<const N: usize>(text: &str) -> std::result::Result<[f64; N], String> {
     let all = text.split(',').map(|number| number.trim().parse());
-    let all = all
-        .collect::<std::result::Result<Vec<f64>, _>>()
-        .map_err(|e| e.to_string())?;
+    let all = all.collect::<std::result::Result<Vec<f64>, _>>().map_err(|e| e.to_string())?;
     let found = all.len();
     <[f64; N]>::try_from(all).map_err(|_| format!("{N} numbers are needed, there are {found}"))
 }

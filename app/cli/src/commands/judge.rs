@@ -52,10 +52,7 @@ impl Judge {
         }
         let scenario = self.robot.scenario(&self.scenario)?;
         let trajectory = Trajectory::load(&table_at(&self.trajectory)?, &scenario.model)?;
-        let tolerances = Tolerances {
-            tolerance: self.tolerance,
-            overlap_m: self.overlap,
-        };
+        let tolerances = Tolerances { tolerance: self.tolerance, overlap_m: self.overlap };
         let judgement = judge(&scenario, &trajectory, tolerances)?;
         print(&judgement_table(&judgement))?;
         if let Some(path) = &self.json {

@@ -29,9 +29,7 @@ mod view;
 use aghf::error::Error;
 use aghf::input::is_standard_input;
 use aghf::model::Model;
-use aghf::urdf::{
-    LoadNote, LoadReport, Losses, Mimic, UrdfOptions, builtin_robots, load_robot_with, summarised,
-};
+use aghf::urdf::{LoadNote, LoadReport, Losses, Mimic, UrdfOptions, builtin_robots, load_robot_with, summarised};
 use aghf_scenario::{LoadOptions, Scenario, SolveOptions};
 use choice::choice;
 use clap::{Args, Parser, Subcommand};
@@ -202,11 +200,7 @@ impl RobotArgs {
 fn tell_notes(robot: &str, notes: &[LoadNote]) {
     if builtin_robots().all(|name| name != robot) {
         for note in summarised(notes) {
-            let robot = if is_standard_input(Path::new(robot)) {
-                "standard input"
-            } else {
-                robot
-            };
+            let robot = if is_standard_input(Path::new(robot)) { "standard input" } else { robot };
             tell(&format!("note: {robot}: {note}"));
         }
     }
@@ -270,9 +264,7 @@ fn print(text: &str) -> Result<(), Error> {
 /// The result of writing to the standard output.
 fn printed(result: std::io::Result<()>) -> Result<(), Error> {
     match result {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Error::io("standard output", e))
-        }
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::io("standard output", e)),
         _ => Ok(()),
     }
 }

@@ -4,8 +4,7 @@ use super::choice::choice;
 use aghf::error::Result;
 use aghf_scenario::{DescribedOption, Method, SolveOptions, described_options};
 use clap::builder::{
-    BoolValueParser, PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser,
-    ValueParser,
+    BoolValueParser, PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser, ValueParser,
 };
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use serde_json::{Map, Number, Value};
@@ -42,10 +41,7 @@ impl FromArgMatches for OptionArgs {
         Ok(Self { method, keys })
     }
 
-    fn update_from_arg_matches(
-        &mut self,
-        matches: &ArgMatches,
-    ) -> std::result::Result<(), clap::Error> {
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> std::result::Result<(), clap::Error> {
         *self = Self::from_arg_matches(matches)?;
         Ok(())
     }
@@ -56,9 +52,7 @@ impl Args for OptionArgs {
         let method = Arg::new(Method::KEY).long(Method::KEY);
         let method = method.value_parser(choice::<Method>());
         let method = method.help(format!("Method; by default {}.", Method::default()));
-        command
-            .arg(method)
-            .args(described_options().iter().map(flag))
+        command.arg(method).args(described_options().iter().map(flag))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -84,18 +78,12 @@ fn flag(option: &DescribedOption) -> Arg {
 fn parser(schema: &Value) -> ValueParser {
     if let Some(choices) = schema["oneOf"].as_array() {
         let text = |choice: &Value, key: &str| choice[key].as_str().unwrap_or_default().to_owned();
-        let values = choices.iter().map(|choice| {
-            PossibleValue::new(text(choice, "const")).help(text(choice, "description"))
-        });
+        let values =
+            choices.iter().map(|choice| PossibleValue::new(text(choice, "const")).help(text(choice, "description")));
         return PossibleValuesParser::new(values).map(Value::from).into();
     }
     let types = &schema["type"];
-    let of = |name: &str| {
-        types == name
-            || types
-                .as_array()
-                .is_some_and(|all| all.iter().any(|one| one == name))
-    };
+    let of = |name: &str| types == name || types.as_array().is_some_and(|all| all.iter().any(|one| one == name));
     if of("integer") {
         value_parser!(u64).map(Value::from).into()
     } else if of("number") {

@@ -43,10 +43,7 @@ impl OutArgs {
 pub(super) fn spare(error: &Error, name: &str) -> Result<OutputFolder> {
     tell(&format!("aghf: {error}"));
     let spare = OutputFolder::private(name)?;
-    tell(&format!(
-        "aghf: the files are in {}",
-        spare.path().display()
-    ));
+    tell(&format!("aghf: the files are in {}", spare.path().display()));
     Ok(spare)
 }
 

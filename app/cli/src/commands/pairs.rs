@@ -49,9 +49,7 @@ impl Pairs {
                 let srdf = Srdf::load(path, &model)?;
                 for link in &srdf.unknown_links {
                     let path = path.display();
-                    tell(&format!(
-                        "note: {path}: the robot has no link '{link}', whose pairs are left out"
-                    ));
+                    tell(&format!("note: {path}: the robot has no link '{link}', whose pairs are left out"));
                 }
                 let pairs = IgnoredPairs::of_srdf(&model, &srdf);
                 // Without shapes nothing overlaps.

@@ -36,12 +36,7 @@ impl Progress {
             }
             SolveOptions::Direct(own) => (spinner(), own.settings(scenario)?.starts),
         };
-        Ok(Self {
-            bar,
-            starts,
-            begun: 0,
-            least: None,
-        })
+        Ok(Self { bar, starts, begun: 0, least: None })
     }
 
     /// Updates the line with a record.
@@ -51,10 +46,9 @@ impl Progress {
         }
         let message = match record {
             Record::Flow(r) => format!("s {:.1e}, action {:.4e}", r.s, r.action_at_nodes),
-            Record::Rest(r) => format!(
-                "degree {}, action {:.4e}, gradient {:.1e}",
-                r.degree, r.action, r.gradient_norm
-            ),
+            Record::Rest(r) => {
+                format!("degree {}, action {:.4e}, gradient {:.1e}", r.degree, r.action, r.gradient_norm)
+            }
             Record::Direct(iteration) => self.of_direct(iteration),
         };
         self.bar.set_message(message);
@@ -63,12 +57,8 @@ impl Progress {
 
     /// The progress of a direct solve.
     fn of_direct(&mut self, iteration: &Iteration) -> String {
-        let Iteration {
-            cost, violation, ..
-        } = *iteration;
-        self.begun = iteration
-            .start
-            .map_or(self.begun, |i| self.begun.max(i + 1));
+        let Iteration { cost, violation, .. } = *iteration;
+        self.begun = iteration.start.map_or(self.begun, |i| self.begun.max(i + 1));
         if violation <= DirectSettings::FEASIBLE {
             self.least = Some(self.least.map_or(cost, |least| least.min(cost)));
         }
@@ -76,10 +66,9 @@ impl Progress {
             Some(start) => format!("start {} of {}", start + 1, self.starts.max(self.begun)),
             None => format!("horizon {:.4} s", iteration.horizon),
         };
-        let best = self.least.map_or_else(
-            || "nothing within the constraints yet".to_owned(),
-            |least| format!("best {least:.5e}"),
-        );
+        let best = self
+            .least
+            .map_or_else(|| "nothing within the constraints yet".to_owned(), |least| format!("best {least:.5e}"));
         let off = match violation > 0.0 {
             true => format!(", violation {violation:.1e}"),
             false => String::new(),
@@ -107,6 +96,5 @@ fn spinner() -> ProgressBar {
 /// A bar that advances with the values of `s` of the flow.
 fn bar(s_max: f64) -> ProgressBar {
     let style = ProgressStyle::with_template("{elapsed:>4} {bar:30} {msg}");
-    ProgressBar::new(aghf::flow::output_count(s_max))
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    ProgressBar::new(aghf::flow::output_count(s_max)).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

@@ -44,15 +44,8 @@ impl Prove {
                 print(failure)?;
             }
             let (all, failed) = (verdicts.len(), failures.len());
-            print(&format!(
-                "{all} identities at {} points, {failed} failures",
-                self.points
-            ))?;
+            print(&format!("{all} identities at {} points, {failed} failures", self.points))?;
         }
-        Ok(if failures.is_empty() {
-            ExitCode::SUCCESS
-        } else {
-            ExitCode::from(CHECK_FAILED)
-        })
+        Ok(if failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(CHECK_FAILED) })
     }
 }

@@ -52,11 +52,7 @@ impl Robots {
             if self.json {
                 all.push(as_json(name, &model, &report));
             } else {
-                print(&format!(
-                    "{name}: {} joints, {} kg moving",
-                    model.dof(),
-                    short(model.mass())
-                ))?;
+                print(&format!("{name}: {} joints, {} kg moving", model.dof(), short(model.mass())))?;
                 print(&robot_table(&model))?;
                 for note in report {
                     print(&format!("  {note}"))?;
@@ -76,23 +72,19 @@ impl Robots {
 
 /// A robot in JSON; missing limits are null.
 fn as_json(name: &str, model: &Model, report: &LoadReport) -> serde_json::Value {
-    let joints = model
-        .joints()
-        .iter()
-        .zip(model.inertias())
-        .map(|(joint, inertia)| {
-            let limits = joint.limits();
-            json!({
-                "name": joint.name(),
-                "kind": joint.kind().name(),
-                "parent": joint.parent().map(|p| model.joints()[p].name()),
-                "lower": limits.lower,
-                "upper": limits.upper,
-                "velocity": limits.velocity,
-                "effort": limits.effort,
-                "mass_kg": inertia.mass,
-            })
-        });
+    let joints = model.joints().iter().zip(model.inertias()).map(|(joint, inertia)| {
+        let limits = joint.limits();
+        json!({
+            "name": joint.name(),
+            "kind": joint.kind().name(),
+            "parent": joint.parent().map(|p| model.joints()[p].name()),
+            "lower": limits.lower,
+            "upper": limits.upper,
+            "velocity": limits.velocity,
+            "effort": limits.effort,
+            "mass_kg": inertia.mass,
+        })
+    });
     json!({
         "robot": name,
         "mass_kg": model.mass(),

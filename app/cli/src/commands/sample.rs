@@ -34,11 +34,7 @@ pub(super) struct Sample {
 impl Sample {
     pub(super) fn run(self) -> Result<ExitCode> {
         let path = summary_at(&self.run)?;
-        let Solved {
-            scenario,
-            curve,
-            summary,
-        } = Solved::load(&path)?;
+        let Solved { scenario, curve, summary } = Solved::load(&path)?;
         let model = &scenario.model;
         let mut comments = vec![format!("{NAME}{}", sha256(&read_bytes(Path::new(&path))?))];
         comments.extend(failure_comment(summary.failure.as_deref()));

@@ -26,9 +26,7 @@ pub(super) fn listen() -> Result<()> {
     let failed = |e| Error::io("signals", e);
     signal_hook::flag::register(SIGXFSZ, std::sync::Arc::default()).map_err(failed)?;
     // Signals ignored by the parent, as by `nohup`, stay ignored.
-    let heard = [SIGINT, SIGTERM, SIGHUP]
-        .into_iter()
-        .filter(|s| !is_ignored(*s));
+    let heard = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|s| !is_ignored(*s));
     let mut signals = Signals::new(heard).map_err(failed)?;
     std::thread::spawn(move || {
         for signal in signals.forever() {

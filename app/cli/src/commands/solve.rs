@@ -124,11 +124,10 @@ impl SolveArgs {
             false => Some(page(&[Motion::of_report(&scenario, &outcome)])?),
         };
         let page = page.as_deref();
-        let files =
-            write_report(&scenario, &outcome, page, &folder, sampling).or_else(|error| {
-                let spare = spare(&error, &scenario.name)?;
-                write_report(&scenario, &outcome, page, &spare, sampling)
-            })?;
+        let files = write_report(&scenario, &outcome, page, &folder, sampling).or_else(|error| {
+            let spare = spare(&error, &scenario.name)?;
+            write_report(&scenario, &outcome, page, &spare, sampling)
+        })?;
         if self.json {
             print_json(&outcome.summary)?;
         } else {
@@ -178,13 +177,8 @@ fn phase_folders(folder: &OutputFolder, phases: usize) -> Result<Vec<OutputFolde
     let path = |k: usize| folder.path().join(format!("phase_{k}"));
     let further = path(phases + 1);
     if phases > 0 && further.exists() {
-        let condition =
-            "it is of a longer walk, whose phases would be mistaken for those of this one";
-        return Err(Error::input(
-            further.display().to_string(),
-            "output",
-            condition,
-        ));
+        let condition = "it is of a longer walk, whose phases would be mistaken for those of this one";
+        return Err(Error::input(further.display().to_string(), "output", condition));
     }
     let open = |k| OutputFolder::open(&path(k), &REPORT_FILES, folder.replaces());
     (1..=phases).map(open).collect()

@@ -17,10 +17,7 @@ impl Stages {
     pub fn observe(&mut self, record: &Record) {
         let iteration = match record {
             Record::Flow(r) => {
-                tell(&format!(
-                    "s {:.2e}: action at the nodes {:.6e}",
-                    r.s, r.action_at_nodes
-                ));
+                tell(&format!("s {:.2e}: action at the nodes {:.6e}", r.s, r.action_at_nodes));
                 return;
             }
             Record::Rest(r) => {
@@ -50,22 +47,10 @@ impl Stages {
         let Some((last, count)) = self.current.take() else {
             return;
         };
-        let of = last.start.map_or_else(
-            || format!("horizon {:.4} s", last.horizon),
-            |start| format!("start {}", start + 1),
-        );
-        let Iteration {
-            segments,
-            degree,
-            cost,
-            gradient_norm,
-            ..
-        } = last;
-        let segments = if segments == 1 {
-            String::new()
-        } else {
-            format!("{segments} segments of ")
-        };
+        let of =
+            last.start.map_or_else(|| format!("horizon {:.4} s", last.horizon), |start| format!("start {}", start + 1));
+        let Iteration { segments, degree, cost, gradient_norm, .. } = last;
+        let segments = if segments == 1 { String::new() } else { format!("{segments} segments of ") };
         tell(&format!(
             "{of}, {segments}degree {degree}: {count} steps, cost {cost:.6e}, gradient norm {gradient_norm:.1e}"
         ));

@@ -2,8 +2,8 @@
 
 use super::{print, tell};
 use crate::sweep::{
-    Results, Row, RowOutcome, Shard, Sweep as Grid, merge, ranking, ranking_table, run,
-    shard_files, sweep_page, write_ranking, write_rows,
+    Results, Row, RowOutcome, Shard, Sweep as Grid, merge, ranking, ranking_table, run, shard_files, sweep_page,
+    write_ranking, write_rows,
 };
 use aghf::error::Result;
 use clap::Args;
@@ -91,11 +91,7 @@ impl Sweep {
 /// The last line: the numbers of solves by outcome, the time, and the folder of the results.
 fn summary(rows: &[Row], time: Duration, folder: &Path) -> String {
     let count = |outcome| rows.iter().filter(|row| row.outcome == outcome).count();
-    let mut ends = format!(
-        "{} of {} sets solved",
-        count(RowOutcome::Success),
-        rows.len()
-    );
+    let mut ends = format!("{} of {} sets solved", count(RowOutcome::Success), rows.len());
     for outcome in RowOutcome::ALL {
         if outcome != RowOutcome::Success && count(outcome) > 0 {
             ends += &format!(", {} {}", count(outcome), outcome.name());
@@ -131,14 +127,8 @@ impl Progress {
         bar.reset_eta();
         let watched = std::io::stderr().is_terminal();
         let good = |row: &&Row| row.outcome == RowOutcome::Success;
-        let lines = Lines {
-            printed: Instant::now(),
-            solved: rows.iter().filter(good).count(),
-        };
-        Self {
-            bar,
-            lines: (!watched).then_some(Mutex::new(lines)),
-        }
+        let lines = Lines { printed: Instant::now(), solved: rows.iter().filter(good).count() };
+        Self { bar, lines: (!watched).then_some(Mutex::new(lines)) }
     }
 
     fn advance(&self, outcome: RowOutcome) {
@@ -152,9 +142,7 @@ impl Progress {
             let (done, all) = (self.bar.position(), self.bar.length().unwrap_or_default());
             let left = indicatif::HumanDuration(self.bar.eta());
             let solved = lines.solved;
-            tell(&format!(
-                "{done} of {all} sets tried, {solved} solved, {left} left"
-            ));
+            tell(&format!("{done} of {all} sets tried, {solved} solved, {left} left"));
         }
     }
 }

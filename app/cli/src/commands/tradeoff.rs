@@ -39,16 +39,11 @@ impl TradeoffArgs {
         let scenario = self.robot.scenario(&self.scenario)?;
         let options = self.options.over(&SolveOptions::default())?;
         let SolveOptions::Direct(own) = &options else {
-            let condition = format!(
-                "the method '{}' does not know it, only 'direct' does",
-                options.method()
-            );
+            let condition = format!("the method '{}' does not know it, only 'direct' does", options.method());
             return Err(Error::input(&scenario.name, "tradeoff", condition));
         };
         let files = ["tradeoff.csv", "report.html"];
-        let folder = self
-            .out
-            .folder(Path::new("out/tradeoff"), &scenario.name, &files)?;
+        let folder = self.out.folder(Path::new("out/tradeoff"), &scenario.name, &files)?;
         let interrupt = Interrupt::default();
         signals::stop_first(&interrupt);
         let mut progress = Progress::new(&scenario, &options, false)?;
@@ -66,11 +61,9 @@ impl TradeoffArgs {
         for file in files {
             print(&format!("wrote {}", file.display()))?;
         }
-        Ok(
-            match found.iter().all(|(_, report)| report.summary.success) {
-                true => ExitCode::SUCCESS,
-                false => ExitCode::from(FAILED),
-            },
-        )
+        Ok(match found.iter().all(|(_, report)| report.summary.success) {
+            true => ExitCode::SUCCESS,
+            false => ExitCode::from(FAILED),
+        })
     }
 }

@@ -50,18 +50,14 @@ fn page_at(path: &Path) -> Result<PathBuf> {
     }
     let pages = PAGES.map(|name| path.join(name));
     let [success, failure] = &pages;
-    pages
-        .iter()
-        .find(|page| page.is_file())
-        .cloned()
-        .ok_or_else(|| {
-            let condition = format!(
-                "there is neither '{}' nor '{}', which are written by `aghf solve` and `sweep`",
-                success.display(),
-                failure.display()
-            );
-            Error::input(path.display().to_string(), "page", condition)
-        })
+    pages.iter().find(|page| page.is_file()).cloned().ok_or_else(|| {
+        let condition = format!(
+            "there is neither '{}' nor '{}', which are written by `aghf solve` and `sweep`",
+            success.display(),
+            failure.display()
+        );
+        Error::input(path.display().to_string(), "page", condition)
+    })
 }
 
 /// Opens the page in the browser of the desktop; the error gives the reason of a failure.
@@ -128,19 +124,12 @@ fn answer(mut stream: TcpStream, page: &Path) -> std::io::Result<()> {
     }
     let mut words = request.split(' ');
     let (status, body) = match (words.next(), words.next()) {
-        _ if !is_own => (
-            "421 Misdirected Request",
-            b"the host is neither 127.0.0.1 nor localhost".to_vec(),
-        ),
+        _ if !is_own => ("421 Misdirected Request", b"the host is neither 127.0.0.1 nor localhost".to_vec()),
         (Some("GET" | "HEAD"), Some("/")) => ("200 OK", std::fs::read(page)?),
         (Some("GET" | "HEAD"), _) => ("404 Not Found", b"there is only /".to_vec()),
         _ => ("405 Method Not Allowed", Vec::new()),
     };
-    let kind = if status.starts_with("200") {
-        "text/html"
-    } else {
-        "text/plain"
-    };
+    let kind = if status.starts_with("200") { "text/html" } else { "text/plain" };
     write!(
         stream,
         "HTTP/1.1 {status}\r\nContent-Type: {kind}; charset=utf-8\r\nContent-Length: {}\r\n\

@@ -84,12 +84,7 @@ fn not_disabled(
 ) -> Option<Finding> {
     let missing = sampled.iter();
     let missing = missing.filter(|pair| !disabled.contains(&sorted(&pair.links)));
-    let names = missing.map(
-        |IgnoredPair {
-             links: [a, b],
-             reason,
-         }| format!("{a} and {b} ({reason})"),
-    );
+    let names = missing.map(|IgnoredPair { links: [a, b], reason }| format!("{a} and {b} ({reason})"));
     let (condition, remedy) = match with_srdf {
         true => (
             "they are neighbours, or overlap in all samples, and the SRDF does not disable them",
@@ -131,13 +126,8 @@ fn configuration(
         group => format!("{} of {group}", state.name),
     };
     let mut known = state.clone();
-    known
-        .joints
-        .retain(|(joint, _)| srdf.joint(joint, model).is_ok());
-    let unknown = state
-        .joints
-        .iter()
-        .filter(|joint| !known.joints.contains(joint));
+    known.joints.retain(|(joint, _)| srdf.joint(joint, model).is_ok());
+    let unknown = state.joints.iter().filter(|joint| !known.joints.contains(joint));
     let condition = format!("the state '{name}' of the SRDF has it, and the robot does not");
     let remedy = "an SRDF for this robot; the joint is passed over in what follows";
     let names = unknown.map(|(joint, _)| joint.clone());
@@ -145,11 +135,7 @@ fn configuration(
     let mut findings = Vec::from_iter(found);
     match srdf.positions(&known, model, file) {
         Err(error) => {
-            findings.push(Finding::of_error(
-                error,
-                Severity::Note,
-                "the state in the SRDF",
-            ));
+            findings.push(Finding::of_error(error, Severity::Note, "the state in the SRDF"));
             (None, findings)
         }
         Ok(positions) => {
@@ -185,11 +171,7 @@ fn contacts(
             let link = |tree| geometry.link_of(tree).unwrap_or_default().to_owned();
             let links = sorted(&[link(a), link(b)]);
             let excess = links.iter().filter_map(|link| excess.get(link.as_str()));
-            found.push(Contact {
-                excess_m: excess.sum(),
-                depth_m: -gap,
-                links,
-            });
+            found.push(Contact { excess_m: excess.sum(), depth_m: -gap, links });
         }
     }
     found.sort_by(|a, b| a.links.cmp(&b.links));

@@ -65,10 +65,7 @@ const HEAVY: f64 = 1000.0;
 const UNITS: &str = "the file, which is in m, rad and kg";
 
 /// The finding about angles of an origin beyond a turn.
-const BEYOND_A_TURN: [&str; 2] = [
-    "rpy of an origin is beyond a turn: are these degrees?",
-    UNITS,
-];
+const BEYOND_A_TURN: [&str; 2] = ["rpy of an origin is beyond a turn: are these degrees?", UNITS];
 
 /// Returns true for angles beyond a turn, which are most often in degrees. A full turn may be written with few digits.
 fn is_beyond_a_turn(origin: &Pose) -> bool {
@@ -95,10 +92,7 @@ pub(super) fn of_joints(robot: &Robot) -> Vec<Finding> {
     let mimic = moving.iter().filter_map(|joint| {
         let mimic = joint.mimic.as_ref()?;
         let (factor, offset) = (mimic.multiplier.unwrap_or(1.0), mimic.offset.unwrap_or(0.0));
-        Some(format!(
-            "{} = {factor} {} + {offset}",
-            joint.name, mimic.joint
-        ))
+        Some(format!("{} = {factor} {} + {offset}", joint.name, mimic.joint))
     });
     found.push(Finding::about(
         Severity::NeedsKey,
@@ -111,16 +105,8 @@ pub(super) fn of_joints(robot: &Robot) -> Vec<Finding> {
         ],
     ));
     found.extend(notes(&moving));
-    let turned = robot
-        .joints
-        .iter()
-        .filter(|joint| is_beyond_a_turn(&joint.origin));
-    found.push(Finding::about(
-        Severity::Note,
-        "joint",
-        turned.map(|joint| joint.name.clone()),
-        BEYOND_A_TURN,
-    ));
+    let turned = robot.joints.iter().filter(|joint| is_beyond_a_turn(&joint.origin));
+    found.push(Finding::about(Severity::Note, "joint", turned.map(|joint| joint.name.clone()), BEYOND_A_TURN));
     found.into_iter().flatten().collect()
 }
 
@@ -131,68 +117,37 @@ fn notes(moving: &[&Joint]) -> [Option<Finding>; 13] {
     let rates = "\"enforced_limits\": {\"acceleration\": NUMBER}, a list, or {\"file\": MoveIt's joint_limits.yaml}";
     let given = "\"enforced_limits\": {\"acceleration\": \"urdf\", \"jerk\": \"urdf\"}";
     let notes: [(&str, &str, Property); 13] = [
-        (
-            "limits of position beyond ten turns: are these degrees?",
-            UNITS,
-            |j| {
-                j.joint_type == JointType::Revolute && (FAR..NO_LIMIT).contains(&farthest(&j.limit))
-            },
-        ),
-        (
-            "a limit of velocity above 100 rad/s: are these degrees?",
-            UNITS,
-            |j| is_turning(j) && (FAST..NO_LIMIT).contains(&j.limit.velocity),
-        ),
-        (
-            "its origin is more than 10 m from its parent: are these millimetres?",
-            UNITS,
-            |j| j.origin.xyz.iter().any(|x| x.abs() > LONG),
-        ),
-        (
-            "limits of position beyond 10 m: are these millimetres?",
-            UNITS,
-            |j| {
-                j.joint_type == JointType::Prismatic
-                    && (LONG..NO_LIMIT).contains(&farthest(&j.limit))
-            },
-        ),
-        (
-            "a limit of velocity above 100 m/s: are these millimetres?",
-            UNITS,
-            |j| {
-                j.joint_type == JointType::Prismatic && (FAST..NO_LIMIT).contains(&j.limit.velocity)
-            },
-        ),
-        ("no limits of any kind", in_file, |j| {
-            has_one_degree(j) && !has_limits(&j.limit)
+        ("limits of position beyond ten turns: are these degrees?", UNITS, |j| {
+            j.joint_type == JointType::Revolute && (FAR..NO_LIMIT).contains(&farthest(&j.limit))
         }),
-        ("no limit of velocity", in_file, |j| {
-            has_limits(&j.limit) && j.limit.velocity == 0.0
+        ("a limit of velocity above 100 rad/s: are these degrees?", UNITS, |j| {
+            is_turning(j) && (FAST..NO_LIMIT).contains(&j.limit.velocity)
         }),
-        ("no limit of effort", in_file, |j| {
-            has_limits(&j.limit) && j.limit.effort == 0.0
+        ("its origin is more than 10 m from its parent: are these millimetres?", UNITS, |j| {
+            j.origin.xyz.iter().any(|x| x.abs() > LONG)
         }),
+        ("limits of position beyond 10 m: are these millimetres?", UNITS, |j| {
+            j.joint_type == JointType::Prismatic && (LONG..NO_LIMIT).contains(&farthest(&j.limit))
+        }),
+        ("a limit of velocity above 100 m/s: are these millimetres?", UNITS, |j| {
+            j.joint_type == JointType::Prismatic && (FAST..NO_LIMIT).contains(&j.limit.velocity)
+        }),
+        ("no limits of any kind", in_file, |j| has_one_degree(j) && !has_limits(&j.limit)),
+        ("no limit of velocity", in_file, |j| has_limits(&j.limit) && j.limit.velocity == 0.0),
+        ("no limit of effort", in_file, |j| has_limits(&j.limit) && j.limit.effort == 0.0),
         ("its range of positions is a single one", in_file, |j| {
             let turns = j.joint_type == JointType::Continuous;
             has_limits(&j.limit) && !turns && j.limit.lower == j.limit.upper
         }),
-        ("no limit of acceleration or jerk", rates, |j| {
-            has_one_degree(j) && !has_limits_of_rates(&j.limit)
+        ("no limit of acceleration or jerk", rates, |j| has_one_degree(j) && !has_limits_of_rates(&j.limit)),
+        ("limits of acceleration or jerk, not kept by default", given, |j| {
+            has_one_degree(j) && has_limits_of_rates(&j.limit)
         }),
-        (
-            "limits of acceleration or jerk, not kept by default",
-            given,
-            |j| has_one_degree(j) && has_limits_of_rates(&j.limit),
-        ),
         ("damping is not counted by default", losses, |j| {
-            j.dynamics
-                .as_ref()
-                .is_some_and(|dynamics| dynamics.damping != 0.0)
+            j.dynamics.as_ref().is_some_and(|dynamics| dynamics.damping != 0.0)
         }),
         ("friction is not counted by default", losses, |j| {
-            j.dynamics
-                .as_ref()
-                .is_some_and(|dynamics| dynamics.friction != 0.0)
+            j.dynamics.as_ref().is_some_and(|dynamics| dynamics.friction != 0.0)
         }),
     ];
     notes.map(|(condition, remedy, property)| {
@@ -229,10 +184,7 @@ fn farthest(limit: &JointLimit) -> f64 {
 
 /// True for an angle, which is in rad.
 fn is_turning(joint: &Joint) -> bool {
-    matches!(
-        joint.joint_type,
-        JointType::Revolute | JointType::Continuous
-    )
+    matches!(joint.joint_type, JointType::Revolute | JointType::Continuous)
 }
 
 /// The findings about links.
@@ -243,18 +195,10 @@ pub(super) fn of_links(robot: &Robot) -> Vec<Finding> {
     };
     let massless = robot.links.iter().filter(|link| {
         let inertia = &link.inertial.inertia;
-        let numbers = [
-            inertia.ixx,
-            inertia.iyy,
-            inertia.izz,
-            link.inertial.mass.value,
-        ];
+        let numbers = [inertia.ixx, inertia.iyy, inertia.izz, link.inertial.mass.value];
         numbers.iter().all(|x| *x == 0.0) && carried(&link.name)
     });
-    let heavy = robot
-        .links
-        .iter()
-        .filter(|link| link.inertial.mass.value > HEAVY);
+    let heavy = robot.links.iter().filter(|link| link.inertial.mass.value > HEAVY);
     let heavy = Finding::about(
         Severity::Note,
         "link",
@@ -269,14 +213,8 @@ pub(super) fn of_links(robot: &Robot) -> Vec<Finding> {
     );
     let turned = robot.links.iter().filter(|link| {
         let mut shapes = link.collision.iter();
-        is_beyond_a_turn(&link.inertial.origin)
-            || shapes.any(|shape| is_beyond_a_turn(&shape.origin))
+        is_beyond_a_turn(&link.inertial.origin) || shapes.any(|shape| is_beyond_a_turn(&shape.origin))
     });
-    let turned = Finding::about(
-        Severity::Note,
-        "link",
-        turned.map(|link| link.name.clone()),
-        BEYOND_A_TURN,
-    );
+    let turned = Finding::about(Severity::Note, "link", turned.map(|link| link.name.clone()), BEYOND_A_TURN);
     found.into_iter().chain(heavy).chain(turned).collect()
 }

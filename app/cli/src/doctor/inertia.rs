@@ -36,11 +36,7 @@ struct Extent {
 
 /// The findings about inertias beyond the extent of their link, that of the balls which cover its shapes, or without
 /// them the distance to its joints.
-pub(super) fn of_inertias(
-    robot: &Robot,
-    model: &Model,
-    geometry: &CollisionGeometry,
-) -> Vec<Finding> {
+pub(super) fn of_inertias(robot: &Robot, model: &Model, geometry: &CollisionGeometry) -> Vec<Finding> {
     let covered = covered(geometry);
     let (mut wide, mut far) = (Vec::new(), Vec::new());
     // The inertia of what does not move has no effect.
@@ -102,12 +98,7 @@ fn covered(geometry: &CollisionGeometry) -> BTreeMap<&str, [Vector3<f64>; 2]> {
 
 fn of_box([lower, upper]: &[Vector3<f64>; 2]) -> Extent {
     let diagonal = (upper - lower).norm();
-    Extent {
-        lower: *lower,
-        upper: *upper,
-        widest: (WIDER * diagonal).max(SMALL),
-        farthest: diagonal,
-    }
+    Extent { lower: *lower, upper: *upper, widest: (WIDER * diagonal).max(SMALL), farthest: diagonal }
 }
 
 /// The extent of a link without shapes, the origin of which is at `centre`: a point, with a margin by the distances of
@@ -117,24 +108,12 @@ fn by_joints(robot: &Robot, link: &Link, centre: &Vector3<f64>) -> Extent {
     let distances = robot.joints.iter().filter(touches);
     let distances = distances.map(|joint| Vector3::from(joint.origin.xyz.0).norm());
     let most = BEYOND * distances.fold(NEAR, f64::max);
-    Extent {
-        lower: *centre,
-        upper: *centre,
-        widest: most,
-        farthest: most,
-    }
+    Extent { lower: *centre, upper: *centre, widest: most, farthest: most }
 }
 
 /// The largest principal moment of inertia, kg m^2.
 fn largest_moment(inertia: &Inertia) -> f64 {
-    let Inertia {
-        ixx,
-        ixy,
-        ixz,
-        iyy,
-        iyz,
-        izz,
-    } = *inertia;
+    let Inertia { ixx, ixy, ixz, iyy, iyz, izz } = *inertia;
     let tensor = Matrix3::new(ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz);
     tensor.symmetric_eigenvalues().max()
 }

@@ -9,9 +9,7 @@ mod shapes;
 
 use aghf::error::{Error, Result};
 use aghf::model::Model;
-use aghf::urdf::{
-    Elements, Follower, LoadReport, Mimic, RobotSource, Srdf, UrdfOptions, build_model, followers,
-};
+use aghf::urdf::{Elements, Follower, LoadReport, Mimic, RobotSource, Srdf, UrdfOptions, build_model, followers};
 use contacts::pairs_and_states;
 pub use contacts::{Contact, State};
 use elements::{kinds, of_joints, of_links, without};
@@ -122,20 +120,10 @@ impl Finding {
     /// The finding of an error.
     fn of_error(error: Error, severity: Severity, remedy: &str) -> Self {
         let (kind, name, condition) = match error {
-            Error::Input {
-                file,
-                element,
-                condition,
-            } => ("file", file, format!("{element}: {condition}")),
+            Error::Input { file, element, condition } => ("file", file, format!("{element}: {condition}")),
             other => ("file", String::new(), other.to_string()),
         };
-        Self {
-            severity,
-            kind,
-            names: vec![name],
-            condition,
-            remedy: remedy.to_owned(),
-        }
+        Self { severity, kind, names: vec![name], condition, remedy: remedy.to_owned() }
     }
 }
 
@@ -264,15 +252,12 @@ impl Diagnosis {
                 }
             },
         };
-        let unknown = srdf
-            .iter()
-            .flat_map(|(srdf, _)| srdf.unknown_links.iter().cloned());
+        let unknown = srdf.iter().flat_map(|(srdf, _)| srdf.unknown_links.iter().cloned());
         let words = [
             "the SRDF has a pair of links with it, and the robot does not have it",
             "nothing is needed, unless the name is misspelt",
         ];
-        self.findings
-            .extend(Finding::about(Severity::Note, "link", unknown, words));
+        self.findings.extend(Finding::about(Severity::Note, "link", unknown, words));
         let with_spheres = match &srdf {
             Some((srdf, _)) => srdf.with_spheres(model.clone())?,
             None => model.clone(),
@@ -282,8 +267,7 @@ impl Diagnosis {
         self.findings.extend(of_inertias(robot, model, &geometry));
         let excess = shapes.excess_of_links();
         let srdf = srdf.as_ref().map(|(srdf, file)| (srdf, file.as_str()));
-        let (states, found) =
-            pairs_and_states((model, followers), srdf, &geometry, &excess, &given.robot)?;
+        let (states, found) = pairs_and_states((model, followers), srdf, &geometry, &excess, &given.robot)?;
         self.findings.extend(found);
         self.shapes = shapes;
         self.states = states;
@@ -296,9 +280,7 @@ fn of_model(model: &Model, robot: &Robot) -> Result<Vec<Finding>> {
     let mut findings = Vec::new();
     let singular = model.singular_joints()?;
     if let Some((_, condition)) = singular.first() {
-        let names = singular
-            .iter()
-            .map(|(i, _)| model.joints()[*i].name().to_owned());
+        let names = singular.iter().map(|(i, _)| model.joints()[*i].name().to_owned());
         let rotor = "planned with a rotor inertia that stands in for it; \"losses\": {\"armature\": {JOINT: KG_M2}} \
                      sets another";
         let alike = "\"losses\": {\"armature\": {JOINT: KG_M2}}, \"locked_joints\": {JOINT: POSITION}, or a \
@@ -311,16 +293,9 @@ fn of_model(model: &Model, robot: &Robot) -> Result<Vec<Finding>> {
         (findings).extend(Finding::about(severity, "joint", names, [reason, remedy]));
     }
     if robot.links.iter().all(|link| link.collision.is_empty()) {
-        let condition =
-            "no link has a collision element, so obstacles keep clear of joint frames alone";
-        let remedy =
-            "\"robot_shape\": {\"swept_links\": {\"radius_m\": R}}, or --srdf with spheres";
-        findings.extend(Finding::about(
-            Severity::Note,
-            "robot",
-            [robot.name.clone()],
-            [condition, remedy],
-        ));
+        let condition = "no link has a collision element, so obstacles keep clear of joint frames alone";
+        let remedy = "\"robot_shape\": {\"swept_links\": {\"radius_m\": R}}, or --srdf with spheres";
+        findings.extend(Finding::about(Severity::Note, "robot", [robot.name.clone()], [condition, remedy]));
     }
     Ok(findings)
 }

@@ -49,12 +49,12 @@ fn in_words(note: &LoadNote) -> Option<[String; 2]> {
         }
         LoadNote::SeveralAxes { .. } => of_kind("a single axis element in the file"),
         LoadNote::PointMass { .. } => of_kind("an inertia element in the file, kg m^2"),
-        LoadNote::NoExtent { .. } => of_kind(
-            "nothing is needed if the link has no such shape, otherwise its size in the file",
-        ),
-        LoadNote::UndeclaredPrefix { prefix } => of_kind(&format!(
-            "nothing is needed; xmlns:{prefix}=\"...\" in the robot element declares it"
-        )),
+        LoadNote::NoExtent { .. } => {
+            of_kind("nothing is needed if the link has no such shape, otherwise its size in the file")
+        }
+        LoadNote::UndeclaredPrefix { prefix } => {
+            of_kind(&format!("nothing is needed; xmlns:{prefix}=\"...\" in the robot element declares it"))
+        }
         LoadNote::BeforeDeclaration => of_kind("nothing is needed, or the file without them"),
         _ => None,
     }

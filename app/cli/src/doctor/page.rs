@@ -14,28 +14,18 @@ const NAMED: usize = 4;
 pub fn page(diagnosis: &Diagnosis) -> String {
     let mut text = match diagnosis.plannable {
         Plannable::Yes => format!("{}: motions can be planned\n", diagnosis.robot),
-        Plannable::WithKeys => format!(
-            "{}: motions can be planned with the keys below\n",
-            diagnosis.robot
-        ),
-        Plannable::No => format!(
-            "{}: motions cannot be planned with this file\n",
-            diagnosis.robot
-        ),
+        Plannable::WithKeys => format!("{}: motions can be planned with the keys below\n", diagnosis.robot),
+        Plannable::No => format!("{}: motions cannot be planned with this file\n", diagnosis.robot),
     };
-    let kinds: Vec<_> = (diagnosis.joints.iter())
-        .map(|(kind, count)| format!("{count} {kind}"))
-        .collect();
+    let kinds: Vec<_> = (diagnosis.joints.iter()).map(|(kind, count)| format!("{count} {kind}")).collect();
     text += &format!("  joints: {}; links: {}", kinds.join(", "), diagnosis.links);
     if let Some(mass) = diagnosis.mass_kg {
         text += &format!("; {} kg moving", short(mass));
     }
     text += &format!("\n  kept clear by default: {}\n", diagnosis.kept_clear);
-    for (severity, title) in [
-        (Severity::Refused, "In the way"),
-        (Severity::NeedsKey, "Needs a key"),
-        (Severity::Note, "To know"),
-    ] {
+    for (severity, title) in
+        [(Severity::Refused, "In the way"), (Severity::NeedsKey, "Needs a key"), (Severity::Note, "To know")]
+    {
         let of_severity = |finding: &&Finding| finding.severity == severity;
         let findings: Vec<_> = diagnosis.findings.iter().filter(of_severity).collect();
         if !findings.is_empty() {
@@ -52,13 +42,7 @@ pub fn page(diagnosis: &Diagnosis) -> String {
 
 /// A finding in a line, and its remedy in the next.
 fn in_words(finding: &Finding) -> String {
-    let Finding {
-        kind,
-        names,
-        condition,
-        remedy,
-        ..
-    } = finding;
+    let Finding { kind, names, condition, remedy, .. } = finding;
     let mut text = format!("  {}: {condition}\n", listed(kind, names));
     if !remedy.is_empty() {
         text += &format!("    remedy: {remedy}\n");
@@ -104,11 +88,7 @@ fn of_shapes(shapes: &Shapes) -> String {
     for (reason, files) in unread {
         let (count, files) = (files.len(), Vec::from_iter(files));
         // Writing to a string does not fail.
-        let _ = writeln!(
-            text,
-            "  {count} not read, {}: {reason}",
-            listed("shape", &files)
-        );
+        let _ = writeln!(text, "  {count} not read, {}: {reason}", listed("shape", &files));
     }
     text
 }
@@ -118,10 +98,7 @@ fn row(shapes: &[LinkShape]) -> [String; 4] {
     let mut kinds: Vec<(String, usize)> = Vec::new();
     for shape in shapes {
         let name = match shape.mesh {
-            true => format!(
-                "mesh {}",
-                shape.shape.rsplit('/').next().unwrap_or_default()
-            ),
+            true => format!("mesh {}", shape.shape.rsplit('/').next().unwrap_or_default()),
             false => shape.shape.clone(),
         };
         match kinds.iter_mut().find(|(kind, _)| *kind == name) {
@@ -135,10 +112,7 @@ fn row(shapes: &[LinkShape]) -> [String; 4] {
     });
     let unread = shapes.iter().filter(|shape| shape.unread.is_some()).count();
     let balls: usize = shapes.iter().map(|shape| shape.balls).sum();
-    let excess = shapes
-        .iter()
-        .map(|shape| shape.excess_m)
-        .fold(0.0, f64::max);
+    let excess = shapes.iter().map(|shape| shape.excess_m).fold(0.0, f64::max);
     [
         shapes[0].link.clone(),
         kinds.collect::<Vec<_>>().join(", "),

@@ -51,11 +51,7 @@ impl Shapes {
 
 /// Covers the shapes that can be read by balls, as a scenario does, and names the others. A cover that a scenario
 /// refuses is a finding too.
-pub(super) fn covered(
-    model: &Model,
-    folder: &Path,
-    excess: Option<f64>,
-) -> (Shapes, CollisionGeometry, Vec<Finding>) {
+pub(super) fn covered(model: &Model, folder: &Path, excess: Option<f64>) -> (Shapes, CollisionGeometry, Vec<Finding>) {
     let covers = cover_each(model, folder, excess);
     let (mut shapes, mut geometry) = (Shapes::default(), CollisionGeometry::default());
     for (collision, cover) in model.collisions().iter().zip(covers) {
@@ -63,14 +59,7 @@ pub(super) fn covered(
             CollisionShape::Solid(solid) => (solid.name().to_owned(), false),
             CollisionShape::Mesh { file, .. } => (file.clone(), true),
         };
-        let mut item = LinkShape {
-            link: collision.link.clone(),
-            shape,
-            mesh,
-            balls: 0,
-            excess_m: 0.0,
-            unread: None,
-        };
+        let mut item = LinkShape { link: collision.link.clone(), shape, mesh, balls: 0, excess_m: 0.0, unread: None };
         match cover {
             Err(Error::Input { condition, .. }) => item.unread = Some(condition),
             Err(error) => item.unread = Some(error.to_string()),
@@ -111,9 +100,5 @@ pub(super) fn covered(
         let robot = [model.name().to_owned()];
         Finding::about(Severity::NeedsKey, "robot", robot, [&condition, &remedy])
     });
-    (
-        shapes,
-        geometry,
-        found.into_iter().chain(too_many).collect(),
-    )
+    (shapes, geometry, found.into_iter().chain(too_many).collect())
 }

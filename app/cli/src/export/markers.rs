@@ -31,11 +31,7 @@ pub(super) fn markers(obstacles: &[Obstacle], header: &Header) -> Markers {
             }
             Shape::HalfSpace => {
                 let [edge, thickness] = PLATE;
-                add(
-                    Marker::CUBE,
-                    -0.5 * thickness,
-                    Vector3::new(edge, edge, thickness),
-                );
+                add(Marker::CUBE, -0.5 * thickness, Vector3::new(edge, edge, thickness));
             }
         }
     }

@@ -40,15 +40,9 @@ const LATCHED: &str = "\
 ///
 /// # Errors
 /// The writer fails, or the plan has another number of joints than the robot.
-pub fn write_mcap(
-    scenario: &Scenario,
-    plan: JointTrajectory,
-    writer: impl Write + Seek,
-) -> io::Result<()> {
+pub fn write_mcap(scenario: &Scenario, plan: JointTrajectory, writer: impl Write + Seek) -> io::Result<()> {
     let mut file = Recording::new(writer)?;
-    let urdf = Text {
-        data: scenario.source.text.to_string(),
-    };
+    let urdf = Text { data: scenario.source.text.to_string() };
     file.add("/robot_description", LATCHED, 0, &urdf)?;
     let links = Links::new(&scenario.model);
     let obstacles = markers(scenario.scene.obstacles(), &links.header(Stamp::default()));
@@ -83,20 +77,11 @@ impl<W: Write + Seek> Recording<W> {
     fn new(writer: W) -> io::Result<Self> {
         let library = format!("aghf {}", env!("CARGO_PKG_VERSION"));
         let options = WriteOptions::new().profile("ros2").library(library);
-        Ok(Self {
-            writer: options.create(writer).map_err(io::Error::other)?,
-            counts: BTreeMap::new(),
-        })
+        Ok(Self { writer: options.create(writer).map_err(io::Error::other)?, counts: BTreeMap::new() })
     }
 
     /// Adds a message at a time in ns, with the quality of service of its channel, empty for the default one.
-    fn add<M: Message>(
-        &mut self,
-        topic: &str,
-        quality: &str,
-        at: u64,
-        message: &M,
-    ) -> io::Result<()> {
+    fn add<M: Message>(&mut self, topic: &str, quality: &str, at: u64, message: &M) -> io::Result<()> {
         let [package, name] = M::TYPE;
         let text = schema(M::TYPE);
         let schema = (self.writer)
@@ -104,32 +89,20 @@ impl<W: Write + Seek> Recording<W> {
             .map_err(io::Error::other)?;
         let quality = ("offered_qos_profiles".to_owned(), quality.to_owned());
         let metadata = BTreeMap::from([quality]);
-        let channel_id = (self.writer)
-            .add_channel(schema, topic, "cdr", &metadata)
-            .map_err(io::Error::other)?;
+        let channel_id = (self.writer).add_channel(schema, topic, "cdr", &metadata).map_err(io::Error::other)?;
         let count = self.counts.entry(channel_id).or_default();
-        let header = MessageHeader {
-            channel_id,
-            sequence: *count,
-            log_time: at,
-            publish_time: at,
-        };
+        let header = MessageHeader { channel_id, sequence: *count, log_time: at, publish_time: at };
         *count += 1;
         let mut data = ENCAPSULATION.to_vec();
         data.extend(to_vec::<M, byteorder::LittleEndian>(message).map_err(io::Error::other)?);
-        (self.writer)
-            .write_to_known_channel(&header, &data)
-            .map_err(io::Error::other)
+        (self.writer).write_to_known_channel(&header, &data).map_err(io::Error::other)
     }
 }
 
 /// A placement as seen from another one.
 fn relative(from: &Placement<f64>, to: &Placement<f64>) -> Placement<f64> {
     let back = from.rotation.transpose();
-    Placement::new(
-        back * to.rotation,
-        back * (to.translation - from.translation),
-    )
+    Placement::new(back * to.rotation, back * (to.translation - from.translation))
 }
 
 /// The links of a robot.
@@ -141,22 +114,13 @@ struct Links<'m> {
 
 impl<'m> Links<'m> {
     fn new(model: &'m Model) -> Self {
-        let base = model
-            .frames()
-            .iter()
-            .find(|f| f.body.is_none() && f.carrier.is_none());
-        Self {
-            model,
-            root: base.map_or("base", |frame| &frame.name).to_owned(),
-        }
+        let base = model.frames().iter().find(|f| f.body.is_none() && f.carrier.is_none());
+        Self { model, root: base.map_or("base", |frame| &frame.name).to_owned() }
     }
 
     /// A header in the frame of the root.
     fn header(&self, stamp: Stamp) -> Header {
-        Header {
-            stamp,
-            frame_id: self.root.clone(),
-        }
+        Header { stamp, frame_id: self.root.clone() }
     }
 
     /// The transforms from each link to its parent at a configuration.
@@ -176,10 +140,7 @@ impl<'m> Links<'m> {
                 None => own,
             };
             transforms.push(TransformStamped {
-                header: Header {
-                    stamp,
-                    frame_id: parent.map_or(&self.root, |parent| &parent.name).clone(),
-                },
+                header: Header { stamp, frame_id: parent.map_or(&self.root, |parent| &parent.name).clone() },
                 child_frame_id: frame.name.clone(),
                 transform: Pose::new(&transform),
             });

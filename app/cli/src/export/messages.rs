@@ -65,10 +65,7 @@ impl Pose {
     pub fn new(placement: &Placement<f64>) -> Self {
         let rotation = Rotation3::from_matrix_unchecked(placement.rotation);
         let turn = UnitQuaternion::from_rotation_matrix(&rotation);
-        Self {
-            position: placement.translation.into(),
-            orientation: turn.coords.into(),
-        }
+        Self { position: placement.translation.into(), orientation: turn.coords.into() }
     }
 }
 

@@ -3,46 +3,25 @@
 /// The types by their names, each with its fields.
 const TYPES: [(&str, &str); 20] = [
     ("std_msgs/String", "string data"),
-    (
-        "std_msgs/Header",
-        "builtin_interfaces/Time stamp\nstring frame_id",
-    ),
-    (
-        "std_msgs/ColorRGBA",
-        "float32 r\nfloat32 g\nfloat32 b\nfloat32 a",
-    ),
+    ("std_msgs/Header", "builtin_interfaces/Time stamp\nstring frame_id"),
+    ("std_msgs/ColorRGBA", "float32 r\nfloat32 g\nfloat32 b\nfloat32 a"),
     ("builtin_interfaces/Time", "int32 sec\nuint32 nanosec"),
     ("builtin_interfaces/Duration", "int32 sec\nuint32 nanosec"),
     (
         "sensor_msgs/JointState",
         "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort",
     ),
-    (
-        "sensor_msgs/CompressedImage",
-        "std_msgs/Header header\nstring format\nuint8[] data",
-    ),
+    ("sensor_msgs/CompressedImage", "std_msgs/Header header\nstring format\nuint8[] data"),
     ("geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z"),
     ("geometry_msgs/Point", "float64 x\nfloat64 y\nfloat64 z"),
-    (
-        "geometry_msgs/Quaternion",
-        "float64 x\nfloat64 y\nfloat64 z\nfloat64 w",
-    ),
-    (
-        "geometry_msgs/Pose",
-        "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation",
-    ),
-    (
-        "geometry_msgs/Transform",
-        "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation",
-    ),
+    ("geometry_msgs/Quaternion", "float64 x\nfloat64 y\nfloat64 z\nfloat64 w"),
+    ("geometry_msgs/Pose", "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation"),
+    ("geometry_msgs/Transform", "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation"),
     (
         "geometry_msgs/TransformStamped",
         "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/Transform transform",
     ),
-    (
-        "tf2_msgs/TFMessage",
-        "geometry_msgs/TransformStamped[] transforms",
-    ),
+    ("tf2_msgs/TFMessage", "geometry_msgs/TransformStamped[] transforms"),
     (
         "trajectory_msgs/JointTrajectory",
         "std_msgs/Header header\nstring[] joint_names\ntrajectory_msgs/JointTrajectoryPoint[] points",
@@ -52,10 +31,7 @@ const TYPES: [(&str, &str); 20] = [
         "float64[] positions\nfloat64[] velocities\nfloat64[] accelerations\nfloat64[] effort\n\
         builtin_interfaces/Duration time_from_start",
     ),
-    (
-        "visualization_msgs/MarkerArray",
-        "visualization_msgs/Marker[] markers",
-    ),
+    ("visualization_msgs/MarkerArray", "visualization_msgs/Marker[] markers"),
     (
         "visualization_msgs/Marker",
         "std_msgs/Header header\nstring ns\nint32 id\nint32 type\nint32 action\ngeometry_msgs/Pose pose\n\
@@ -65,10 +41,7 @@ const TYPES: [(&str, &str); 20] = [
         string mesh_resource\nvisualization_msgs/MeshFile mesh_file\nbool mesh_use_embedded_materials",
     ),
     ("visualization_msgs/UVCoordinate", "float32 u\nfloat32 v"),
-    (
-        "visualization_msgs/MeshFile",
-        "string filename\nuint8[] data",
-    ),
+    ("visualization_msgs/MeshFile", "string filename\nuint8[] data"),
 ];
 
 /// The definition of a type, followed by those of all types in its fields.

@@ -25,10 +25,7 @@ pub fn write_yaml(trajectory: &JointTrajectory, mut writer: impl Write) -> io::R
             writeln!(writer, "{key}: [{}]", numbers.join(", "))?;
         }
         let Stamp { sec, nanosec } = point.time_from_start;
-        writeln!(
-            writer,
-            "  time_from_start: {{sec: {sec}, nanosec: {nanosec}}}"
-        )?;
+        writeln!(writer, "  time_from_start: {{sec: {sec}, nanosec: {nanosec}}}")?;
     }
     Ok(())
 }

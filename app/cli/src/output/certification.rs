@@ -2,17 +2,11 @@
 
 use super::table::short;
 use aghf_scenario::RobotShape;
-use aghf_scenario::certify::{
-    Certificate, Certification, Failure, Passage, Promise, TableDifference,
-};
+use aghf_scenario::certify::{Certificate, Certification, Failure, Passage, Promise, TableDifference};
 
 /// Formats the result of a certification of a robot in this shape, which took this time.
 #[must_use]
-pub fn certification_text(
-    certification: &Certification,
-    shape: RobotShape,
-    seconds: f64,
-) -> String {
+pub fn certification_text(certification: &Certification, shape: RobotShape, seconds: f64) -> String {
     let mut lines: Vec<_> = certification.failures.iter().map(failure_text).collect();
     let Some(certificate) = &certification.certificate else {
         lines.push(format!("not certified ({} s)", short(seconds)));
@@ -20,32 +14,21 @@ pub fn certification_text(
     };
     lines.extend(promise_lines(certificate, shape));
     if let Some(reserve) = certificate.goal {
-        lines.push(format!(
-            "goal: proved, least reserve {reserve:.2e} m or rad"
-        ));
+        lines.push(format!("goal: proved, least reserve {reserve:.2e} m or rad"));
     }
     for (i, Passage(.., reserve)) in certificate.waypoints.iter().enumerate() {
-        lines.push(format!(
-            "waypoint {i}: proved, least reserve {reserve:.2e} m, rad or their rates"
-        ));
+        lines.push(format!("waypoint {i}: proved, least reserve {reserve:.2e} m, rad or their rates"));
     }
     for (key, reason) in certificate.left_out() {
         lines.push(format!("{key}: not certified, {reason}"));
     }
-    let verdict = if certificate.complete {
-        "certified"
-    } else {
-        "certified in part"
-    };
+    let verdict = if certificate.complete { "certified" } else { "certified in part" };
     let tube = match certificate.tracking_error {
         0.0 => String::new(),
         tube => format!(", for positions within {tube} of the motion"),
     };
     let intervals = certificate.intervals.len();
-    lines.push(format!(
-        "{verdict}: all times{tube}, by {intervals} intervals ({} s)",
-        short(seconds)
-    ));
+    lines.push(format!("{verdict}: all times{tube}, by {intervals} intervals ({} s)", short(seconds)));
     lines.join("\n")
 }
 
@@ -66,11 +49,7 @@ pub fn table_difference_text(name: &str, samples: usize, difference: &TableDiffe
 
 fn failure_text(failure: &Failure) -> String {
     let (value, bound) = (failure.value, failure.bound);
-    let outcome = if failure.is_broken {
-        "broken"
-    } else {
-        "not proved"
-    };
+    let outcome = if failure.is_broken { "broken" } else { "not proved" };
     let place = match failure.place.as_str() {
         "" => String::new(),
         place => format!(" by {place}"),
@@ -80,10 +59,7 @@ fn failure_text(failure: &Failure) -> String {
         false => format!(" at {:.6} s", failure.at_s),
     };
     let by = (value - bound).abs();
-    format!(
-        "{}: {outcome}{place}{at}: {value} where {bound} is allowed, by {by:.1e}",
-        failure.promise
-    )
+    format!("{}: {outcome}{place}{at}: {value} where {bound} is allowed, by {by:.1e}", failure.promise)
 }
 
 /// The promises that are proved, each with its least reserve over the intervals.

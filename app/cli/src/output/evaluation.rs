@@ -1,8 +1,6 @@
 //! The dynamics of a robot at a given state in JSON.
 
-use aghf::dynamics::{
-    Data, InverseDynamicsDerivatives, aba, bias, mass_matrix_and_rate, rnea_derivatives,
-};
+use aghf::dynamics::{Data, InverseDynamicsDerivatives, aba, bias, mass_matrix_and_rate, rnea_derivatives};
 use aghf::error::{Error, Result, plain};
 use aghf::flow::{ControlForm, Node, RightHandSide};
 use aghf::linalg::rows;
@@ -67,20 +65,14 @@ pub struct Evaluation {
 /// # Errors
 /// The text does not have this form, a number is missing, or a result is not finite.
 pub fn evaluate(model: &Model, text: &str, file: &str) -> Result<Evaluation> {
-    let expected =
-        "expected numbers under q, v, a, or under x, xdot, xddot, k of an object; tau may be added";
+    let expected = "expected numbers under q, v, a, or under x, xdot, xddot, k of an object; tau may be added";
     let refuse = |condition: String| Error::input(file, "input", condition);
     // serde would accept a list as the values of the keys in order.
     if text.trim_start().starts_with(['[', '<']) {
         return Err(refuse(expected.to_owned()));
     }
-    let input: Input = serde_json::from_str(text).map_err(|e| {
-        refuse(if e.is_data() {
-            expected.to_owned()
-        } else {
-            e.to_string()
-        })
-    })?;
+    let input: Input = serde_json::from_str(text)
+        .map_err(|e| refuse(if e.is_data() { expected.to_owned() } else { e.to_string() }))?;
     input.evaluate(model, file)
 }
 
@@ -106,14 +98,7 @@ impl Input {
         rnea_derivatives(model, data, &q, &v, &a, &mut id)?;
         bias(model, data, &q, &v, &mut c)?;
         aba(model, data, &q, &v, &tau, &mut acceleration)?;
-        mass_matrix_and_rate(
-            model,
-            data,
-            &q,
-            rate.as_ref().unwrap_or(&v),
-            &mut h,
-            &mut hdot,
-        )?;
+        mass_matrix_and_rate(model, data, &q, rate.as_ref().unwrap_or(&v), &mut h, &mut hdot)?;
         let output = Evaluation {
             inverse_dynamics: id.tau.as_slice().to_vec(),
             mass_matrix: rows(&h),
@@ -132,24 +117,14 @@ impl Input {
 /// Refuses a vector with a number of entries other than `expected`.
 fn check_count(file: &str, key: &str, expected: usize, found: usize) -> Result<()> {
     let condition = format!("expected {expected} numbers, found {found}");
-    if expected == found {
-        Ok(())
-    } else {
-        Err(Error::input(file, key, condition))
-    }
+    if expected == found { Ok(()) } else { Err(Error::input(file, key, condition)) }
 }
 
 impl Curve {
     /// The state, the rate of its configuration along the curve, and the right-hand side of the flow.
     fn at_node(self, model: &Model, file: &str) -> Result<(State, Vec<f64>, Vec<f64>)> {
         let n = model.dof();
-        let Self {
-            x,
-            xdot,
-            xddot,
-            k,
-            tau,
-        } = self;
+        let Self { x, xdot, xddot, k, tau } = self;
         for (key, vector) in [("x", &x), ("xdot", &xdot), ("xddot", &xddot)] {
             check_count(file, key, 2 * n, vector.len())?;
         }
@@ -159,20 +134,10 @@ impl Curve {
         }
         let mut omega = vec![0.0; 2 * n];
         // The paper's flow does not depend on time.
-        let node = Node {
-            t: 0.0,
-            x: &x,
-            xdot: &xdot,
-            xddot: &xddot,
-        };
+        let node = Node { t: 0.0, x: &x, xdot: &xdot, xddot: &xddot };
         ControlForm::new(model).omega(node, k, &mut omega)?;
         let half = |x: &[f64], second: bool| x[n * usize::from(second)..][..n].to_vec();
-        let state = State {
-            q: half(&x, false),
-            v: half(&x, true),
-            a: half(&xdot, true),
-            tau,
-        };
+        let state = State { q: half(&x, false), v: half(&x, true), a: half(&xdot, true), tau };
         Ok((state, half(&xdot, false), omega))
     }
 }
@@ -192,9 +157,7 @@ impl Evaluation {
             ("did_dv", &self.did_dv),
         ];
         let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
-        let of_vectors = vectors
-            .into_iter()
-            .chain(self.omega.as_ref().map(|o| ("omega", o)));
+        let of_vectors = vectors.into_iter().chain(self.omega.as_ref().map(|o| ("omega", o)));
         let of_vectors = of_vectors.map(|(key, x)| (key, finite(x)));
         let of_matrices = matrices.map(|(key, rows)| (key, rows.iter().all(|row| finite(row))));
         match of_vectors.chain(of_matrices).find(|(_, finite)| !finite) {

@@ -17,10 +17,7 @@ pub fn write_text(text: &str, path: &Path) -> Result<()> {
 }
 
 /// Writes a temporary file next to `path` and renames it once it is complete.
-pub(crate) fn write_whole(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
-) -> Result<()> {
+pub(crate) fn write_whole(path: &Path, write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>) -> Result<()> {
     Partial::write(path, write)?.complete(true)
 }
 
@@ -60,8 +57,7 @@ pub(super) fn refuse_special(path: &Path) -> Result<()> {
     } else {
         "a device, a pipe or a socket"
     };
-    let condition =
-        format!("it is {what}; the path of a file is needed, of a new one or of one to replace");
+    let condition = format!("it is {what}; the path of a file is needed, of a new one or of one to replace");
     let file = path.display().to_string();
     Err(Error::input(file, "output", condition))
 }
@@ -74,10 +70,7 @@ pub(super) struct Partial {
 
 impl Partial {
     /// Writes a new file of a random name next to `path`, so that no existing file or link is written through.
-    pub fn write(
-        path: &Path,
-        write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
-    ) -> Result<Self> {
+    pub fn write(path: &Path, write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>) -> Result<Self> {
         refuse_special(path)?;
         let mut builder = tempfile::Builder::new();
         builder.prefix(path.file_name().unwrap_or_default());
@@ -85,14 +78,9 @@ impl Partial {
         // Permissions by the umask, as for any result; by default only the owner could read the file.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let folder = path
-            .parent()
-            .filter(|folder| !folder.as_os_str().is_empty());
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
         let partial = builder.tempfile_in(folder.unwrap_or(Path::new(".")));
-        let mut whole = Self {
-            path: path.to_owned(),
-            partial: partial.map_err(|e| Error::io(path, e))?,
-        };
+        let mut whole = Self { path: path.to_owned(), partial: partial.map_err(|e| Error::io(path, e))? };
         unfinished(whole.partial.path(), true);
         let mut file = BufWriter::new(whole.partial.as_file_mut());
         let written = write(&mut file).and_then(|()| {

@@ -53,11 +53,7 @@ impl OutputFolder {
             }
         }
         let condition = format!("there are {MOST} folders of this name already");
-        Err(Error::input(
-            path.display().to_string(),
-            "folder",
-            condition,
-        ))
+        Err(Error::input(path.display().to_string(), "folder", condition))
     }
 
     /// Creates a folder of a random name for the results called `name` in the folder of temporary files; on Unix no
@@ -77,11 +73,7 @@ impl OutputFolder {
     }
 
     fn new(path: &Path, made: bool, replace: bool) -> Result<Self> {
-        let folder = Self {
-            path: path.to_owned(),
-            made,
-            replace,
-        };
+        let folder = Self { path: path.to_owned(), made, replace };
         if made {
             unfinished(path, true);
         }

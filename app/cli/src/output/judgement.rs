@@ -32,12 +32,7 @@ pub fn judgement_table(judgement: &Judgement) -> String {
         };
         table.add_row([row.check.name(), outcome, &worst, &bound, &at, &place]);
     }
-    let Judgement {
-        samples,
-        duration_s,
-        between_samples,
-        ..
-    } = judgement;
+    let Judgement { samples, duration_s, between_samples, .. } = judgement;
     let text = format!(
         "{table}\n{}: {samples} samples over {} s; between them {between_samples}",
         judgement.scenario,

@@ -21,9 +21,7 @@ pub use json::write_json;
 pub use judgement::{judgement_table, verdict};
 pub use rows::csv_of;
 pub(crate) use rows::{cost_of, csv_cell, minimised};
-pub use table::{
-    check_table, configurations_table, robot_table, scenario_table, summary_table, verdict_table,
-};
+pub use table::{check_table, configurations_table, robot_table, scenario_table, summary_table, verdict_table};
 pub(crate) use table::{short, summary_rows, table};
 pub use tradeoff::{TradeoffRow, tradeoff_rows, tradeoff_table, write_tradeoff};
 pub(crate) use trajectory::failure_comment;

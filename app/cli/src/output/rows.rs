@@ -11,10 +11,7 @@ use serde_json::Value;
 ///
 /// # Errors
 /// A row is no object.
-pub fn csv_of<'r, T: Serialize + 'r>(
-    rows: impl IntoIterator<Item = &'r T>,
-    header: bool,
-) -> Result<Vec<u8>> {
+pub fn csv_of<'r, T: Serialize + 'r>(rows: impl IntoIterator<Item = &'r T>, header: bool) -> Result<Vec<u8>> {
     let refuse = |e: String| Error::input("table", "row", format!("it is no CSV: {e}"));
     let mut csv = csv::Writer::from_writer(Vec::new());
     let mut first = header;
@@ -24,11 +21,9 @@ pub fn csv_of<'r, T: Serialize + 'r>(
             return Err(refuse(row.to_string()));
         };
         if std::mem::take(&mut first) {
-            csv.write_record(row.keys())
-                .map_err(|e| refuse(e.to_string()))?;
+            csv.write_record(row.keys()).map_err(|e| refuse(e.to_string()))?;
         }
-        csv.write_record(row.values().map(csv_cell))
-            .map_err(|e| refuse(e.to_string()))?;
+        csv.write_record(row.values().map(csv_cell)).map_err(|e| refuse(e.to_string()))?;
     }
     csv.into_inner().map_err(|e| refuse(e.to_string()))
 }

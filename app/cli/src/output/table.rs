@@ -7,8 +7,8 @@ use aghf::model::Model;
 use aghf::verify::duals::Finding;
 use aghf::verify::field::Verdict;
 use aghf_scenario::{
-    Details, DirectDetails, FAMILIES, Feasibility, FlowDetails, HorizonBound, Limit, RestDetails,
-    RobotShape, Scenario, Summary, builtin_scenarios, generated_scenarios,
+    Details, DirectDetails, FAMILIES, Feasibility, FlowDetails, HorizonBound, Limit, RestDetails, RobotShape, Scenario,
+    Summary, builtin_scenarios, generated_scenarios,
 };
 use comfy_table::{CellAlignment, Table, presets};
 
@@ -21,11 +21,7 @@ pub(crate) fn table() -> Table {
 
 /// Formats a number: short, but with its order of magnitude.
 pub(crate) fn short(x: f64) -> String {
-    if x == 0.0 || (1e-3..1e6).contains(&x.abs()) {
-        format!("{x:.4}")
-    } else {
-        format!("{x:.3e}")
-    }
+    if x == 0.0 || (1e-3..1e6).contains(&x.abs()) { format!("{x:.4}") } else { format!("{x:.3e}") }
 }
 
 /// The number of starts whose costs are listed.
@@ -55,23 +51,13 @@ pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
         segments => format!("{segments} segments of degree {}", s.degree),
     };
     let settings = format!("{}, {degree}, {settings}", s.method);
-    let gains = format!(
-        "final error with feedback ({}, {})",
-        s.feedback.kp, s.feedback.kv
-    );
+    let gains = format!("final error with feedback ({}, {})", s.feedback.kp, s.feedback.kv);
     let mut all = Vec::new();
     let mut add = |what: &str, value: &str| all.push([what.to_owned(), value.to_owned()]);
     add("scenario", &format!("{} ({})", s.scenario, s.robot));
     add("method", &settings);
     add("verdict", &s.verdict.to_string());
-    add(
-        &gains,
-        &format!(
-            "{}, to be below {}",
-            optional(s.final_error_inf),
-            s.success_threshold
-        ),
-    );
+    add(&gains, &format!("{}, to be below {}", optional(s.final_error_inf), s.success_threshold));
     add("final error open loop", &optional(s.open_loop_error_inf));
     add("control effort, int |u|^2 dt", &short(s.control_effort));
     add("dynamics defect, max |qdot - v|", &short(s.dynamics_defect));
@@ -99,10 +85,7 @@ fn feasibility_rows(found: &Feasibility) -> Vec<[String; 2]> {
     if let Some(clearance) = found.smallest_clearance_m {
         let pair = found.nearest.iter();
         let pair: String = pair.map(|pair| format!(", {pair}")).collect();
-        add(
-            "smallest clearance",
-            format!("{} m{pair}", short(clearance)),
-        );
+        add("smallest clearance", format!("{} m{pair}", short(clearance)));
     }
     if let Some(acceleration) = &found.unlimited_acceleration {
         let value = acceleration.to_string();
@@ -143,11 +126,8 @@ fn flow_rows(d: &FlowDetails) -> (String, Vec<(&'static str, String)>) {
         "{} steps ({} rejected), {} Omega, {} Jacobians, {} factorisations",
         d.steps, d.rejected_steps, d.omega_evaluations, d.jacobian_evaluations, d.factorisations
     );
-    let rows = vec![
-        ("action", short(d.action)),
-        ("action at the nodes, before and after", nodes.join(", ")),
-        ("work", work),
-    ];
+    let rows =
+        vec![("action", short(d.action)), ("action at the nodes, before and after", nodes.join(", ")), ("work", work)];
     (settings, rows)
 }
 
@@ -160,10 +140,7 @@ fn rest_rows(d: &RestDetails) -> (String, Vec<(&'static str, String)>) {
     );
     let mut rows = vec![
         ("action", short(d.action)),
-        (
-            "gradient norm, relative",
-            format!("{:.1e}", d.gradient_norm),
-        ),
+        ("gradient norm, relative", format!("{:.1e}", d.gradient_norm)),
         ("slip at the points, max |qdot - v|", short(d.slip)),
     ];
     if let Some(violation) = d.largest_violation {
@@ -175,37 +152,23 @@ fn rest_rows(d: &RestDetails) -> (String, Vec<(&'static str, String)>) {
 
 /// The parameters and the results that only a direct solve has.
 fn direct_rows(summary: &Summary, d: &DirectDetails) -> (String, Vec<(&'static str, String)>) {
-    let settings = format!(
-        "tolerance {:e}, starts: {}",
-        d.tolerance,
-        d.starts_tried.max(1)
-    );
+    let settings = format!("tolerance {:e}, starts: {}", d.tolerance, d.starts_tried.max(1));
     let all = &d.start_costs;
     let mut starts: Vec<_> = all.iter().take(SHOWN).map(|x| short(*x)).collect();
     if all.len() > SHOWN {
         starts.push(format!("and {} more", all.len() - SHOWN));
     }
-    let work = format!(
-        "{} iterations, {} factorisations, {} points",
-        d.iterations, d.factorisations, d.quadrature_points
-    );
+    let work =
+        format!("{} iterations, {} factorisations, {} points", d.iterations, d.factorisations, d.quadrature_points);
     let stopped = || "the simulation stopped".to_owned();
     let replay = d.replay_error_inf.map_or_else(stopped, short);
     let mut rows = Vec::new();
     rows.push(("cost", cost_of(summary)));
     let mut horizon = format!("{} s", short(d.horizon_s));
-    if let Some(HorizonBound {
-        least_s,
-        joint,
-        limit,
-    }) = &d.horizon_bound
-    {
+    if let Some(HorizonBound { least_s, joint, limit }) = &d.horizon_bound {
         let above = 100.0 * (d.horizon_s / least_s - 1.0);
-        horizon += &format!(
-            ", {above:.1} % above the {} s that {joint} takes at its {} limit",
-            short(*least_s),
-            limit.name()
-        );
+        horizon +=
+            &format!(", {above:.1} % above the {} s that {joint} takes at its {} limit", short(*least_s), limit.name());
     }
     rows.push(("horizon", horizon));
     if !d.waypoint_times_s.is_empty() {
@@ -217,28 +180,16 @@ fn direct_rows(summary: &Summary, d: &DirectDetails) -> (String, Vec<(&'static s
     }
     rows.extend([
         ("error of an interval, torques of the nodes alone", replay),
-        (
-            "gradient norm, relative",
-            format!("{:.1e}", d.gradient_norm),
-        ),
+        ("gradient norm, relative", format!("{:.1e}", d.gradient_norm)),
     ]);
     if !d.smallest_curvature.is_nan() {
         rows.push(("smallest curvature, relative", short(d.smallest_curvature)));
     }
-    rows.extend([
-        ("cost of the starts at the lowest degree", starts.join(", ")),
-        ("work", work),
-    ]);
+    rows.extend([("cost of the starts at the lowest degree", starts.join(", ")), ("work", work)]);
     if let Some(end) = &d.end {
         let q: Vec<_> = end.q.iter().map(|q| short(*q)).collect();
-        rows.push((
-            "end in the goal",
-            format!("goal {}: {}", end.goal, q.join(", ")),
-        ));
-        rows.push((
-            "ends compared",
-            format!("{} by {}; motions to {}", end.found, end.measure, end.tried),
-        ));
+        rows.push(("end in the goal", format!("goal {}: {}", end.goal, q.join(", "))));
+        rows.push(("ends compared", format!("{} by {}; motions to {}", end.found, end.measure, end.tried)));
     }
     (settings, rows)
 }
@@ -246,14 +197,8 @@ fn direct_rows(summary: &Summary, d: &DirectDetails) -> (String, Vec<(&'static s
 /// The change of the effort with the degree, and its comparison with the tolerance.
 fn efforts_by_degree(adapted: &DegreeRefinement) -> String {
     let efforts = adapted.degrees.iter().zip(&adapted.costs);
-    let efforts: Vec<_> = efforts
-        .map(|(p, x)| format!("{} at {p}", short(*x)))
-        .collect();
-    let verdict = if adapted.converged {
-        "converged"
-    } else {
-        "NOT converged"
-    };
+    let efforts: Vec<_> = efforts.map(|(p, x)| format!("{} at {p}", short(*x))).collect();
+    let verdict = if adapted.converged { "converged" } else { "NOT converged" };
     let tolerance = adapted.tolerance;
     format!("{}: {verdict} to {tolerance}", efforts.join(", "))
 }
@@ -269,12 +214,7 @@ pub fn verdict_table(verdicts: &[Verdict]) -> String {
             v.statement.clone(),
             v.entries.to_string(),
             format!("{:.0e}", v.bound),
-            if v.failure.is_none() {
-                "holds"
-            } else {
-                "FAILS"
-            }
-            .to_owned(),
+            if v.failure.is_none() { "holds" } else { "FAILS" }.to_owned(),
         ]);
     }
     table.to_string()
@@ -284,15 +224,7 @@ pub fn verdict_table(verdicts: &[Verdict]) -> String {
 #[must_use]
 pub fn check_table(findings: &[Finding]) -> String {
     let mut table = table();
-    table.set_header([
-        "quantity",
-        "k",
-        "worst relative error",
-        "bound",
-        "entry",
-        "state",
-        "",
-    ]);
+    table.set_header(["quantity", "k", "worst relative error", "bound", "entry", "state", ""]);
     for f in findings {
         table.add_row([
             f.quantity.clone(),
@@ -322,32 +254,13 @@ pub fn configurations_table(model: &Model, all: &[Vec<f64>]) -> String {
 #[must_use]
 pub fn robot_table(model: &Model) -> String {
     let mut table = table();
-    table.set_header([
-        "joint",
-        "kind",
-        "carried by",
-        "lower",
-        "upper",
-        "velocity",
-        "effort",
-        "mass, kg",
-    ]);
+    table.set_header(["joint", "kind", "carried by", "lower", "upper", "velocity", "effort", "mass, kg"]);
     for (joint, inertia) in model.joints().iter().zip(model.inertias()) {
         let carrier = joint.parent().map_or("base", |p| model.joints()[p].name());
         let limits = joint.limits();
-        let numbers = [
-            limits.lower,
-            limits.upper,
-            limits.velocity,
-            limits.effort,
-            inertia.mass,
-        ];
+        let numbers = [limits.lower, limits.upper, limits.velocity, limits.effort, inertia.mass];
         let limit = |x: f64| {
-            if x.is_finite() {
-                short(x)
-            } else {
-                "-".to_owned()
-            }
+            if x.is_finite() { short(x) } else { "-".to_owned() }
         };
         let words = [joint.name(), joint.kind().name(), carrier].map(str::to_owned);
         table.add_row(words.into_iter().chain(numbers.map(limit)));
@@ -395,9 +308,7 @@ pub fn scenario_table() -> Result<String> {
         };
         table.add_row([name, file.robot, horizon, obstacles.join(", "), against]);
     }
-    let families = FAMILIES
-        .iter()
-        .map(|f| format!("{}_SEED: {}", f.name, f.about));
+    let families = FAMILIES.iter().map(|f| format!("{}_SEED: {}", f.name, f.about));
     let families: Vec<String> = families.collect();
     Ok(format!("{table}\n\n{}", families.join("\n")))
 }

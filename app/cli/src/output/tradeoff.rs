@@ -46,14 +46,7 @@ pub fn tradeoff_rows(found: &[(Scenario, SolveReport)]) -> Vec<TradeoffRow> {
 #[must_use]
 pub fn tradeoff_table(rows: &[TradeoffRow]) -> String {
     let mut table = table();
-    table.set_header([
-        "motion",
-        "duration, s",
-        "effort",
-        "verdict",
-        "iterations",
-        "solve, s",
-    ]);
+    table.set_header(["motion", "duration, s", "effort", "verdict", "iterations", "solve, s"]);
     for row in rows {
         table.add_row([
             row.motion.to_string(),
@@ -72,11 +65,7 @@ pub fn tradeoff_table(rows: &[TradeoffRow]) -> String {
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn write_tradeoff(
-    found: &[(Scenario, SolveReport)],
-    page: &str,
-    folder: &OutputFolder,
-) -> Result<Vec<PathBuf>> {
+pub fn write_tradeoff(found: &[(Scenario, SolveReport)], page: &str, folder: &OutputFolder) -> Result<Vec<PathBuf>> {
     let rows = tradeoff_rows(found);
     let csv = csv_of(&rows, true)?;
     let mut files = vec![("tradeoff.csv".to_owned(), csv)];

@@ -106,8 +106,7 @@ pub fn write_trajectory(
         let s = sample.map_err(io::Error::other)?;
         let row = [&s.q, &s.v, &s.a, &s.u].into_iter().flatten();
         let row = std::iter::once(&s.t).chain(row);
-        csv.write_record(row.map(|x| format!("{x:?}")))
-            .map_err(of_csv)?;
+        csv.write_record(row.map(|x| format!("{x:?}"))).map_err(of_csv)?;
     }
     csv.flush()
 }
@@ -136,9 +135,7 @@ pub fn write_table(
     comments: &[String],
     path: &Path,
 ) -> Result<()> {
-    write_whole(path, |file| {
-        write_trajectory(model, curve, times, comments, file)
-    })
+    write_whole(path, |file| write_trajectory(model, curve, times, comments, file))
 }
 
 /// Writes `trajectory.csv`, see [`write_trajectory`], by default with [as many rows](Sampling::or_sufficient) as the
@@ -164,22 +161,16 @@ pub fn write_report(
     };
     let mut paths: Vec<_> = own.iter().map(|name| folder.path().join(name)).collect();
     let times = Sampling::or_sufficient(sampling, scenario, curve)?.times(curve.horizon())?;
-    let comments: Vec<String> = failure_comment(summary.failure.as_deref())
-        .into_iter()
-        .collect();
+    let comments: Vec<String> = failure_comment(summary.failure.as_deref()).into_iter().collect();
     let mut parts = vec![
-        Partial::write(&paths[0], |file| {
-            write_trajectory(&scenario.model, curve, times, &comments, file)
-        })?,
+        Partial::write(&paths[0], |file| write_trajectory(&scenario.model, curve, times, &comments, file))?,
         Partial::write(&paths[1], |file| {
             write_json(summary, &mut *file)?;
             file.write_all(b"\n")
         })?,
     ];
     match page {
-        Some(page) => parts.push(Partial::write(&paths[2], |file| {
-            file.write_all(page.as_bytes())
-        })?),
+        Some(page) => parts.push(Partial::write(&paths[2], |file| file.write_all(page.as_bytes()))?),
         None => {
             let stale = paths.remove(2);
             if folder.replaces() {

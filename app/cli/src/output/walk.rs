@@ -7,21 +7,13 @@ use aghf_scenario::{Landing, SolveReport, Walk};
 #[must_use]
 pub fn walk_table(walk: &Walk) -> String {
     let mut rows = table();
-    rows.add_row([
-        "phase",
-        "verdict",
-        "from, s",
-        "to, s",
-        "effort",
-        "centre of pressure, m",
-    ]);
+    rows.add_row(["phase", "verdict", "from, s", "to, s", "effort", "centre of pressure, m"]);
     let mut begin = 0.0;
     for (phase, SolveReport { summary, curve, .. }) in &walk.phases {
         let end = begin + curve.horizon();
         let load = summary.feasibility.foot.as_ref();
         let sole = load.map_or_else(String::new, |load| {
-            let [along, across] =
-                [load.along_m, load.across_m].map(|[a, b]| format!("{} to {}", short(a), short(b)));
+            let [along, across] = [load.along_m, load.across_m].map(|[a, b]| format!("{} to {}", short(a), short(b)));
             format!("{along} along, {across} across")
         });
         rows.add_row([
@@ -44,25 +36,13 @@ pub fn walk_table(walk: &Walk) -> String {
             }
         }
     }
-    for Landing {
-        time_s,
-        frame,
-        off,
-        speed,
-    } in &walk.landings
-    {
+    for Landing { time_s, frame, off, speed } in &walk.landings {
         let [time, off, speed] = [time_s, off, speed].map(|x| short(*x));
-        lines.push(format!(
-            "'{frame}' lands at {time} s, {off} m or rad from its place and at {speed} m/s or rad/s"
-        ));
+        lines.push(format!("'{frame}' lands at {time} s, {off} m or rad from its place and at {speed} m/s or rad/s"));
     }
     if let Some(summary) = reports.clone().next() {
         let effort: f64 = reports.map(|summary| summary.control_effort).sum();
-        lines.push(format!(
-            "control effort {}, solved in {} s",
-            short(effort),
-            short(summary.solve_seconds)
-        ));
+        lines.push(format!("control effort {}, solved in {} s", short(effort), short(summary.solve_seconds)));
     }
     lines.join("\n")
 }

@@ -48,26 +48,11 @@ pub(super) fn plots_of_search(outcome: &SolveReport) -> Result<Vec<Plot>> {
     };
     let colours = colours(3);
     let mut plots = Vec::new();
-    let cost = Series {
-        name: cost_name,
-        points: costs,
-    };
+    let cost = Series { name: cost_name, points: costs };
     plots.extend(logarithmic(what, vec![(cost, colours[0])])?);
     let norms = vec![
-        (
-            Series {
-                name: "gradient norm",
-                points: gradients,
-            },
-            colours[1],
-        ),
-        (
-            Series {
-                name: "largest violation",
-                points: violations,
-            },
-            colours[2],
-        ),
+        (Series { name: "gradient norm", points: gradients }, colours[1]),
+        (Series { name: "largest violation", points: violations }, colours[2]),
     ];
     plots.extend(logarithmic("Convergence", norms)?);
     Ok(plots)
@@ -81,23 +66,12 @@ fn logarithmic(title: &str, series: Vec<(Series, RGBColor)>) -> Result<Option<Pl
         let points: Vec<_> = points.map(|(x, y)| (x, y.max(LEAST).log10())).collect();
         if points.len() > 1 {
             legend.push([name.to_owned(), css(colour)]);
-            lines.push(Line {
-                points,
-                colour,
-                bounds: f64::NEG_INFINITY..f64::INFINITY,
-            });
+            lines.push(Line { points, colour, bounds: f64::NEG_INFINITY..f64::INFINITY });
         }
     }
     if lines.is_empty() {
         return Ok(None);
     }
-    let axes = Axes {
-        title: title.to_owned(),
-        unit: "",
-        time: false,
-        logarithmic: true,
-        per_joint: false,
-        legend,
-    };
+    let axes = Axes { title: title.to_owned(), unit: "", time: false, logarithmic: true, per_joint: false, legend };
     plot(axes, &lines).map(Some)
 }

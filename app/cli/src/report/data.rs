@@ -177,11 +177,7 @@ fn with_ghosts(own: Track, motion: &Motion<'_>) -> Result<(Vec<Track>, Vec<Minim
     }
     for (i, LocalMinimum { cost, starts }) in minima_of(&outcome.summary).iter().enumerate() {
         let curve = outcome.trace.minima.get(i).filter(|_| i > 0);
-        let mut minimum = MinimumData {
-            cost: *cost,
-            starts: *starts,
-            track: (i == 0).then_some(0),
-        };
+        let mut minimum = MinimumData { cost: *cost, starts: *starts, track: (i == 0).then_some(0) };
         if let Some(curve) = curve.filter(|_| tracks.len() <= MOST_GHOSTS) {
             minimum.track = Some(tracks.len());
             tracks.push(ghost(format!("minimum {}", i + 1), "minimum", curve)?);
@@ -267,14 +263,7 @@ fn plots_of_joints(model: &Model, rows: &[Sample]) -> Result<Vec<Plot>> {
             }
         });
         plots.push(plot(
-            Axes {
-                title: title.to_owned(),
-                unit,
-                time: true,
-                logarithmic: false,
-                per_joint: true,
-                legend: Vec::new(),
-            },
+            Axes { title: title.to_owned(), unit, time: true, logarithmic: false, per_joint: true, legend: Vec::new() },
             &lines.collect::<Vec<_>>(),
         )?);
     }
@@ -287,11 +276,8 @@ fn plot_of_clearance(rows: &[Sample], clearance: Option<&Clearance>) -> Result<O
     };
     let colour = colours(1)[0];
     let points = rows.iter().zip(&clearance.distances);
-    let line = Line {
-        points: points.map(|(row, distance)| (row.t, *distance)).collect(),
-        colour,
-        bounds: 0.0..f64::INFINITY,
-    };
+    let line =
+        Line { points: points.map(|(row, distance)| (row.t, *distance)).collect(), colour, bounds: 0.0..f64::INFINITY };
     let axes = Axes {
         title: "Clearance".to_owned(),
         unit: "m",

@@ -36,10 +36,7 @@ impl SolveFacts {
             ("degree", Some(s.degree.to_string())),
             ("segments", Some(s.segments.to_string())),
             ("verdict", Some(s.verdict.to_string())),
-            (
-                "control effort, int |u|^2 dt",
-                Some(short(s.control_effort)),
-            ),
+            ("control effort, int |u|^2 dt", Some(short(s.control_effort))),
             ("cost", Some(cost_of(summary))),
             ("final error with feedback", s.final_error_inf.map(short)),
             ("final error open loop", s.open_loop_error_inf.map(short)),
@@ -48,18 +45,12 @@ impl SolveFacts {
         ];
         let given = all.into_iter();
         let given = given.filter_map(|(what, value)| Some([what.to_owned(), value?]));
-        Self {
-            commands: vec![format!("aghf solve {}", quoted(path))],
-            ..Self::of(summary, given.collect())
-        }
+        Self { commands: vec![format!("aghf solve {}", quoted(path))], ..Self::of(summary, given.collect()) }
     }
 
     /// The facts of a solve with its whole table.
     pub fn of_solve(summary: &Summary) -> Self {
-        Self {
-            commands: commands(summary),
-            ..Self::of(summary, summary_rows(summary))
-        }
+        Self { commands: commands(summary), ..Self::of(summary, summary_rows(summary)) }
     }
 
     fn of(summary: &Summary, facts: Vec<[String; 2]>) -> Self {

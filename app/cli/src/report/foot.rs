@@ -47,9 +47,8 @@ impl Foot {
             foot.sole.rotation * Vector3::new(along, across, 0.0) + foot.sole.translation
         };
         let force = |contact: &FootContact| foot.sole.rotation * Vector3::from(contact.force);
-        let numbers = |of: &dyn Fn(&FootContact) -> Vector3<f64>| {
-            of_f32(contacts.iter().flat_map(|c| <[f64; 3]>::from(of(c))))
-        };
+        let numbers =
+            |of: &dyn Fn(&FootContact) -> Vector3<f64>| of_f32(contacts.iter().flat_map(|c| <[f64; 3]>::from(of(c))));
         let holds = |c: &FootContact| c.excess <= DirectSettings::FEASIBLE;
         Ok(Some(Self {
             pose: pose(&foot.sole),
@@ -68,21 +67,13 @@ impl Foot {
         let colours = colours(2);
         let line = |value: &dyn Fn(&FootContact) -> f64, colour, bounds| {
             let points = rows.iter().zip(&self.contacts);
-            Line {
-                points: points.map(|(row, c)| (row.t, value(c))).collect(),
-                colour,
-                bounds,
-            }
+            Line { points: points.map(|(row, c)| (row.t, value(c))).collect(), colour, bounds }
         };
         let pressure = [0, 1].map(|axis| {
             let half = self.size[axis];
             line(&|c| c.centre_of_pressure[axis], colours[axis], -half..half)
         });
-        let friction = line(
-            &|c| c.friction,
-            colours[0],
-            f64::NEG_INFINITY..self.friction,
-        );
+        let friction = line(&|c| c.friction, colours[0], f64::NEG_INFINITY..self.friction);
         let names = ["along", "across"].iter().zip(&colours);
         let legend = names.map(|(name, colour)| [(*name).to_owned(), css(*colour)]);
         let axes = |title: &str, unit, legend| Axes {

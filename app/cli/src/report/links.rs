@@ -34,10 +34,7 @@ fn tip(model: &Model, body: usize) -> (String, Vector3<f64>) {
         let [a, b] = [a, b].map(|f| f.placement.translation.norm());
         a.total_cmp(&b)
     });
-    let name = furthest.map_or_else(
-        || model.joints()[body].name().to_owned(),
-        |f| f.name.clone(),
-    );
+    let name = furthest.map_or_else(|| model.joints()[body].name().to_owned(), |f| f.name.clone());
     let point = furthest.map_or_else(Vector3::zeros, |f| f.placement.translation);
     if point.norm() > 1e-6 {
         return (name, point);
@@ -67,21 +64,11 @@ pub(super) fn tips(model: &Model) -> Vec<Tip> {
         .filter(last)
         .map(|body| {
             let (name, point) = tip(model, body);
-            (
-                ways[body] + point.norm(),
-                Tip {
-                    name,
-                    body,
-                    point: point.into(),
-                },
-            )
+            (ways[body] + point.norm(), Tip { name, body, point: point.into() })
         })
         .collect();
     tips.sort_by(|a, b| b.0.total_cmp(&a.0));
-    tips.into_iter()
-        .map(|(_, tip)| tip)
-        .take(MOST_TIPS)
-        .collect()
+    tips.into_iter().map(|(_, tip)| tip).take(MOST_TIPS).collect()
 }
 
 /// The radii of the links at each joint, m.
@@ -90,18 +77,14 @@ fn radii(model: &Model) -> Vec<f64> {
     let lengths = |body: usize| ends(model, body).into_iter().map(|end| end.norm());
     let of_links = (0..model.dof()).flat_map(lengths);
     let longest = of_links.fold(0.0, f64::max);
-    let reach = (0..model.dof())
-        .map(|body| ways[body] + lengths(body).fold(0.0, f64::max))
-        .fold(0.0, f64::max);
+    let reach = (0..model.dof()).map(|body| ways[body] + lengths(body).fold(0.0, f64::max)).fold(0.0, f64::max);
     let radius = match (OF_REACH * reach).min(OF_LONGEST * longest) {
         radius if radius > 0.0 => radius,
         // All joints are in one place.
         _ => 0.05,
     };
     let share = |way: f64| if reach > 0.0 { way / reach } else { 0.0 };
-    ways.iter()
-        .map(|way| radius * (1.0 - (1.0 - TAPER) * share(*way)))
-        .collect()
+    ways.iter().map(|way| radius * (1.0 - (1.0 - TAPER) * share(*way))).collect()
 }
 
 /// Links from joint to joint, and a ball at each joint, for the given bodies.
@@ -114,17 +97,10 @@ pub(super) fn capsules_along_links(model: &Model, bodies: &[Option<usize>]) -> V
         }
         let radius = radii[body];
         let own = match model.joints()[body].kind() {
-            JointKind::Prismatic => Shape::Cuboid {
-                half_extents: Vector3::repeat(JOINT * radius),
-            },
-            JointKind::Revolute | JointKind::Continuous => Shape::Sphere {
-                radius: JOINT * radius,
-            },
+            JointKind::Prismatic => Shape::Cuboid { half_extents: Vector3::repeat(JOINT * radius) },
+            JointKind::Revolute | JointKind::Continuous => Shape::Sphere { radius: JOINT * radius },
         };
-        shapes.push(Item {
-            joint: true,
-            ..Item::new(Some(body), &Placement::identity(), &own)
-        });
+        shapes.push(Item { joint: true, ..Item::new(Some(body), &Placement::identity(), &own) });
         shapes.extend(rail(model, body, 0.4 * radius));
         for end in ends(model, body) {
             shapes.extend(capsule(Some(body), end, radius));
@@ -136,18 +112,10 @@ pub(super) fn capsules_along_links(model: &Model, bodies: &[Option<usize>]) -> V
 /// The base: links from it to the first joints, and a plate under it.
 pub(super) fn base_shapes(model: &Model) -> Vec<Item> {
     let radius = radii(model).iter().copied().fold(0.0, f64::max);
-    let plate = Shape::Cylinder {
-        radius: 1.9 * radius,
-        half_length: 0.25 * radius,
-    };
+    let plate = Shape::Cylinder { radius: 1.9 * radius, half_length: 0.25 * radius };
     let first = model.joints().iter().filter(|j| j.parent().is_none());
-    let mut shapes: Vec<Item> = first
-        .filter_map(|joint| capsule(None, joint.origin().translation, radius))
-        .collect();
-    shapes.push(Item {
-        joint: true,
-        ..Item::new(None, &Placement::identity(), &plate)
-    });
+    let mut shapes: Vec<Item> = first.filter_map(|joint| capsule(None, joint.origin().translation, radius)).collect();
+    shapes.push(Item { joint: true, ..Item::new(None, &Placement::identity(), &plate) });
     shapes
 }
 
@@ -161,10 +129,7 @@ fn rail(model: &Model, body: usize, radius: f64) -> Option<Item> {
     }
     let axis = joint.axis();
     let middle = Placement::new(rotation_of_z_to(axis), axis * (0.5 * (lower + upper)));
-    let shape = Shape::Capsule {
-        radius,
-        half_length: 0.5 * (upper - lower),
-    };
+    let shape = Shape::Capsule { radius, half_length: 0.5 * (upper - lower) };
     let placement = joint.origin().compose(&middle);
     Some(Item::new(joint.parent(), &placement, &shape))
 }
@@ -176,9 +141,6 @@ fn capsule(body: Option<usize>, end: Vector3<f64>, radius: f64) -> Option<Item> 
         return None;
     }
     let placement = Placement::new(rotation_of_z_to(&end), end * 0.5);
-    let shape = Shape::Capsule {
-        radius,
-        half_length: 0.5 * length,
-    };
+    let shape = Shape::Capsule { radius, half_length: 0.5 * length };
     Some(Item::new(body, &placement, &shape))
 }

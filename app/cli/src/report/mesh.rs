@@ -60,12 +60,7 @@ fn small(triangles: &[Triangle]) -> MeshData {
         let step = longest / cells;
         let (corners, indices) = merged(triangles, &low, step);
         if indices.len() <= 3 * MOST_TRIANGLES || cells <= COARSEST {
-            return MeshData {
-                low: low.into(),
-                step,
-                corners: of_u16(&corners),
-                triangles: of_u32(&indices),
-            };
+            return MeshData { low: low.into(), step, corners: of_u16(&corners), triangles: of_u32(&indices) };
         }
         // The number of triangles of a surface is about the square of the number of cells, but unknown at the finest
         // grid.

@@ -29,10 +29,7 @@ use serde::Serialize;
 use std::path::Path;
 
 const PAGE: &str = include_str!("page/page.html");
-const STYLE: &str = concat!(
-    include_str!("page/style.css"),
-    include_str!("page/tables.css")
-);
+const STYLE: &str = concat!(include_str!("page/style.css"), include_str!("page/tables.css"));
 /// The parts of the script, each of which uses only those before it.
 const SCRIPT: [&str; 9] = [
     include_str!("page/elements.js"),
@@ -58,8 +55,7 @@ pub fn page(motions: &[Motion<'_>]) -> Result<String> {
 
 /// Builds a page from these data, this script and a title, which is escaped.
 fn filled(data: &impl Serialize, script: &[&str], title: &str) -> Result<String> {
-    let json = serde_json::to_string(data)
-        .map_err(|e| aghf::error::Error::input("report", "data", e.to_string()))?;
+    let json = serde_json::to_string(data).map_err(|e| aghf::error::Error::input("report", "data", e.to_string()))?;
     // Each placeholder is replaced once; user data come last, so that placeholders inside them are not expanded.
     let parts = [
         ("/* STYLE */", STYLE),
@@ -81,7 +77,5 @@ pub fn write_page(motions: &[Motion<'_>], path: &Path) -> Result<()> {
 
 /// Escapes text for an element of HTML.
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -101,17 +101,11 @@ fn range_of(lines: &[Line], logarithmic: bool) -> Range<f64> {
     if !(low.is_finite() && high.is_finite()) {
         return -1.0..1.0;
     }
-    let least = if logarithmic {
-        1.0
-    } else {
-        FLAT * low.abs().max(high.abs()).max(1e-7)
-    };
+    let least = if logarithmic { 1.0 } else { FLAT * low.abs().max(high.abs()).max(1e-7) };
     let span = (high - low).max(least);
     let near = (low - 0.4 * span)..(high + 0.4 * span);
     let bounds = lines.iter().flat_map(|l| [l.bounds.start, l.bounds.end]);
-    let all = bounds
-        .filter(|bound| near.contains(bound))
-        .chain([low, high]);
+    let all = bounds.filter(|bound| near.contains(bound)).chain([low, high]);
     let low = all.clone().fold(f64::INFINITY, f64::min);
     let high = all.fold(f64::NEG_INFINITY, f64::max);
     let pad = 0.07 * (high - low).max(least);
@@ -161,9 +155,7 @@ pub(super) fn plot(axes: Axes, lines: &[Line]) -> Result<Plot> {
     Ok(Plot {
         title: axes.title,
         unit: axes.unit,
-        svg: text
-            .replace(" fill=\"none\" opacity=\"1\"", "")
-            .replace(" \"/>", "\"/>"),
+        svg: text.replace(" fill=\"none\" opacity=\"1\"", "").replace(" \"/>", "\"/>"),
         frame: [
             f64::from(MARGIN + LEFT) / width,
             1.0 - f64::from(MARGIN) / width,
@@ -198,11 +190,7 @@ fn strips_of(lines: &[Line], up: &Range<f64>) -> Vec<Strip> {
         let Range { start, end } = line.bounds;
         let both = [(start, start - height, start), (end, end, end + height)];
         let within = both.into_iter().filter(|(bound, ..)| up.contains(bound));
-        within.map(|(_, from, to)| Strip {
-            colour: line.colour,
-            from: from.max(up.start),
-            to: to.min(up.end),
-        })
+        within.map(|(_, from, to)| Strip { colour: line.colour, from: from.max(up.start), to: to.min(up.end) })
     });
     each.collect()
 }
@@ -212,9 +200,7 @@ fn apart(strips: Vec<Strip>) -> (Vec<Strip>, Vec<Strip>) {
     let overlaps = |strip: &Strip| strips.iter().filter(|other| strip.overlaps(other)).count() > 1;
     let together: Vec<bool> = strips.iter().map(overlaps).collect();
     let mut together = together.into_iter();
-    strips
-        .into_iter()
-        .partition(|_| together.next() == Some(true))
+    strips.into_iter().partition(|_| together.next() == Some(true))
 }
 
 /// The unions of strips that overlap.
@@ -232,12 +218,7 @@ fn joined(mut strips: Vec<Strip>) -> Vec<Strip> {
 
 type Drawn = std::result::Result<(), Box<dyn Error>>;
 
-fn draw(
-    root: &DrawingArea<SVGBackend<'_>, Shift>,
-    axes: &Axes,
-    lines: &[Line],
-    across: &Range<f64>,
-) -> Drawn {
+fn draw(root: &DrawingArea<SVGBackend<'_>, Shift>, axes: &Axes, lines: &[Line], across: &Range<f64>) -> Drawn {
     let up = range_of(lines, axes.logarithmic);
     let fine = |x: i32| x * FINE;
     let mut chart = ChartBuilder::on(root)

@@ -88,8 +88,8 @@ pub(super) fn pose(placement: &Placement<f64>) -> [f64; 7] {
 
 /// Builds the scene of a scenario.
 pub(super) fn scene_of(scenario: &Scenario) -> Result<Scene> {
-    let (planes, solids): (Vec<_>, Vec<_>) = (scenario.scene.obstacles().iter())
-        .partition(|obstacle| obstacle.solid.shape == Shape::HalfSpace);
+    let (planes, solids): (Vec<_>, Vec<_>) =
+        (scenario.scene.obstacles().iter()).partition(|obstacle| obstacle.solid.shape == Shape::HalfSpace);
     let item = |Obstacle { name, solid }: &Obstacle| Item {
         name: Some(name.clone()),
         ..Item::new(None, &solid.placement, &solid.shape)
@@ -141,37 +141,25 @@ impl<'a> Robot<'a> {
 
     /// Collects the visual shapes of each link, otherwise its collision shapes; capsules along links without either.
     fn gather(&mut self) {
-        let (visuals, faults) =
-            read_visuals(&self.scenario.source.text, &self.scenario.file.packages);
+        let (visuals, faults) = read_visuals(&self.scenario.source.text, &self.scenario.file.packages);
         self.notes.extend(faults);
         let mut unseen = Vec::new();
         for frame in self.model.frames() {
             let own = visuals.iter().filter(|visual| visual.link == frame.name);
             let mut shown = Vec::new();
             let mut whole = true;
-            for Visual {
-                placement,
-                shape,
-                color,
-                ..
-            } in own
-            {
+            for Visual { placement, shape, color, .. } in own {
                 let placement = frame.placement.compose(placement);
                 match self.item(&frame.name, frame.body, &placement, shape) {
-                    Some(item) => shown.push(Item {
-                        color: *color,
-                        ..item
-                    }),
+                    Some(item) => shown.push(Item { color: *color, ..item }),
                     None => whole = false,
                 }
             }
             if shown.is_empty() || !whole {
                 let collisions = self.model.collisions().iter();
                 let own: Vec<_> = collisions.filter(|c| c.link == frame.name).collect();
-                let shapes: Vec<_> = own
-                    .iter()
-                    .filter_map(|c| self.item(&c.link, c.body, &c.placement, &c.shape))
-                    .collect();
+                let shapes: Vec<_> =
+                    own.iter().filter_map(|c| self.item(&c.link, c.body, &c.placement, &c.shape)).collect();
                 if !shapes.is_empty() {
                     shown = shapes;
                 }
@@ -183,8 +171,7 @@ impl<'a> Robot<'a> {
         }
         if let Some((links, error)) = &self.unread {
             let links = links.join(", ");
-            let note =
-                format!("meshes that cannot be read, of the links {links}; the first one: {error}");
+            let note = format!("meshes that cannot be read, of the links {links}; the first one: {error}");
             self.notes.push(note);
         }
         let seen = |body: Option<usize>| self.shapes.iter().any(|item| item.body == body);
@@ -228,13 +215,7 @@ impl<'a> Robot<'a> {
         Some(Item {
             kind: "mesh",
             mesh: Some(number),
-            ..Item::new(
-                body,
-                placement,
-                &Shape::Cuboid {
-                    half_extents: Vector3::repeat(1.0),
-                },
-            )
+            ..Item::new(body, placement, &Shape::Cuboid { half_extents: Vector3::repeat(1.0) })
         })
     }
 }

@@ -98,12 +98,7 @@ impl Group {
     pub fn new(name: String, index: usize, failed: bool, points: Vec<(f64, f64, String)>) -> Self {
         let finite = points.into_iter();
         let finite = finite.filter(|(x, y, _)| x.is_finite() && y.is_finite());
-        Self {
-            name,
-            failed,
-            color: css(COLOURS[index % COLOURS.len()]),
-            points: finite.collect(),
-        }
+        Self { name, failed, color: css(COLOURS[index % COLOURS.len()]), points: finite.collect() }
     }
 
     /// Returns true if it has no points.
@@ -162,12 +157,7 @@ impl Table {
     ///
     /// # Errors
     /// The rows cannot be written as comma-separated values.
-    pub fn of_rows<T: Serialize>(
-        title: &str,
-        file: &str,
-        rows: &[T],
-        fails: impl Fn(&T) -> bool,
-    ) -> Result<Self> {
+    pub fn of_rows<T: Serialize>(title: &str, file: &str, rows: &[T], fails: impl Fn(&T) -> bool) -> Result<Self> {
         let shown = &rows[..rows.len().min(MOST_ROWS)];
         let text = csv_of(shown, true)?;
         let table = Self::of_csv(title, file, &text, |i| shown.get(i).is_some_and(&fails))?;
@@ -180,19 +170,11 @@ impl Table {
     ///
     /// # Errors
     /// The text is not a table of comma-separated values.
-    pub fn of_csv(
-        title: &str,
-        file: &str,
-        text: &[u8],
-        fails: impl Fn(usize) -> bool,
-    ) -> Result<Self> {
+    pub fn of_csv(title: &str, file: &str, text: &[u8], fails: impl Fn(usize) -> bool) -> Result<Self> {
         let refused = |e: csv::Error| Error::input(file, "table", e.to_string());
         let mut reader = csv::Reader::from_reader(text);
         let header = reader.headers().map_err(refused)?.clone();
-        let rows: Vec<csv::StringRecord> = reader
-            .records()
-            .collect::<csv::Result<_>>()
-            .map_err(refused)?;
+        let rows: Vec<csv::StringRecord> = reader.records().collect::<csv::Result<_>>().map_err(refused)?;
         let shown = &rows[..rows.len().min(MOST_ROWS)];
         let used = |i: &usize| shown.iter().any(|row| !row[*i].is_empty());
         let used: Vec<usize> = (0..header.len()).filter(used).collect();
@@ -217,9 +199,7 @@ fn cell(text: &str) -> Value {
         let exact = integer.unsigned_abs() <= LARGEST_INTEGER;
         return if exact { integer.into() } else { text.into() };
     }
-    let is_number = text
-        .bytes()
-        .all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
+    let is_number = text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
     match text.parse::<f64>() {
         // A script would round an integer of this size.
         Ok(_) if text.bytes().all(|b| b.is_ascii_digit()) => text.into(),
@@ -238,10 +218,7 @@ fn thinned(plot: &Scatter) -> Scatter {
     if all > MOST_POINTS {
         let step = all.div_ceil(MOST_POINTS);
         for group in &mut plot.groups {
-            group.points = std::mem::take(&mut group.points)
-                .into_iter()
-                .step_by(step)
-                .collect();
+            group.points = std::mem::take(&mut group.points).into_iter().step_by(step).collect();
         }
         plot.title += &format!(" (one point of {step})");
     }

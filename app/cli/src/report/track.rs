@@ -76,12 +76,7 @@ pub(super) fn placements_of(model: &Model, rows: &[Sample]) -> Result<Vec<Vec<Pl
 }
 
 impl Track {
-    pub fn new(
-        name: String,
-        kind: &'static str,
-        rows: &[Sample],
-        placements: &[Vec<Placement<f64>>],
-    ) -> Self {
+    pub fn new(name: String, kind: &'static str, rows: &[Sample], placements: &[Vec<Placement<f64>>]) -> Self {
         let poses: Vec<[f64; 7]> = placements.iter().flatten().map(pose).collect();
         let positions = || poses.iter().flat_map(|p| p[..3].iter().copied());
         let furthest = positions().fold(1e-6, |most: f64, x| most.max(x.abs()));
@@ -93,10 +88,7 @@ impl Track {
             times: of_f32(rows.iter().map(|row| row.t)),
             unit,
             positions: of_i16(positions(), unit),
-            turns: of_i16(
-                poses.iter().flat_map(|p| p[3..].iter().copied()),
-                1.0 / LARGEST,
-            ),
+            turns: of_i16(poses.iter().flat_map(|p| p[3..].iter().copied()), 1.0 / LARGEST),
         }
     }
 }

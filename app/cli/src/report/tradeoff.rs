@@ -12,14 +12,9 @@ use serde::Serialize;
 /// # Errors
 /// Those of [`page`](super::page).
 pub fn tradeoff_page(found: &[(Scenario, SolveReport)]) -> Result<String> {
-    let motions = found
-        .iter()
-        .map(|(of, report)| Motion::of_report(of, report));
+    let motions = found.iter().map(|(of, report)| Motion::of_report(of, report));
     let motions = motions.map(|motion| MotionData::new(&motion));
-    let data = Tradeoff {
-        plot: efforts(found),
-        motions: motions.collect::<Result<_>>()?,
-    };
+    let data = Tradeoff { plot: efforts(found), motions: motions.collect::<Result<_>>()? };
     let name = found.first().map_or("", |(of, _)| of.name.as_str());
     let mut script = SCRIPT.to_vec();
     script.insert(script.len() - 1, include_str!("page/scatter.js"));
@@ -35,13 +30,9 @@ struct Tradeoff {
 
 /// The points of the curve, valid and not.
 fn efforts(found: &[(Scenario, SolveReport)]) -> Scatter {
-    let groups = [("valid", true), ("not valid", false)]
-        .into_iter()
-        .enumerate();
+    let groups = [("valid", true), ("not valid", false)].into_iter().enumerate();
     let groups = groups.map(|(index, (name, valid))| {
-        let own = found
-            .iter()
-            .filter(|(_, report)| report.summary.success == valid);
+        let own = found.iter().filter(|(_, report)| report.summary.success == valid);
         let points = own.map(|(_, report)| {
             let (duration, effort) = (report.curve.horizon(), report.summary.control_effort);
             let name = format!("{} s, effort {}", short(duration), short(effort));

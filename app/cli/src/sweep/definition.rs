@@ -5,8 +5,7 @@ use aghf::error::{Error, Result};
 use aghf::input::{entries, name_of, read_named};
 use aghf::urdf::builtin_robot_text;
 use aghf_scenario::{
-    LoadOptions, Method, Scenario, SolveOptions, builtin_scenarios, generated_scenarios,
-    is_generated,
+    LoadOptions, Method, Scenario, SolveOptions, builtin_scenarios, generated_scenarios, is_generated,
 };
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -119,9 +118,7 @@ impl Sweep {
             }
         }
         let [options, keys] = [false, true].map(|of_scenario| file.grid.part(of_scenario));
-        let variants = keys
-            .count()
-            .map(|count| count.saturating_mul(scenarios.len()));
+        let variants = keys.count().map(|count| count.saturating_mul(scenarios.len()));
         if points.saturating_mul(scenarios.len()) > MOST_SETS {
             return Err(too_many(MOST_SETS, "sets"));
         }
@@ -131,27 +128,15 @@ impl Sweep {
         let refuse = |(key, condition)| Error::input(path, key, condition);
         let mut variants = Vec::new();
         for scenario in &scenarios {
-            options
-                .check_options(file.head.method, scenario)
-                .map_err(refuse)?;
+            options.check_options(file.head.method, scenario).map_err(refuse)?;
             variants.extend(keys.variants(scenario).map_err(refuse)?);
         }
         let sets = (0..scenarios.len())
             .flat_map(|scenario| (0..points).map(move |point| (scenario, point)))
             .enumerate()
-            .map(|(index, (scenario, point))| ParameterSet {
-                index,
-                scenario,
-                point,
-            })
+            .map(|(index, (scenario, point))| ParameterSet { index, scenario, point })
             .collect();
-        Ok(Self {
-            name,
-            file,
-            scenarios,
-            variants,
-            sets,
-        })
+        Ok(Self { name, file, scenarios, variants, sets })
     }
 
     /// The number of sets per scenario.
@@ -229,9 +214,7 @@ fn named(entry: &str, folder: &Path) -> std::result::Result<Vec<String>, String>
         let built_in = builtin_scenarios().filter(|name| name.starts_with(start));
         let mut all: Vec<_> = built_in.map(str::to_owned).collect();
         if all.is_empty() {
-            all = generated_scenarios()
-                .filter(|name| name.starts_with(start))
-                .collect();
+            all = generated_scenarios().filter(|name| name.starts_with(start)).collect();
         }
         if all.is_empty() {
             return Err(format!("no built-in scenario matches '{entry}'"));
@@ -246,16 +229,10 @@ fn named(entry: &str, folder: &Path) -> std::result::Result<Vec<String>, String>
         return Ok(vec![path.to_string_lossy().into_owned()]);
     }
     let scenarios = entries(&path).map_err(|e| e.to_string())?;
-    let scenarios = scenarios
-        .iter()
-        .filter(|path| path.extension() == Some("json".as_ref()));
-    let all: Vec<_> = scenarios
-        .map(|path| path.to_string_lossy().into_owned())
-        .collect();
+    let scenarios = scenarios.iter().filter(|path| path.extension() == Some("json".as_ref()));
+    let all: Vec<_> = scenarios.map(|path| path.to_string_lossy().into_owned()).collect();
     if all.is_empty() {
-        return Err(format!(
-            "the folder '{entry}' has no scenario, no file *.json"
-        ));
+        return Err(format!("the folder '{entry}' has no scenario, no file *.json"));
     }
     Ok(all)
 }
@@ -267,11 +244,7 @@ fn load(file: &SweepFile, name_or_path: &str, folder: &Path) -> Result<Scenario>
         Some(_) => robot.to_owned(),
         None => folder.join(robot).to_string_lossy().into_owned(),
     });
-    let given = LoadOptions {
-        robot: path,
-        mimic: file.head.mimic,
-        ..LoadOptions::default()
-    };
+    let given = LoadOptions { robot: path, mimic: file.head.mimic, ..LoadOptions::default() };
     let mut scenario = Scenario::load_for(name_or_path, &given)?;
     if let Some(robot) = robot {
         // As written in the sweep, which has the same results in any folder.

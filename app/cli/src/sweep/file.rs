@@ -38,14 +38,7 @@ pub struct Head {
 }
 
 /// The names of all these keys.
-const HEAD: [&str; 6] = [
-    "method",
-    "name",
-    "scenarios",
-    "robot",
-    "mimic",
-    "time_limit_s",
-];
+const HEAD: [&str; 6] = ["method", "name", "scenarios", "robot", "mimic", "time_limit_s"];
 
 impl SweepFile {
     /// The wall time, s, of one solve in the sweep of [all](Self::of_all) scenarios of a folder.
@@ -87,10 +80,9 @@ impl SweepFile {
         // The method determines which lists are valid, and an unknown key may be a required one that is misspelt.
         let method = match head.get("method") {
             None => Method::default(),
-            Some(name) => name
-                .clone()
-                .try_into()
-                .map_err(|e: toml::de::Error| ("method".to_owned(), e.message().to_owned()))?,
+            Some(name) => {
+                name.clone().try_into().map_err(|e: toml::de::Error| ("method".to_owned(), e.message().to_owned()))?
+            }
         };
         let options = SolveOptions::schema_of(method);
         let (options, scenario) = (&options["properties"], &scenario_schema()["properties"]);
@@ -143,10 +135,7 @@ fn check(head: &Head) -> std::result::Result<(), Refusal> {
 
 /// The names of properties in a schema.
 fn names(properties: &Value) -> String {
-    let keys = properties
-        .as_object()
-        .into_iter()
-        .flat_map(|all| all.keys());
+    let keys = properties.as_object().into_iter().flat_map(|all| all.keys());
     keys.map(String::as_str).collect::<Vec<_>>().join(", ")
 }
 
@@ -169,17 +158,10 @@ fn add_lists(
             for (i, value) in values.into_iter().enumerate() {
                 all.push(json(value).map_err(|condition| (format!("{name}[{i}]"), condition))?);
             }
-            parameters.push(Parameter {
-                name,
-                values: all,
-                of_scenario,
-            });
+            parameters.push(Parameter { name, values: all, of_scenario });
             Ok(())
         }
-        other => Err((
-            name,
-            format!("it is a {}, a list of values is needed", other.type_str()),
-        )),
+        other => Err((name, format!("it is a {}, a list of values is needed", other.type_str()))),
     }
 }
 
@@ -190,10 +172,7 @@ fn json(value: toml::Value) -> std::result::Result<Value, String> {
         toml::Value::Integer(number) => Value::from(number),
         toml::Value::Boolean(truth) => Value::from(truth),
         toml::Value::Float(number) if number.is_finite() => Value::from(number),
-        toml::Value::Array(values) => values
-            .into_iter()
-            .map(json)
-            .collect::<std::result::Result<_, _>>()?,
+        toml::Value::Array(values) => values.into_iter().map(json).collect::<std::result::Result<_, _>>()?,
         toml::Value::Table(table) => {
             let pairs = table.into_iter();
             let pairs = pairs.map(|(key, value)| Ok((key, json(value)?)));

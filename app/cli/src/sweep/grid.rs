@@ -42,8 +42,7 @@ impl Grid {
             }
             if values.len() > MOST_VALUES {
                 let count = values.len();
-                let condition =
-                    format!("it has {count} values, at most {MOST_VALUES} are possible");
+                let condition = format!("it has {count} values, at most {MOST_VALUES} are possible");
                 return Err((name.clone(), condition));
             }
             for (i, value) in values.iter().enumerate() {
@@ -103,9 +102,7 @@ impl Grid {
     #[must_use]
     pub fn point(&self, point: usize) -> Map<String, Value> {
         let digits = self.parameters.iter().zip(self.digits(point));
-        digits
-            .map(|(p, digit)| (p.name.clone(), p.values[digit].clone()))
-            .collect()
+        digits.map(|(p, digit)| (p.name.clone(), p.values[digit].clone())).collect()
     }
 
     /// The options of a solve with these keys.
@@ -118,11 +115,7 @@ impl Grid {
     }
 
     /// Refuses options that are invalid in `scenario`, alone or in combination.
-    pub(super) fn check_options(
-        &self,
-        method: Method,
-        scenario: &Scenario,
-    ) -> std::result::Result<(), Refusal> {
+    pub(super) fn check_options(&self, method: Method, scenario: &Scenario) -> std::result::Result<(), Refusal> {
         for point in 0..self.count().unwrap_or(0) {
             let options = Self::options(method, self.point(point));
             let checked = options.and_then(|options| options.check(scenario));
@@ -132,10 +125,7 @@ impl Grid {
     }
 
     /// The scenario at each point of the part of the scenario.
-    pub(super) fn variants(
-        &self,
-        scenario: &Scenario,
-    ) -> std::result::Result<Vec<Scenario>, Refusal> {
+    pub(super) fn variants(&self, scenario: &Scenario) -> std::result::Result<Vec<Scenario>, Refusal> {
         let points = 0..self.count().unwrap_or(0);
         let variant = |point| {
             let made = scenario.with_keys(&self.point(point));
@@ -146,10 +136,7 @@ impl Grid {
 
     /// The value at a point at which an error points, as the place in its list.
     fn refusal(&self, point: usize, error: Error) -> Refusal {
-        let Error::Input {
-            element, condition, ..
-        } = error
-        else {
+        let Error::Input { element, condition, .. } = error else {
             return ("sweep".to_owned(), error.to_string());
         };
         let own = |(p, _): &(&Parameter, usize)| {
@@ -177,11 +164,7 @@ pub(super) fn in_table(value: &Value) -> String {
     match (value, value.as_f64()) {
         (_, Some(x)) => {
             let (plain, scientific) = (format!("{x}"), format!("{x:e}"));
-            if scientific.len() < plain.len() {
-                scientific
-            } else {
-                plain
-            }
+            if scientific.len() < plain.len() { scientific } else { plain }
         }
         (other, None) => crate::output::csv_cell(other),
     }

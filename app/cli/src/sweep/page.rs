@@ -28,15 +28,9 @@ pub fn sweep_page(sweep: &Sweep, rows: &[Row], ranking: &[Ranked]) -> Result<Tab
     ];
     let plots = vec![Plot::Scatter(efforts(rows))];
     let shares = shares(rows);
-    let mut parts = vec![Part::Plots {
-        title: "Effort against time".to_owned(),
-        plots,
-    }];
+    let mut parts = vec![Part::Plots { title: "Effort against time".to_owned(), plots }];
     if !shares.is_empty() {
-        parts.push(Part::Plots {
-            title: "Success by parameter".to_owned(),
-            plots: shares,
-        });
+        parts.push(Part::Plots { title: "Success by parameter".to_owned(), plots: shares });
     }
     parts.push(Part::Table(Table::of_rows(
         "Ranking: the highest rate of success first, then the least time",
@@ -44,12 +38,7 @@ pub fn sweep_page(sweep: &Sweep, rows: &[Row], ranking: &[Ranked]) -> Result<Tab
         ranking,
         |ranked| ranked.success_rate == 0.0,
     )?));
-    parts.push(Part::Table(Table::of_rows(
-        "Results of all sets",
-        "results.csv",
-        rows,
-        |row| !succeeds(row),
-    )?));
+    parts.push(Part::Table(Table::of_rows("Results of all sets", "results.csv", rows, |row| !succeeds(row))?));
     Ok(TablePage {
         title: sweep.name.clone(),
         about: format!("sweep of the method {}", sweep.method()),
@@ -78,23 +67,12 @@ fn efforts(rows: &[Row]) -> Scatter {
         }
         Some((time, effort, name))
     };
-    let groups = RowOutcome::ALL
-        .iter()
-        .zip(OUTCOME_COLOURS)
-        .map(|(outcome, colour)| {
-            let own = rows.iter().filter(|row| row.outcome == *outcome);
-            let failed = *outcome != RowOutcome::Success;
-            Group::new(
-                outcome.name().to_owned(),
-                colour,
-                failed,
-                own.filter_map(point).collect(),
-            )
-        });
-    let without = rows
-        .iter()
-        .filter(|row| row.result("control_effort").is_none())
-        .count();
+    let groups = RowOutcome::ALL.iter().zip(OUTCOME_COLOURS).map(|(outcome, colour)| {
+        let own = rows.iter().filter(|row| row.outcome == *outcome);
+        let failed = *outcome != RowOutcome::Success;
+        Group::new(outcome.name().to_owned(), colour, failed, own.filter_map(point).collect())
+    });
+    let without = rows.iter().filter(|row| row.result("control_effort").is_none()).count();
     let note = match without {
         0 => String::new(),
         _ => format!(" that led to a motion ({without} did not)"),
@@ -124,20 +102,14 @@ fn shares(rows: &[Row]) -> Vec<Plot> {
         for (row, cells) in rows.iter().zip(&cells) {
             let (_, value) = &cells[i];
             let at = *places.entry(value).or_insert_with(|| {
-                bars.push(Bar {
-                    name: value.clone(),
-                    good: 0,
-                    all: 0,
-                });
+                bars.push(Bar { name: value.clone(), good: 0, all: 0 });
                 bars.len() - 1
             });
             bars[at].all += 1;
             bars[at].good += usize::from(succeeds(row));
         }
         let title = cells.first()?[i].0.to_owned();
-        (2..=MOST_BARS)
-            .contains(&bars.len())
-            .then_some(Plot::Bars { title, bars })
+        (2..=MOST_BARS).contains(&bars.len()).then_some(Plot::Bars { title, bars })
     });
     plots.collect()
 }

@@ -92,10 +92,8 @@ pub fn ranking(sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
 pub fn best(ranking: &[Ranked]) -> Option<[&Ranked; 2]> {
     let fastest = ranking.first().filter(|r| r.success_rate > 0.0)?;
     let effort = |r: &&Ranked| r.result("control_effort").unwrap_or(f64::INFINITY);
-    let least = (ranking
-        .iter()
-        .filter(|r| r.success_rate == fastest.success_rate))
-    .min_by(|a, b| effort(a).total_cmp(&effort(b)))?;
+    let least = (ranking.iter().filter(|r| r.success_rate == fastest.success_rate))
+        .min_by(|a, b| effort(a).total_cmp(&effort(b)))?;
     Some([fastest, least])
 }
 
@@ -118,9 +116,7 @@ fn ranked(name: &str, sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
 
 /// Summarises the rows of one set of parameters, at least one.
 fn summarise(scenario: &str, method: Method, rows: &[&Row]) -> Ranked {
-    let good: Vec<&Row> = (rows.iter().copied())
-        .filter(|row| row.outcome == RowOutcome::Success)
-        .collect();
+    let good: Vec<&Row> = (rows.iter().copied()).filter(|row| row.outcome == RowOutcome::Success).collect();
     let times: Vec<f64> = good.iter().map(|row| row.solve_seconds).collect();
     let solve_seconds = (!times.is_empty()).then(|| mean(&times));
     let median_seconds = median(times);
@@ -177,9 +173,7 @@ pub fn ranking_table(ranking: &[Ranked]) -> String {
     let mut header = vec!["scenario", "best by", "success"];
     header.extend(first.parameters.keys().map(String::as_str));
     header.extend(["mean, ms", "median, ms"]);
-    let ranked = RANKED
-        .iter()
-        .filter(|(name, ..)| first.results.contains_key(*name));
+    let ranked = RANKED.iter().filter(|(name, ..)| first.results.contains_key(*name));
     header.extend(ranked.map(|(_, heading, _)| *heading));
     table.set_header(header);
     for group in ranking.chunk_by(|a, b| a.scenario == b.scenario) {

@@ -46,23 +46,14 @@ impl<'s> Results<'s> {
             check_identity(sweep, &identity)?;
         } else if path.exists() {
             let condition = "it is missing, so the results beside it could be of any sweep";
-            return Err(Error::input(
-                identity.display().to_string(),
-                "sweep",
-                condition,
-            ));
+            return Err(Error::input(identity.display().to_string(), "sweep", condition));
         } else {
             let value = sweep.identity();
             write_whole(&identity, |file| write_json(&value, file))?;
         }
         let io = |e| Error::io(&path, e);
         let mut options = File::options();
-        let mut file = options
-            .read(true)
-            .append(true)
-            .create(true)
-            .open(&path)
-            .map_err(io)?;
+        let mut file = options.read(true).append(true).create(true).open(&path).map_err(io)?;
         file.try_lock().map_err(|e| match e {
             TryLockError::WouldBlock => {
                 let condition = "another process is at work on it";
@@ -80,12 +71,7 @@ impl<'s> Results<'s> {
         if complete.is_empty() {
             append_line(&mut file, header(sweep)?.as_bytes()).map_err(io)?;
         }
-        Ok(Self {
-            sweep,
-            shard,
-            path,
-            state: Mutex::new((file, rows)),
-        })
+        Ok(Self { sweep, shard, path, state: Mutex::new((file, rows)) })
     }
 
     /// The sets of the shard that have no row yet.
@@ -128,18 +114,12 @@ impl<'s> Results<'s> {
         let missing = self.missing();
         if let Some(first) = missing.first() {
             let (count, all) = (missing.len(), self.sets().count());
-            let condition = format!(
-                "{count} of {all} sets are missing, the first is set {}",
-                first.index
-            );
+            let condition = format!("{count} of {all} sets are missing, the first is set {}", first.index);
             let file = self.path.display().to_string();
             return Err(Error::input(file, "results", condition));
         }
         // The lock is held until the new file is in place.
-        let (_file, rows) = self
-            .state
-            .into_inner()
-            .unwrap_or_else(PoisonError::into_inner);
+        let (_file, rows) = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
         let rows: Vec<Row> = rows.into_values().collect();
         let text = csv_of(&rows, true)?;
         write_whole(&self.path, |file| file.write_all(&text))?;
@@ -199,9 +179,7 @@ fn file_name(shard: Shard) -> String {
 /// Refuses a `sweep.json` of another sweep.
 fn check_identity(sweep: &Sweep, path: &Path) -> Result<()> {
     let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
-    let refuse = |element: String, condition| {
-        Err(Error::input(path.display().to_string(), element, condition))
-    };
+    let refuse = |element: String, condition| Err(Error::input(path.display().to_string(), element, condition));
     let Ok(found) = serde_json::from_str::<Value>(&text) else {
         return refuse("sweep".to_owned(), "it is no JSON");
     };
@@ -220,16 +198,14 @@ fn check_identity(sweep: &Sweep, path: &Path) -> Result<()> {
 fn difference(a: &Value, b: &Value) -> Option<String> {
     match (a, b) {
         (Value::Object(a), Value::Object(b)) => {
-            a.keys()
-                .chain(b.keys())
-                .find_map(|key| match (a.get(key), b.get(key)) {
-                    (Some(a), Some(b)) => difference(a, b).map(|rest| format!(".{key}{rest}")),
-                    _ => Some(format!(".{key}")),
-                })
+            a.keys().chain(b.keys()).find_map(|key| match (a.get(key), b.get(key)) {
+                (Some(a), Some(b)) => difference(a, b).map(|rest| format!(".{key}{rest}")),
+                _ => Some(format!(".{key}")),
+            })
         }
-        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => (a.iter().zip(b))
-            .enumerate()
-            .find_map(|(i, (a, b))| difference(a, b).map(|rest| format!(".{i}{rest}"))),
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            (a.iter().zip(b)).enumerate().find_map(|(i, (a, b))| difference(a, b).map(|rest| format!(".{i}{rest}")))
+        }
         _ => (a != b).then(String::new),
     }
 }
@@ -243,9 +219,7 @@ fn complete(text: &[u8]) -> &[u8] {
 /// Parses the rows of a text of complete lines, by set.
 fn parse(sweep: &Sweep, shard: Shard, text: &[u8], path: &Path) -> Result<BTreeMap<usize, Row>> {
     let file = path.display().to_string();
-    let refuse = |line: usize, condition: String| {
-        Error::input(file.clone(), format!("line {line}"), condition)
-    };
+    let refuse = |line: usize, condition: String| Error::input(file.clone(), format!("line {line}"), condition);
     let mut rows = BTreeMap::new();
     if text.is_empty() {
         return Ok(rows);
@@ -257,9 +231,7 @@ fn parse(sweep: &Sweep, shard: Shard, text: &[u8], path: &Path) -> Result<BTreeM
     for (i, line) in csv::Reader::from_reader(text).records().enumerate() {
         let refuse = |condition| refuse(i + 2, condition);
         let line = line.map_err(|e| refuse(e.to_string()))?;
-        let set = line[0]
-            .parse::<usize>()
-            .map_err(|e| refuse(e.to_string()))?;
+        let set = line[0].parse::<usize>().map_err(|e| refuse(e.to_string()))?;
         let own = sweep.sets.get(set).filter(|_| shard.has(set));
         let own = own.ok_or_else(|| refuse(format!("its set {set} is not one of this sweep")))?;
         let row = Row::read(sweep, own, &line).map_err(refuse)?;

@@ -25,13 +25,7 @@ pub enum RowOutcome {
 
 impl RowOutcome {
     /// All outcomes.
-    pub const ALL: [Self; 5] = [
-        Self::Success,
-        Self::GoalMissed,
-        Self::Infeasible,
-        Self::Failed,
-        Self::TimeLimit,
-    ];
+    pub const ALL: [Self; 5] = [Self::Success, Self::GoalMissed, Self::Infeasible, Self::Failed, Self::TimeLimit];
 
     /// The name in the results.
     #[must_use]
@@ -69,13 +63,8 @@ pub struct Row {
 }
 
 /// The keys of the summary that all methods have and that are columns of the results.
-const COMMON: [&str; 5] = [
-    "final_error_inf",
-    "open_loop_error_inf",
-    "control_effort",
-    "dynamics_defect",
-    "smallest_clearance_m",
-];
+const COMMON: [&str; 5] =
+    ["final_error_inf", "open_loop_error_inf", "control_effort", "dynamics_defect", "smallest_clearance_m"];
 
 /// Those of one method.
 fn results_of(method: Method) -> &'static [&'static str] {
@@ -90,12 +79,7 @@ fn results_of(method: Method) -> &'static [&'static str] {
             "iterations",
             "factorisations",
         ],
-        Method::Flow => &[
-            "action",
-            "steps",
-            "omega_evaluations",
-            "jacobian_evaluations",
-        ],
+        Method::Flow => &["action", "steps", "omega_evaluations", "jacobian_evaluations"],
         Method::Rest | Method::Duals | Method::TwoPhases => &[
             "action",
             "gradient_norm",
@@ -123,11 +107,7 @@ impl Row {
     ///
     /// # Errors
     /// The line is not of this set, or a cell does not have the type of its column.
-    pub(super) fn read(
-        sweep: &Sweep,
-        set: &ParameterSet,
-        line: &StringRecord,
-    ) -> std::result::Result<Self, String> {
+    pub(super) fn read(sweep: &Sweep, set: &ParameterSet, line: &StringRecord) -> std::result::Result<Self, String> {
         let mut row = Self::failed(sweep, set, "", 0.0);
         let mut cells = line.iter().skip(1);
         let mut next = || cells.next().unwrap_or_default();
@@ -162,10 +142,7 @@ impl Row {
             parameters: sweep.parameters(set),
             outcome: RowOutcome::Failed,
             reason: Some(one_line(reason)),
-            results: sweep
-                .results()
-                .map(|name| (name.to_owned(), Value::Null))
-                .collect(),
+            results: sweep.results().map(|name| (name.to_owned(), Value::Null)).collect(),
             solve_seconds,
         }
     }
@@ -174,10 +151,7 @@ impl Row {
     pub(super) fn late(sweep: &Sweep, set: &ParameterSet, solve_seconds: f64) -> Self {
         let limit = sweep.file.head.time_limit_s;
         let reason = format!("time limit of {limit} s reached");
-        Self {
-            outcome: RowOutcome::TimeLimit,
-            ..Self::failed(sweep, set, &reason, solve_seconds)
-        }
+        Self { outcome: RowOutcome::TimeLimit, ..Self::failed(sweep, set, &reason, solve_seconds) }
     }
 
     /// The row of a solved set.
@@ -223,10 +197,7 @@ impl Row {
     #[must_use]
     pub fn agrees(&self, other: &Self) -> bool {
         let solve_seconds = self.solve_seconds;
-        let other = Self {
-            solve_seconds,
-            ..other.clone()
-        };
+        let other = Self { solve_seconds, ..other.clone() };
         *self == other
     }
 }

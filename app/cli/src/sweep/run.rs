@@ -26,9 +26,7 @@ pub fn run(
         check_count("jobs", jobs, 1..=DirectSettings::MOST_THREADS)?;
     }
     let threads = ThreadPoolBuilder::new().num_threads(jobs.unwrap_or(0));
-    let pool = threads
-        .build()
-        .map_err(|e| Error::input("settings", "jobs", e.to_string()))?;
+    let pool = threads.build().map_err(|e| Error::input("settings", "jobs", e.to_string()))?;
     pool.install(|| {
         // One set at a time, because the times of sets differ by a factor of up to a thousand.
         let queue = sets.par_iter().with_max_len(1);
@@ -44,9 +42,7 @@ fn solve_set(sweep: &Sweep, set: &ParameterSet) -> Result<Row> {
         let seconds = started.elapsed().as_secs_f64();
         return Ok(Row::failed(sweep, set, &reason.to_string(), seconds));
     }
-    let solve = Solve::new(scenario)
-        .options(sweep.options(set)?)
-        .interrupt(Interrupt::after(sweep.time_limit()));
+    let solve = Solve::new(scenario).options(sweep.options(set)?).interrupt(Interrupt::after(sweep.time_limit()));
     let solved = catch_unwind(AssertUnwindSafe(|| solve.run()));
     Ok(match solved {
         Ok(outcome) => Row::new(sweep, set, &outcome?),

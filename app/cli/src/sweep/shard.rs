@@ -29,9 +29,7 @@ impl FromStr for Shard {
         let parts = text.split_once('/');
         let shard = parts.and_then(|(index, count)| {
             let (index, count) = (index.parse().ok()?, count.parse().ok()?);
-            (1..=count)
-                .contains(&index)
-                .then_some(Self { index, count })
+            (1..=count).contains(&index).then_some(Self { index, count })
         });
         shard.ok_or_else(|| "i/n with 1 <= i <= n is needed, such as 2/8".to_owned())
     }

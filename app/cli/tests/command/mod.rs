@@ -8,9 +8,7 @@ use std::process::{Command, Stdio};
 
 /// An empty folder for one test.
 pub fn empty_folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("cli")
-        .join(test);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli").join(test);
     if folder.exists() {
         std::fs::remove_dir_all(&folder).expect("it is ours");
     }
@@ -36,12 +34,7 @@ pub fn aghf(folder: &Path, arguments: &[&str]) -> Run {
 /// Runs `aghf` in a folder with a standard input.
 pub fn aghf_reading(folder: &Path, arguments: &[&str], input: impl Into<Stdio>) -> Run {
     let mut command = Command::new(env!("CARGO_BIN_EXE_aghf"));
-    let output = command
-        .current_dir(folder)
-        .args(arguments)
-        .stdin(input)
-        .output()
-        .expect("it runs");
+    let output = command.current_dir(folder).args(arguments).stdin(input).output().expect("it runs");
     Run {
         code: output.status.code(),
         stdout: String::from_utf8(output.stdout).expect("it prints text"),
@@ -53,8 +46,7 @@ pub fn aghf_reading(folder: &Path, arguments: &[&str], input: impl Into<Stdio>) 
 pub fn assert_bad_input(folder: &Path, arguments: &[&str], words: &str) {
     let run = aghf(folder, arguments);
     let all = words.split("; ").all(|word| run.stderr.contains(word));
-    let good =
-        run.code == Some(2) && run.stdout.is_empty() && all && !run.stderr.contains("panicked");
+    let good = run.code == Some(2) && run.stdout.is_empty() && all && !run.stderr.contains("panicked");
     assert!(
         good,
         "{arguments:?}: {:?} {}{}\nwant {words}",

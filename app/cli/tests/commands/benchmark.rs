@@ -7,10 +7,7 @@ use std::path::Path;
 /// Two problems of a family that are solved and one of another that cannot be: its goal is in a sphere.
 fn problems(folder: &Path) {
     for name in ["table_pick_0001", "table_pick_0020"] {
-        let from = format!(
-            "{}/robots/panda/scenarios/{name}.json",
-            concat!(env!("CARGO_MANIFEST_DIR"), "/../..")
-        );
+        let from = format!("{}/robots/panda/scenarios/{name}.json", concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
         std::fs::copy(from, folder.join(format!("{name}.json"))).expect("it is there");
     }
     let blocked = json!({
@@ -42,25 +39,14 @@ fn problems_are_solved_and_judged() {
     let arguments = ["benchmark", "problems_here", "--out", "out"];
     let run = aghf(&folder, &arguments);
     assert_eq!(run.code, Some(0), "{}{}", run.stdout, run.stderr);
-    assert!(
-        run.stderr.contains("blocked_1: Impossible: "),
-        "{}",
-        run.stderr
-    );
+    assert!(run.stderr.contains("blocked_1: Impossible: "), "{}", run.stderr);
     let table = std::fs::read_to_string(folder.join("out/table.md")).expect("written");
-    for line in [
-        "| blocked | 1 | 0 | 1 |",
-        "| table_pick | 2 | 2 | 0 |",
-        "| all | 3 | 2 | 1 |",
-    ] {
+    for line in ["| blocked | 1 | 0 | 1 |", "| table_pick | 2 | 2 | 0 |", "| all | 3 | 2 | 1 |"] {
         assert!(table.contains(line), "{table}");
     }
     let first = results(&folder);
     assert_eq!(first.len(), 4);
-    assert!(
-        first[2..].iter().all(|line| line[2] == "optimal"),
-        "{first:?}"
-    );
+    assert!(first[2..].iter().all(|line| line[2] == "optimal"), "{first:?}");
     // Without its last line only that is solved again.
     let path = folder.join("out/results.csv");
     let text = std::fs::read_to_string(&path).expect("written");
@@ -85,17 +71,9 @@ fn bad_folders_are_refused() {
     problems(&folder);
     std::fs::create_dir(folder.join("out")).expect("it can be made");
     std::fs::write(folder.join("out/results.csv"), "family,problem\na,b\n").expect("writable");
-    assert_bad_input(
-        &folder,
-        &["benchmark", ".", "--out", "out"],
-        "results.csv: line 2",
-    );
+    assert_bad_input(&folder, &["benchmark", ".", "--out", "out"], "results.csv: line 2");
     // A scenario that cannot be read is named, whatever else there is.
     let broken: Value = json!({ "robot": "pendulum_1" });
     std::fs::write(folder.join("a_broken_1.json"), broken.to_string()).expect("writable");
-    assert_bad_input(
-        &folder,
-        &["benchmark", ".", "--out", "other"],
-        "a_broken_1.json",
-    );
+    assert_bad_input(&folder, &["benchmark", ".", "--out", "other"], "a_broken_1.json");
 }

@@ -29,27 +29,13 @@ fn a_solve_is_certified_and_checked() {
     assert!(certificate.len() < 200_000);
     let urdf = builtin_robot_text("kinova_gen3").expect("it is built in");
     std::fs::write(folder.join("kinova.urdf"), urdf).expect("writable");
-    let check = [
-        "check-certificate",
-        "kinova.urdf",
-        "out/summary.json",
-        "out/summary.json",
-        "certificate.json",
-    ];
+    let check = ["check-certificate", "kinova.urdf", "out/summary.json", "out/summary.json", "certificate.json"];
     let text = printed(&folder, &check, 0);
     assert!(text.starts_with("certified at all times"), "{text}");
     // A table of the motion, one that is moved, and one of another motion.
     let with_table = [&check[..], &["--table", "table.csv"]].concat();
     for (rate, code) in [("1000", 0), ("20", 4)] {
-        let sample = [
-            "sample",
-            "out",
-            "--rate",
-            rate,
-            "--out",
-            "table.csv",
-            "--force",
-        ];
+        let sample = ["sample", "out", "--rate", rate, "--out", "table.csv", "--force"];
         printed(&folder, &sample, 0);
         let text = printed(&folder, &with_table, code);
         assert!(text.contains("with quintics between its"), "{text}");
@@ -57,10 +43,7 @@ fn a_solve_is_certified_and_checked() {
     let text = printed(&folder, &with_table, 4);
     let bound = |text: &str| -> f64 {
         let (_, rest) = text.rsplit_once("within ").expect("it is there");
-        rest.split(' ')
-            .next()
-            .and_then(|x| x.parse().ok())
-            .expect("a number")
+        rest.split(' ').next().and_then(|x| x.parse().ok()).expect("a number")
     };
     assert!(bound(&text) < 1e-3, "{text}");
     let table = std::fs::read_to_string(folder.join("table.csv")).expect("it is written");

@@ -46,11 +46,9 @@ const MESH: &str = r##"<COLLADA><library_geometries><geometry id="g"><mesh>
 fn folder(test: &str, first: &str) -> PathBuf {
     let folder = empty_folder(test);
     std::fs::create_dir(folder.join("there")).expect("it is writable");
-    for (name, text) in [
-        ("ill.urdf", ROBOT.replace("FLOAT", first).as_str()),
-        ("ill.srdf", SRDF),
-        ("there/base.dae", MESH),
-    ] {
+    for (name, text) in
+        [("ill.urdf", ROBOT.replace("FLOAT", first).as_str()), ("ill.srdf", SRDF), ("there/base.dae", MESH)]
+    {
         std::fs::write(folder.join(name), text).expect("it is writable");
     }
     folder
@@ -85,70 +83,36 @@ fn built_in_robots_can_be_planned_for() {
 #[test]
 fn each_finding_names_its_elements() {
     let folder = folder("doctor_findings", "revolute");
-    let run = doctor(
-        &folder,
-        &["--json", "--srdf", "ill.srdf", "--package", "parts=there"],
-    );
+    let run = doctor(&folder, &["--json", "--srdf", "ill.srdf", "--package", "parts=there"]);
     let diagnosis = parsed(&run);
     assert_eq!(diagnosis["plannable"], "with_keys");
-    assert_eq!(
-        diagnosis["joints"],
-        json!({ "continuous": 1, "revolute": 4 })
-    );
+    assert_eq!(diagnosis["joints"], json!({ "continuous": 1, "revolute": 4 }));
     let [needs, note] = ["needs_key", "note"];
     for (words, severity, names) in [
-        (
-            "it follows another joint",
-            needs,
-            &["follow = -2 turn + 0.5"][..],
-        ),
+        ("it follows another joint", needs, &["follow = -2 turn + 0.5"][..]),
         ("nothing that it moves has inertia", note, &["pan"]),
         ("no limits of any kind", note, &["float", "bend", "pan"]),
         ("no limit of velocity", note, &["turn"]),
         ("no limit of effort", note, &["turn"]),
-        (
-            "no limit of acceleration",
-            note,
-            &["float", "turn", "bend", "pan"],
-        ),
+        ("no limit of acceleration", note, &["float", "turn", "bend", "pan"]),
         ("acceleration or jerk, not kept", note, &["follow"]),
         ("damping is not counted", note, &["turn"]),
         ("friction is not counted", note, &["turn"]),
         ("counts as massless", note, &["camera"]),
         ("exceeds the sum", note, &["mid"]),
-        (
-            "neighbours, or overlap in all samples, and the SRDF does not",
-            note,
-            &["arm and base (neighbours)"],
-        ),
+        ("neighbours, or overlap in all samples, and the SRDF does not", note, &["arm and base (neighbours)"]),
         ("the state 'bent' of the SRDF has it", note, &["wheel"]),
         ("the SRDF has a pair of links with it", note, &["tail"]),
-        (
-            "the radius of gyration",
-            note,
-            &[
-                "arm (1.00 m)",
-                "mid (3.00 m)",
-                "hand (1.00 m)",
-                "fist (1.00 m)",
-            ],
-        ),
+        ("the radius of gyration", note, &["arm (1.00 m)", "mid (3.00 m)", "hand (1.00 m)", "fist (1.00 m)"]),
         ("the centre of mass is", note, &["hand (0.35 m)"]),
         ("links overlap there", note, &["zero", "straight of arm"]),
     ] {
         let names = names.iter().map(|name| (*name).to_owned()).collect();
-        assert_eq!(
-            found(&diagnosis, words),
-            [(severity.to_owned(), names)],
-            "{words}"
-        );
+        assert_eq!(found(&diagnosis, words), [(severity.to_owned(), names)], "{words}");
     }
     assert_eq!(found(&diagnosis, "").len(), 17, "{diagnosis}");
     let shapes = diagnosis["shapes"]["shapes"].as_array().expect("a list");
-    assert!(
-        shapes.iter().all(|shape| shape["unread"].is_null()),
-        "{shapes:?}"
-    );
+    assert!(shapes.iter().all(|shape| shape["unread"].is_null()), "{shapes:?}");
     assert_eq!(shapes[0]["mesh"], true);
     // The spheres have centres 0.15 apart and radii of 0.1; `arm` and `fist` are apart.
     let contacts = |state: usize| diagnosis["states"][state]["contacts"].as_array().cloned();
@@ -165,10 +129,8 @@ fn each_finding_names_its_elements() {
 #[test]
 fn what_is_refused_is_a_finding_and_the_rest_is_examined() {
     let folder = folder("doctor_refused", "floating");
-    let robot = ROBOT.replace("FLOAT", "floating").replace(
-        "name=\"pan\" type=\"continuous\"",
-        "name=\"pan\" type=\"wheel\"",
-    );
+    let robot =
+        ROBOT.replace("FLOAT", "floating").replace("name=\"pan\" type=\"continuous\"", "name=\"pan\" type=\"wheel\"");
     std::fs::write(folder.join("ill.urdf"), robot).expect("it is writable");
     let run = doctor(&folder, &[]);
     assert_eq!((run.code, run.stderr.as_str()), (Some(3), ""));
@@ -197,21 +159,11 @@ fn what_is_refused_is_a_finding_and_the_rest_is_examined() {
 #[test]
 fn meshes_that_are_not_found_are_named_together() {
     let folder = folder("doctor_meshes", "revolute");
-    let mesh = |i| {
-        format!(
-            "<collision><geometry><mesh filename=\"package://FOLDER/{i}.stl\"/></geometry></collision>"
-        )
-    };
+    let mesh = |i| format!("<collision><geometry><mesh filename=\"package://FOLDER/{i}.stl\"/></geometry></collision>");
     let meshes: String = (0..6).map(mesh).collect();
     let robot = ROBOT.replace("FLOAT", "revolute");
-    let robot = robot.replace(
-        "<mimic joint=\"turn\" multiplier=\"-2\" offset=\"0.5\"/>",
-        "",
-    );
-    let robot = robot.replace(
-        "<link name=\"mid\">",
-        &format!("<link name=\"mid\">{meshes}"),
-    );
+    let robot = robot.replace("<mimic joint=\"turn\" multiplier=\"-2\" offset=\"0.5\"/>", "");
+    let robot = robot.replace("<link name=\"mid\">", &format!("<link name=\"mid\">{meshes}"));
     for (package, reason) in [("none", "; --package none=FOLDER"), ("parts", "")] {
         let robot = robot.replace("FOLDER", package);
         std::fs::write(folder.join("ill.urdf"), robot).expect("it is writable");
@@ -231,61 +183,30 @@ fn meshes_that_are_not_found_are_named_together() {
 #[test]
 fn faults_of_files_are_findings_or_bad_input() {
     let folder = folder("doctor_faults", "floating");
-    let heavy = ROBOT
-        .replace("FLOAT", "revolute")
-        .replace("mass value=\"1\"", "mass value=\"-1\"");
+    let heavy = ROBOT.replace("FLOAT", "revolute").replace("mass value=\"1\"", "mass value=\"-1\"");
     std::fs::write(folder.join("ill.urdf"), heavy).expect("it is writable");
     let run = doctor(&folder, &["--json"]);
     assert_eq!(run.code, Some(3));
     let diagnosis: Value = serde_json::from_str(&run.stdout).expect("it is JSON");
     assert_eq!(diagnosis["plannable"], "no");
-    assert_eq!(
-        found(&diagnosis, "link 'arm': its mass is negative")[0].0,
-        "refused"
-    );
+    assert_eq!(found(&diagnosis, "link 'arm': its mass is negative")[0].0, "refused");
     // Each fault is listed, and the rest is examined.
     assert_eq!(found(&diagnosis, "its mass is negative").len(), 4);
     assert_eq!(found(&diagnosis, "it follows another joint").len(), 1);
     assert_eq!(diagnosis["mass_kg"], 0.0);
 
-    std::fs::write(
-        folder.join("ill.srdf"),
-        "<robot><disable_collisions/></robot>",
-    )
-    .expect("it is writable");
-    std::fs::write(folder.join("ill.urdf"), ROBOT.replace("FLOAT", "revolute"))
-        .expect("it is writable");
+    std::fs::write(folder.join("ill.srdf"), "<robot><disable_collisions/></robot>").expect("it is writable");
+    std::fs::write(folder.join("ill.urdf"), ROBOT.replace("FLOAT", "revolute")).expect("it is writable");
     let run = doctor(&folder, &["--srdf", "ill.srdf"]);
     assert_eq!(run.code, Some(0));
-    assert!(
-        run.stdout
-            .contains("file 'ill.srdf': disable_collisions at line 1: it has no link1"),
-        "{}",
-        run.stdout
-    );
+    assert!(run.stdout.contains("file 'ill.srdf': disable_collisions at line 1: it has no link1"), "{}", run.stdout);
 
-    assert_bad_input(
-        &folder,
-        &["doctor", "panda", "--excess", "0"],
-        "options: excess: it is 0",
-    );
+    assert_bad_input(&folder, &["doctor", "panda", "--excess", "0"], "options: excess: it is 0");
     let words = "base.dae: robot: ; the root element is 'COLLADA'";
     assert_bad_input(&folder, &["doctor", "there/base.dae"], words);
-    assert_bad_input(
-        &folder,
-        &["doctor", "ill.urdf", "--srdf", "none.srdf"],
-        "none.srdf: ; No such file",
-    );
-    assert_bad_input(
-        &folder,
-        &["doctor", "ill.urdf", "--package", "parts=none"],
-        "there is no folder 'none'",
-    );
-    assert_bad_input(
-        &folder,
-        &["doctor", "ill.urdf", "--package", "parts"],
-        "NAME=FOLDER is needed",
-    );
+    assert_bad_input(&folder, &["doctor", "ill.urdf", "--srdf", "none.srdf"], "none.srdf: ; No such file");
+    assert_bad_input(&folder, &["doctor", "ill.urdf", "--package", "parts=none"], "there is no folder 'none'");
+    assert_bad_input(&folder, &["doctor", "ill.urdf", "--package", "parts"], "NAME=FOLDER is needed");
 }
 
 /// A cover that a scenario refuses needs the key that the finding names.
@@ -297,17 +218,11 @@ fn too_many_balls_are_a_finding_with_an_excess_that_works() {
         <collision><geometry><capsule radius="0.01" length="10"/></geometry></collision></link>
         <joint name="turn" type="continuous"><parent link="base"/><child link="mast"/></joint></robot>"#;
     std::fs::write(folder.join("mast.urdf"), robot).expect("it is writable");
-    let doctor = |excess| {
-        parsed(&aghf(
-            &folder,
-            &["doctor", "mast.urdf", "--json", "--excess", excess],
-        ))
-    };
+    let doctor = |excess| parsed(&aghf(&folder, &["doctor", "mast.urdf", "--json", "--excess", excess]));
     let diagnosis = doctor("1e-5");
     assert_eq!(diagnosis["plannable"], "with_keys", "{diagnosis}");
     let findings = diagnosis["findings"].as_array().expect("a list");
-    let words =
-        "excess_m is 1e-5, which takes 11179 balls to cover the robot, at most 10000 are allowed";
+    let words = "excess_m is 1e-5, which takes 11179 balls to cover the robot, at most 10000 are allowed";
     let finding = findings.iter().find(|f| f["condition"] == words);
     let finding = finding.unwrap_or_else(|| panic!("{diagnosis}"));
     assert_eq!(finding["severity"], "needs_key");

@@ -41,39 +41,19 @@ fn eval(test: &str, input: &Value) -> Value {
 
 fn vector(value: &Value) -> DVector<f64> {
     let list = value.as_array().expect("a list");
-    DVector::from_iterator(
-        list.len(),
-        list.iter().map(|x| x.as_f64().expect("a number")),
-    )
+    DVector::from_iterator(list.len(), list.iter().map(|x| x.as_f64().expect("a number")))
 }
 
 fn matrix(value: &Value) -> DMatrix<f64> {
-    let rows: Vec<_> = value
-        .as_array()
-        .expect("a list")
-        .iter()
-        .map(|r| vector(r).transpose())
-        .collect();
+    let rows: Vec<_> = value.as_array().expect("a list").iter().map(|r| vector(r).transpose()).collect();
     DMatrix::from_rows(&rows)
 }
 
-const KEYS: [&str; 7] = [
-    "inverse_dynamics",
-    "mass_matrix",
-    "mass_matrix_dot",
-    "bias",
-    "forward_dynamics",
-    "did_dq",
-    "did_dv",
-];
+const KEYS: [&str; 7] =
+    ["inverse_dynamics", "mass_matrix", "mass_matrix_dot", "bias", "forward_dynamics", "did_dq", "did_dv"];
 
 fn keys(value: &Value) -> Vec<&str> {
-    let mut keys: Vec<_> = value
-        .as_object()
-        .map(Map::keys)
-        .expect("an object")
-        .map(String::as_str)
-        .collect();
+    let mut keys: Vec<_> = value.as_object().map(Map::keys).expect("an object").map(String::as_str).collect();
     keys.sort_unstable();
     keys
 }
@@ -95,20 +75,14 @@ fn the_printed_dynamics_agree_with_each_other() {
     assert!((&h * &a + &c - &tau).amax() < 1e-12 * tau.amax(), "{tau}");
     assert!((&h - h.transpose()).amax() == 0.0 && h.symmetric_eigenvalues().min() > 0.0);
     // Without a torque, what is left is the bias.
-    assert!(
-        (&h * vector(&out["forward_dynamics"]) + &c).amax() < 1e-12 * c.amax(),
-        "{c}"
-    );
+    assert!((&h * vector(&out["forward_dynamics"]) + &c).amax() < 1e-12 * c.amax(), "{c}");
 
     // Central differences of what is printed.
     let step = 1e-5;
     let nudged = |key: &str, by: f64| {
         let mut input = state();
-        for (x, v) in input[key]
-            .as_array_mut()
-            .expect("a list")
-            .iter_mut()
-            .zip(state()["v"].as_array().expect("a list"))
+        for (x, v) in
+            input[key].as_array_mut().expect("a list").iter_mut().zip(state()["v"].as_array().expect("a list"))
         {
             *x = json!(x.as_f64().expect("a number") + by * v.as_f64().expect("a number"));
         }
@@ -117,20 +91,13 @@ fn the_printed_dynamics_agree_with_each_other() {
     let v = vector(&input["v"]);
     for (key, derivative) in [("q", "did_dq"), ("v", "did_dv")] {
         let (up, down) = (nudged(key, step), nudged(key, -step));
-        let rate =
-            (vector(&up["inverse_dynamics"]) - vector(&down["inverse_dynamics"])) / (2.0 * step);
+        let rate = (vector(&up["inverse_dynamics"]) - vector(&down["inverse_dynamics"])) / (2.0 * step);
         let printed = matrix(&out[derivative]) * &v;
-        assert!(
-            (rate - &printed).amax() < 1e-7 * printed.amax().max(1.0),
-            "{derivative}"
-        );
+        assert!((rate - &printed).amax() < 1e-7 * printed.amax().max(1.0), "{derivative}");
         if key == "q" {
             let rate = (matrix(&up["mass_matrix"]) - matrix(&down["mass_matrix"])) / (2.0 * step);
             let printed = matrix(&out["mass_matrix_dot"]);
-            assert!(
-                printed.amax() > 0.1 && (rate - &printed).amax() < 1e-7,
-                "{printed}"
-            );
+            assert!(printed.amax() > 0.1 && (rate - &printed).amax() < 1e-7, "{printed}");
         }
     }
 
@@ -151,12 +118,7 @@ fn the_form_of_the_flow_agrees_with_that_of_the_state() {
     }
     let model = builtin_robot("kinova_gen3").expect("built in");
     let [x, xdot, xddot] = ["x", "xdot", "xddot"].map(|key| vector(&input[key]));
-    let curve = Node {
-        t: 0.0,
-        x: x.as_slice(),
-        xdot: xdot.as_slice(),
-        xddot: xddot.as_slice(),
-    };
+    let curve = Node { t: 0.0, x: x.as_slice(), xdot: xdot.as_slice(), xddot: xddot.as_slice() };
     let mut omega = [0.0; 14];
     let rhs = &mut ControlForm::new(&model);
     rhs.omega(curve, 1e5, &mut omega).expect("lengths agree");
@@ -168,28 +130,17 @@ fn the_form_of_the_flow_agrees_with_that_of_the_state() {
     for key in KEYS.into_iter().filter(|key| *key != "mass_matrix_dot") {
         assert_eq!(faster[key], state[key], "{key}");
     }
-    let (once, twice) = (
-        matrix(&state["mass_matrix_dot"]),
-        matrix(&faster["mass_matrix_dot"]),
-    );
-    assert!(
-        (once * 2.0 - &twice).amax() < 1e-12 * twice.amax(),
-        "{twice}"
-    );
+    let (once, twice) = (matrix(&state["mass_matrix_dot"]), matrix(&faster["mass_matrix_dot"]));
+    assert!((once * 2.0 - &twice).amax() < 1e-12 * twice.amax(), "{twice}");
 }
 
 #[test]
 fn eval_reads_the_standard_input() {
     let mut command = Command::new(env!("CARGO_BIN_EXE_aghf"));
-    command
-        .args(["eval", "kinova_gen3", "-"])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped());
+    command.args(["eval", "kinova_gen3", "-"]).stdin(Stdio::piped()).stdout(Stdio::piped());
     let mut child = command.spawn().expect("it runs");
     let mut stdin = child.stdin.take().expect("it is piped");
-    stdin
-        .write_all(state().to_string().as_bytes())
-        .expect("it reads");
+    stdin.write_all(state().to_string().as_bytes()).expect("it reads");
     drop(stdin);
     let output = child.wait_with_output().expect("it ends");
     assert!(output.status.success());
@@ -200,8 +151,7 @@ fn eval_reads_the_standard_input() {
 #[test]
 fn eval_reads_robots_from_files() {
     let folder = empty_folder("eval_robot");
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
-        .join("robots/kinova_gen3/kinova_gen3.urdf");
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("robots/kinova_gen3/kinova_gen3.urdf");
     std::fs::write(folder.join("input.json"), state().to_string()).expect("writable");
     let file = path.to_str().expect("it is text");
     let run = aghf(&folder, &["eval", file, "input.json"]);
@@ -239,10 +189,7 @@ fn vectors_of_another_length_are_refused() {
         &[
             (short(&state(), "q"), "q: expected 7 numbers, found 2"),
             (short(&state(), "v"), "v: expected 7 numbers, found 2"),
-            (
-                with(state(), "a", json!([])),
-                "a: expected 7 numbers, found 0",
-            ),
+            (with(state(), "a", json!([])), "a: expected 7 numbers, found 0"),
             (short(&state(), "tau"), "tau: expected 7 numbers, found 2"),
             (short(&good, "x"), "x: expected 14 numbers, found 2"),
             (short(&good, "xdot"), "xdot: expected 14 numbers, found 2"),
@@ -258,29 +205,19 @@ fn bad_inputs_to_eval_exit_with_2() {
     assert_refused(
         "eval_bad",
         &[
-            (
-                with(good.clone(), "k", json!(-2.0)),
-                "k: it is -2; positive",
-            ),
+            (with(good.clone(), "k", json!(-2.0)), "k: it is -2; positive"),
             (with(good.clone(), "k", json!(0)), "k: it is 0; positive"),
             (without(state(), "a"), "expected numbers; q, v, a"),
             (without(good, "k"), "expected numbers; x, xdot, xddot, k"),
             (with(state(), "k", json!(1.0)), "expected numbers; q, v, a"),
             (with(state(), "q", json!("up")), "expected numbers; q, v, a"),
-            (
-                state().to_string().replace("2.1", "1e999"),
-                "out of range; line 1",
-            ),
+            (state().to_string().replace("2.1", "1e999"), "out of range; line 1"),
             (state().to_string() + "}", "line 1"),
             (String::new(), "line 1"),
         ],
     );
     let folder = empty_folder("eval_missing");
-    assert_bad_input(
-        &folder,
-        &["eval", "kinova_gen3", "none.json"],
-        "aghf: none.json: ; No such file",
-    );
+    assert_bad_input(&folder, &["eval", "kinova_gen3", "none.json"], "aghf: none.json: ; No such file");
     assert_bad_input(
         &folder,
         &["eval", "hexapod", "none.json"],

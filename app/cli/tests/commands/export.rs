@@ -12,16 +12,7 @@ use std::path::Path;
 
 /// Solves a problem among spheres; the motion is swift at its end.
 fn solved(folder: &Path) {
-    let run = aghf(
-        folder,
-        &[
-            "solve",
-            "kinova_obstacles_02",
-            "--out",
-            "run",
-            "--no-report",
-        ],
-    );
+    let run = aghf(folder, &["solve", "kinova_obstacles_02", "--out", "run", "--no-report"]);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
 }
 
@@ -49,24 +40,13 @@ fn a_trajectory_is_judged_like_the_table() {
     assert!(message.points.len() > 200);
     assert_eq!(text.lines().count(), 1 + message.points.len());
     for (row, point) in rows {
-        let numbers: Vec<f64> = row
-            .split(',')
-            .map(|x| x.parse().expect("a number"))
-            .collect();
+        let numbers: Vec<f64> = row.split(',').map(|x| x.parse().expect("a number")).collect();
         assert!((numbers[0] - point.time_from_start.seconds()).abs() <= 0.5e-9);
-        let lists = [
-            &point.positions,
-            &point.velocities,
-            &point.accelerations,
-            &point.effort,
-        ];
+        let lists = [&point.positions, &point.velocities, &point.accelerations, &point.effort];
         let exported = lists.map(Vec::as_slice).concat();
         assert_eq!(exported.len(), numbers.len() - 1);
         for (own, written) in exported.iter().zip(&numbers[1..]) {
-            assert!(
-                (own - written).abs() <= 1e-12 * written.abs().max(1.0),
-                "{own} {written}"
-            );
+            assert!((own - written).abs() <= 1e-12 * written.abs().max(1.0), "{own} {written}");
         }
     }
     for name in ["run/trajectory.yaml", "run/trajectory.json"] {
@@ -90,14 +70,8 @@ fn numbers_of_yaml_have_a_point_and_a_signed_exponent() {
     let mut text = Vec::new();
     aghf_cli::export::write_yaml(&message, &mut text).expect("it is memory");
     let text = String::from_utf8(text).expect("it is text");
-    assert!(
-        text.contains("[1.0e-7, -2.5e-9, 1.0e+17, 0.0, 3.0]"),
-        "{text}"
-    );
-    assert_eq!(
-        JointTrajectory::parse(&text, "it").expect("it is one"),
-        message
-    );
+    assert!(text.contains("[1.0e-7, -2.5e-9, 1.0e+17, 0.0, 3.0]"), "{text}");
+    assert_eq!(JointTrajectory::parse(&text, "it").expect("it is one"), message);
 }
 
 /// A `sensor_msgs/JointState` as another program would read it.
@@ -121,14 +95,9 @@ fn a_recording_has_the_robot_the_plan_and_the_states() {
     let (mut states, mut plan) = (Vec::new(), None);
     for message in MessageStream::new(&bytes).expect("it is MCAP") {
         let message = message.expect("it is whole");
-        let (topic, schema) = (
-            message.channel.topic.clone(),
-            message.channel.schema.clone(),
-        );
+        let (topic, schema) = (message.channel.topic.clone(), message.channel.schema.clone());
         let schema = schema.expect("each has one");
-        *counts
-            .entry((topic.clone(), schema.name.clone()))
-            .or_insert(0) += 1;
+        *counts.entry((topic.clone(), schema.name.clone())).or_insert(0) += 1;
         let (encapsulation, body) = message.data.split_at(4);
         assert_eq!(encapsulation, [0, 1, 0, 0]);
         match topic.as_str() {
@@ -144,10 +113,7 @@ fn a_recording_has_the_robot_the_plan_and_the_states() {
             _ => {}
         }
     }
-    let counted: Vec<_> = counts
-        .iter()
-        .map(|((t, s), n)| (t.as_str(), s.as_str(), *n))
-        .collect();
+    let counted: Vec<_> = counts.iter().map(|((t, s), n)| (t.as_str(), s.as_str(), *n)).collect();
     let wanted = [
         ("/joint_states", "sensor_msgs/msg/JointState", 201),
         ("/obstacles", "visualization_msgs/msg/MarkerArray", 1),

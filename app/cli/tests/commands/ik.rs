@@ -9,31 +9,14 @@ use aghf::urdf::builtin_robot;
 fn configurations_reach_the_pose_the_nearest_first() {
     let folder = empty_folder("ik");
     let near = "0.3,-0.2,0.1,-1.5,0.2,1.4,-0.3";
-    let asked = [
-        "ik",
-        "panda",
-        "--frame",
-        "panda_hand",
-        "--position",
-        "0.4,-0.1,0.5",
-        "--orientation",
-        "-1,0,0,0",
-    ];
-    let found = parsed(&aghf(
-        &folder,
-        &[&asked[..], &["--near", near, "--json"]].concat(),
-    ));
+    let asked = ["ik", "panda", "--frame", "panda_hand", "--position", "0.4,-0.1,0.5", "--orientation", "-1,0,0,0"];
+    let found = parsed(&aghf(&folder, &[&asked[..], &["--near", near, "--json"]].concat()));
     let found: Vec<Vec<f64>> = serde_json::from_value(found).expect("configurations");
     assert!(found.len() > 1);
     let model = builtin_robot("panda").expect("built in");
     let mut frames = model.frames().iter();
-    let hand = frames
-        .find(|frame| frame.name == "panda_hand")
-        .expect("a link");
-    let near: Vec<f64> = near
-        .split(',')
-        .map(|q| q.parse().expect("a number"))
-        .collect();
+    let hand = frames.find(|frame| frame.name == "panda_hand").expect("a link");
+    let near: Vec<f64> = near.split(',').map(|q| q.parse().expect("a number")).collect();
     let mut last = 0.0;
     for q in &found {
         let mut placements = vec![Placement::identity(); 7];
@@ -53,32 +36,13 @@ fn configurations_reach_the_pose_the_nearest_first() {
 #[test]
 fn a_pose_out_of_reach_has_its_exit_code_and_reason() {
     let folder = empty_folder("ik_far");
-    let run = aghf(
-        &folder,
-        &[
-            "ik",
-            "panda",
-            "--frame",
-            "panda_hand",
-            "--position",
-            "1.4,0,0.5",
-        ],
-    );
+    let run = aghf(&folder, &["ik", "panda", "--frame", "panda_hand", "--position", "1.4,0,0.5"]);
     assert_eq!(run.code, Some(3));
-    assert!(
-        run.stderr
-            .contains("the links to frame 'panda_hand' add up to"),
-        "{}",
-        run.stderr
-    );
+    assert!(run.stderr.contains("the links to frame 'panda_hand' add up to"), "{}", run.stderr);
     let asked = |frame, position| ["ik", "panda", "--frame", frame, "--position", position];
-    for (position, words) in [
-        ("1,2", "3 numbers are needed, there are 2"),
-        ("1,2,x", "invalid float"),
-    ] {
+    for (position, words) in [("1,2", "3 numbers are needed, there are 2"), ("1,2,x", "invalid float")] {
         assert_bad_input(&folder, &asked("panda_hand", position), words);
     }
-    let words =
-        "aghf: options: goal.frame: the robot has no link 'hand' that moves; the nearest of ";
+    let words = "aghf: options: goal.frame: the robot has no link 'hand' that moves; the nearest of ";
     assert_bad_input(&folder, &asked("hand", "0,0,0"), words);
 }

@@ -111,13 +111,7 @@ pub const IMPORT: [&str; 10] = [
 
 /// The import of another request.
 pub fn import_of(request: &str) -> [&str; 10] {
-    IMPORT.map(|word| {
-        if word == "request.yaml" {
-            request
-        } else {
-            word
-        }
-    })
+    IMPORT.map(|word| if word == "request.yaml" { request } else { word })
 }
 
 fn made(folder: &Path) -> Value {
@@ -132,25 +126,12 @@ fn a_problem_becomes_a_scenario() {
     assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
     let file = made(&folder);
     let robot = file["robot"].as_str().expect("text");
-    assert!(
-        Path::new(robot).is_absolute() && robot.ends_with("robot.urdf"),
-        "{robot}"
-    );
-    assert_eq!(
-        file["locked_joints"],
-        json!({ "wrist": 0.5 }),
-        "the scene says where it is"
-    );
-    assert_eq!(
-        [&file["q_start"], &file["q_goal"]],
-        [&json!([-0.5]), &json!([1.0])]
-    );
+    assert!(Path::new(robot).is_absolute() && robot.ends_with("robot.urdf"), "{robot}");
+    assert_eq!(file["locked_joints"], json!({ "wrist": 0.5 }), "the scene says where it is");
+    assert_eq!([&file["q_start"], &file["q_goal"]], [&json!([-0.5]), &json!([1.0])]);
     // At 1.5 rad/s the way takes a second.
     let free = json!({ "shortest_s": 1.0, "longest_s": 15.0 });
-    assert_eq!(
-        [&file["free_horizon"], &file["horizon_s"]],
-        [&free, &json!(2.0)]
-    );
+    assert_eq!([&file["free_horizon"], &file["horizon_s"]], [&free, &json!(2.0)]);
     assert_eq!(file["objective"], json!("balanced"));
     let table = json!({ "name": "table", "shape": { "box": { "size_m": [1.0, 2.0, 0.1] } },
         "pose": { "position_m": [0.1, 0.0, -1.0] } });
@@ -162,13 +143,9 @@ fn a_problem_becomes_a_scenario() {
     assert_eq!(file["obstacles"][1], post);
     // The pose of the object turns a sphere too, though nobody sees it.
     let pose = json!({ "position_m": [1.0, 0.0, 2.0], "orientation_xyzw": [0.0, 0.0, 1.0, 0.0] });
-    let ball =
-        json!({ "name": "shelf[1]", "shape": { "sphere": { "radius_m": 0.05 } }, "pose": pose });
+    let ball = json!({ "name": "shelf[1]", "shape": { "sphere": { "radius_m": 0.05 } }, "pose": pose });
     assert_eq!(file["obstacles"][2], ball);
-    assert_eq!(
-        file["self_collision"],
-        json!({ "ignored_pairs": [["arm", "hand"]] })
-    );
+    assert_eq!(file["self_collision"], json!({ "ignored_pairs": [["arm", "hand"]] }));
     let shown = aghf(&folder, &["scenarios", "made.json"]);
     assert_eq!(shown.code, Some(0), "{}", shown.stderr);
     assert_bad_input(&folder, &IMPORT, "made.json; exists already; --force");
@@ -180,12 +157,7 @@ fn pairs_that_the_scene_allows_may_overlap() {
     let matrix = "\nallowed_collision_matrix:
   entry_names: [hand, table, base]
   entry_values: [[true, true, true], {enabled: [true, true, true]}, [true, true, true]]\nrobot_state:\n";
-    let folder = folder(
-        "import_allowed",
-        "scene.yaml",
-        Some("\nrobot_state:\n"),
-        matrix,
-    );
+    let folder = folder("import_allowed", "scene.yaml", Some("\nrobot_state:\n"), matrix);
     let with_base = ROBOT.replace(
         r#"<link name="base"/>"#,
         r#"<link name="base"><collision><geometry><sphere radius="0.02"/></geometry></collision></link>"#,
@@ -199,12 +171,7 @@ fn pairs_that_the_scene_allows_may_overlap() {
 
 #[test]
 fn a_joint_that_the_robot_lacks_is_told() {
-    let folder = folder(
-        "import_wheel",
-        "scene.yaml",
-        Some("wrist, glue"),
-        "wrist, wheel",
-    );
+    let folder = folder("import_wheel", "scene.yaml", Some("wrist, glue"), "wrist, wheel");
     let run = aghf(&folder, &IMPORT);
     let words = "joint 'wheel': the robot has none of this name, its position is not used";
     assert_eq!(run.code, Some(0));
@@ -215,12 +182,7 @@ fn a_joint_that_the_robot_lacks_is_told() {
 /// Beyond a limit by rounding a position is set to it; farther beyond it stays as it is, for the checks of a solve.
 #[test]
 fn a_position_beyond_a_limit_by_rounding_is_set_to_it() {
-    let folder = folder(
-        "import_limit",
-        "scene.yaml",
-        Some("wrist, glue"),
-        "wrist, glue",
-    );
+    let folder = folder("import_limit", "scene.yaml", Some("wrist, glue"), "wrist, glue");
     let with = |lower: &str| {
         let robot = ROBOT.replacen("lower=\"-2\"", &format!("lower=\"{lower}\""), 1);
         std::fs::write(folder.join("robot.urdf"), robot).expect("the folder is writable");
@@ -234,11 +196,7 @@ fn a_position_beyond_a_limit_by_rounding_is_set_to_it() {
     std::fs::remove_file(folder.join("made.json")).expect("it is there");
     with("-0.4999");
     let run = aghf(&folder, &IMPORT);
-    assert!(
-        run.code == Some(0) && !run.stderr.contains("beyond a limit"),
-        "{}",
-        run.stderr
-    );
+    assert!(run.code == Some(0) && !run.stderr.contains("beyond a limit"), "{}", run.stderr);
     assert_eq!(made(&folder)["q_start"], json!([-0.5]));
 }
 
@@ -275,19 +233,13 @@ fn the_horizon_is_what_was_asked_for() {
         made(&folder)
     };
     let given = with(&["--horizon", "3"]);
-    assert_eq!(
-        [&given["horizon_s"], &given["free_horizon"]],
-        [&json!(3.0), &Value::Null]
-    );
+    assert_eq!([&given["horizon_s"], &given["free_horizon"]], [&json!(3.0), &Value::Null]);
     assert_eq!(given["objective"], Value::Null, "the least effort");
     let fast = with(&["--objective", "least-time"]);
     assert_eq!(fast["objective"], json!("least-time"));
     let between = with(&["--horizon-bounds", "2.5", "4"]);
     let free = json!({ "shortest_s": 2.5, "longest_s": 4.0 });
-    assert_eq!(
-        [&between["horizon_s"], &between["free_horizon"]],
-        [&json!(2.5), &free]
-    );
+    assert_eq!([&between["horizon_s"], &between["free_horizon"]], [&json!(2.5), &free]);
 }
 
 #[test]
@@ -300,40 +252,26 @@ fn factors_of_a_request_scale_the_limits_of_a_file() {
     );
     let yaml = "joint_limits: {shoulder: {max_acceleration: 4, max_deceleration: -3}}";
     std::fs::write(folder.join("joint_limits.yaml"), yaml).expect("the folder is writable");
-    let run = aghf(
-        &folder,
-        &[&IMPORT[..], &["--joint-limits", "joint_limits.yaml"]].concat(),
-    );
+    let run = aghf(&folder, &[&IMPORT[..], &["--joint-limits", "joint_limits.yaml"]].concat());
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let words = "joint 'shoulder': limits of acceleration and deceleration differ, the smaller of 4 and 3 holds";
     assert!(run.stderr.contains(words), "{}", run.stderr);
     let limits = &made(&folder)["enforced_limits"];
-    assert_eq!(
-        [&limits["velocity"], &limits["acceleration"]],
-        [&json!(0.1), &json!([1.5])]
-    );
+    assert_eq!([&limits["velocity"], &limits["acceleration"]], [&json!(0.1), &json!([1.5])]);
 }
 
 #[test]
 fn a_goal_by_whole_turns_is_told() {
     let start = "joint_state: {name: [shoulder], position: [3.1]}";
     let request = REQUEST.replace("joint_state: {name: [shoulder], position: [-0.5]}", start);
-    let folder = folder(
-        "import_turn",
-        "request.yaml",
-        None,
-        &request.replace("1.0", "-3.1"),
-    );
+    let folder = folder("import_turn", "request.yaml", None, &request.replace("1.0", "-3.1"));
     let robot = ROBOT.replacen("type=\"revolute\"", "type=\"continuous\"", 1);
     std::fs::write(folder.join("robot.urdf"), robot).expect("the folder is writable");
     let run = aghf(&folder, &IMPORT);
     let words = "joint 'shoulder': its goal was moved by 1 turn, as near as possible to its start";
     assert_eq!(run.code, Some(0));
     assert!(run.stderr.contains(words), "{}", run.stderr);
-    assert_eq!(
-        made(&folder)["q_goal"],
-        json!([std::f64::consts::TAU - 3.1])
-    );
+    assert_eq!(made(&folder)["q_goal"], json!([std::f64::consts::TAU - 3.1]));
 }
 
 #[test]
@@ -353,21 +291,8 @@ fn spheres_of_an_srdf_are_written_with_the_robot() {
     let spheres = r#"<link_sphere_approximation link="arm"><sphere center="0.1 0 0" radius="0.06"/>
         </link_sphere_approximation></robot>"#;
     let folder = folder("spheres", "robot.srdf", Some("</robot>"), spheres);
-    let run = aghf(
-        &folder,
-        &[
-            "robots",
-            "robot.urdf",
-            "--srdf",
-            "robot.srdf",
-            "--urdf",
-            "out.urdf",
-        ],
-    );
+    let run = aghf(&folder, &["robots", "robot.urdf", "--srdf", "robot.srdf", "--urdf", "out.urdf"]);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let text = std::fs::read_to_string(folder.join("out.urdf")).expect("it was written");
-    assert!(
-        text.contains(r#"<sphere radius="0.06"/>"#) && !text.contains("cylinder"),
-        "{text}"
-    );
+    assert!(text.contains(r#"<sphere radius="0.06"/>"#) && !text.contains("cylinder"), "{text}");
 }

@@ -20,39 +20,24 @@ fn what_is_solved_is_valid() {
     let solved = aghf(&folder, &["solve", "kinova_obstacles_02", "--out", "out"]);
     assert_eq!(solved.code, Some(0), "{}", solved.stderr);
     let table = "out/trajectory.csv";
-    let arguments = [
-        "judge",
-        "kinova_obstacles_02",
-        table,
-        "--json",
-        "verdict.json",
-    ];
+    let arguments = ["judge", "kinova_obstacles_02", table, "--json", "verdict.json"];
     let run = aghf(&folder, &arguments);
     assert_eq!(run.code, Some(0), "{}{}", run.stdout, run.stderr);
     assert!(run.stdout.contains("\nvalid\n"), "{}", run.stdout);
     let text = std::fs::read_to_string(folder.join("verdict.json")).expect("it is written");
     let verdict: Value = serde_json::from_str(&text).expect("it is JSON");
-    assert_eq!(
-        (&verdict["valid"], &verdict["verdict"]),
-        (&json!(true), &json!("valid"))
-    );
+    assert_eq!((&verdict["valid"], &verdict["verdict"]), (&json!(true), &json!("valid")));
     let rows = std::fs::read_to_string(folder.join(table)).expect("it is written");
     assert_eq!(verdict["samples"], rows.lines().count() - 1);
     let checks = verdict["checks"].as_array().expect("a list");
-    let obstacles = checks
-        .iter()
-        .find(|row| row["check"] == "obstacles")
-        .expect("checked");
+    let obstacles = checks.iter().find(|row| row["check"] == "obstacles").expect("checked");
     assert_eq!(obstacles["outcome"], "pass");
     assert!(obstacles["value"].as_f64() >= obstacles["proved_at_least"].as_f64());
     assert_bad_input(&folder, &arguments, "verdict.json; --force");
     let other = aghf(&folder, &["judge", "kinova_obstacles_01", table]);
     assert_eq!(other.code, Some(1), "{}", other.stdout);
     assert!(
-        other
-            .stdout
-            .contains("\nnot valid: goal position: joint 'joint_7' has ")
-            && other.stdout.contains("FAIL"),
+        other.stdout.contains("\nnot valid: goal position: joint 'joint_7' has ") && other.stdout.contains("FAIL"),
         "{}",
         other.stdout
     );
@@ -63,11 +48,7 @@ fn what_is_solved_is_valid() {
         let judged = aghf(&folder, &["judge", "out/summary.json", of_run]);
         assert_eq!((judged.code, &judged.stdout), (Some(0), &summary.stdout));
     }
-    assert_bad_input(
-        &folder,
-        &["judge", "out/summary.json", "."],
-        "neither 'summary.json' nor",
-    );
+    assert_bad_input(&folder, &["judge", "out/summary.json", "."], "neither 'summary.json' nor");
 }
 
 #[test]
@@ -79,16 +60,8 @@ fn tolerances_are_options() {
     std::fs::write(folder.join("late.csv"), table).expect("writable");
     let late = aghf(&folder, &["judge", "hang.json", "late.csv"]);
     assert_eq!(late.code, Some(1), "{}{}", late.stdout, late.stderr);
-    assert!(
-        late.stdout
-            .contains("the rates of q by five neighbouring samples"),
-        "{}",
-        late.stdout
-    );
-    let tolerated = aghf(
-        &folder,
-        &["judge", "hang.json", "late.csv", "--tolerance", "0.02"],
-    );
+    assert!(late.stdout.contains("the rates of q by five neighbouring samples"), "{}", late.stdout);
+    let tolerated = aghf(&folder, &["judge", "hang.json", "late.csv", "--tolerance", "0.02"]);
     // Three samples do not determine rates.
     assert_eq!(tolerated.code, Some(4), "{}", tolerated.stdout);
     let words = "\nvalid in part; not checked: start velocity, goal velocity, continuity";
@@ -107,11 +80,7 @@ fn bad_tables_are_refused() {
     std::fs::write(folder.join("bad.csv"), "t,q_joint_1\n0,0\n1,oops\n").expect("writable");
     let before = files(&folder);
     let arguments = ["judge", "hang.json", "bad.csv", "--json", "verdict.json"];
-    assert_bad_input(
-        &folder,
-        &arguments,
-        "bad.csv: line 3, column 'q_joint_1'; 'oops' is no finite number",
-    );
+    assert_bad_input(&folder, &arguments, "bad.csv: line 3, column 'q_joint_1'; 'oops' is no finite number");
     assert_bad_input(&folder, &["judge", "hang.json", "none.csv"], "none.csv");
     assert_bad_input(&folder, &["judge", "none.json", "bad.csv"], "none.json");
     assert_eq!(files(&folder), before);

@@ -31,11 +31,7 @@ fn a_folder_that_takes_no_file_is_refused_before_the_search() {
         let run = aghf(&folder, &["solve", SWING, "-v", "--out", out]);
         assert_eq!(run.code, Some(2), "{out}");
         assert!(run.stderr.contains("file"), "{out}: {}", run.stderr);
-        assert!(
-            !run.stderr.contains("degree"),
-            "{out}: it searched: {}",
-            run.stderr
-        );
+        assert!(!run.stderr.contains("degree"), "{out}: it searched: {}", run.stderr);
     }
     assert_eq!(files(&folder), names(["file"]));
 }
@@ -43,40 +39,23 @@ fn a_folder_that_takes_no_file_is_refused_before_the_search() {
 #[test]
 fn a_failure_is_written_beside_an_earlier_success() {
     let folder = empty_folder("beside");
-    solved(
-        &folder,
-        &["pendulum_5_swingup", "--starts", "2", "--out", "keep"],
-    );
-    let good = [
-        "keep/report.html",
-        "keep/summary.json",
-        "keep/trajectory.csv",
-    ];
+    solved(&folder, &["pendulum_5_swingup", "--starts", "2", "--out", "keep"]);
+    let good = ["keep/report.html", "keep/summary.json", "keep/trajectory.csv"];
     let before = good.map(|f| text(&folder.join(f)));
     let failing = [MISSING, &["--out", "keep"]].concat();
     // Without leave not even that.
-    assert_bad_input(
-        &folder,
-        &failing,
-        "keep/trajectory.csv: output: it exists already; --force",
-    );
+    assert_bad_input(&folder, &failing, "keep/trajectory.csv: output: it exists already; --force");
     let run = aghf(&folder, &[&failing[..], &["--force"]].concat());
     assert_eq!(run.code, Some(3), "{}", run.stderr);
     assert_eq!(good.map(|f| text(&folder.join(f))), before);
     let failed = ["keep/summary.failed.json", "keep/trajectory.failed.csv"];
     let page = "keep/report.failed.html";
-    assert_eq!(
-        files(&folder),
-        names([failed[0], failed[1], page, good[0], good[1], good[2]])
-    );
+    assert_eq!(files(&folder), names([failed[0], failed[1], page, good[0], good[1], good[2]]));
     assert!(text(&folder.join(failed[1])).starts_with("# failed: "));
     // The table of a failure says so whenever it is made.
     let run = aghf(&folder, &["sample", failed[0], "--samples", "2"]);
     let lines: Vec<&str> = run.stdout.lines().collect();
-    assert!(
-        lines.len() == 5 && lines[0].starts_with("# run_sha256:"),
-        "{lines:?}"
-    );
+    assert!(lines.len() == 5 && lines[0].starts_with("# run_sha256:"), "{lines:?}");
     assert!(lines[1].starts_with("# failed: "), "{lines:?}");
 }
 
@@ -93,18 +72,12 @@ fn scenarios_of_the_same_stem_have_folders_of_their_own() {
         solved(&folder, &[&format!("{place}/move.json")]);
     }
     for (place, goal) in [("out/move", 1.0), ("out/move-2", 2.0)] {
-        let summary: Value =
-            serde_json::from_str(&text(&folder.join(place).join("summary.json"))).expect("JSON");
-        assert_eq!(
-            summary["provenance"]["scenario"]["q_goal"],
-            json!([goal]),
-            "{place}"
-        );
+        let summary: Value = serde_json::from_str(&text(&folder.join(place).join("summary.json"))).expect("JSON");
+        assert_eq!(summary["provenance"]["scenario"]["q_goal"], json!([goal]), "{place}");
     }
     // Told to, it replaces what is in the first one.
     solved(&folder, &["b/move.json", "--force"]);
-    let [first, second] =
-        ["out/move", "out/move-2"].map(|f| text(&folder.join(f).join("trajectory.csv")));
+    let [first, second] = ["out/move", "out/move-2"].map(|f| text(&folder.join(f).join("trajectory.csv")));
     assert!(first == second);
     assert!(!folder.join("out/move-3").exists());
 }
@@ -112,8 +85,7 @@ fn scenarios_of_the_same_stem_have_folders_of_their_own() {
 #[test]
 fn no_file_is_overwritten_unless_told() {
     let folder = empty_folder("overwrite");
-    let robots = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
-        .join("robots/pendulum_2/pendulum_2.urdf");
+    let robots = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("robots/pendulum_2/pendulum_2.urdf");
     std::fs::copy(robots, folder.join("mine.urdf")).expect("writable");
     let before = text(&folder.join("mine.urdf"));
     let write = ["robots", "mine.urdf", "--urdf", "mine.urdf"];
@@ -127,12 +99,7 @@ fn no_file_is_overwritten_unless_told() {
     for again in [
         &["solve", SWING, "--out", "here"][..],
         &["sample", "here/summary.json", "--out", "mine.urdf"],
-        &[
-            "sample",
-            "here/summary.json",
-            "--out",
-            "here/trajectory.csv",
-        ],
+        &["sample", "here/summary.json", "--out", "here/trajectory.csv"],
     ] {
         assert_bad_input(&folder, again, "it exists already");
     }
@@ -157,21 +124,9 @@ fn a_name_that_is_no_folder_is_refused_in_words() {
 #[test]
 fn bad_input_leaves_no_folder() {
     let folder = empty_folder("no_folder");
-    assert_bad_input(
-        &folder,
-        &["solve", SWING, "--degree", "1"],
-        "degree: it is 1",
-    );
-    assert_bad_input(
-        &folder,
-        &["solve", SWING, "--samples", "1"],
-        "samples: it is 1",
-    );
-    assert_bad_input(
-        &folder,
-        &["solve", SWING, "--rate", "1e9"],
-        "rate: 1000000000 Hz over 2 s",
-    );
+    assert_bad_input(&folder, &["solve", SWING, "--degree", "1"], "degree: it is 1");
+    assert_bad_input(&folder, &["solve", SWING, "--samples", "1"], "samples: it is 1");
+    assert_bad_input(&folder, &["solve", SWING, "--rate", "1e9"], "rate: 1000000000 Hz over 2 s");
     assert_bad_input(&folder, &["solve", SWING, "--rate", "-1"], "rate: it is -1");
     assert!(!folder.join("out").join(SWING).exists());
 }
@@ -179,42 +134,25 @@ fn bad_input_leaves_no_folder() {
 #[test]
 fn a_solve_is_repeated_from_its_summary() {
     let folder = empty_folder("repeat");
-    let robot = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
-        .join("robots/pendulum_2/pendulum_2.urdf");
+    let robot = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("robots/pendulum_2/pendulum_2.urdf");
     std::fs::create_dir(folder.join("tasks")).expect("writable");
     std::fs::copy(robot, folder.join("tasks/mine.urdf")).expect("writable");
     let mut scenario = parsed(&aghf(&folder, &["scenarios", "pendulum_2_swingup"]));
     scenario["robot"] = json!("mine.urdf");
     std::fs::write(folder.join("tasks/lift.json"), scenario.to_string()).expect("writable");
-    let options = [
-        "--degree",
-        "9",
-        "--segments",
-        "2",
-        "--starts",
-        "3",
-        "--seed",
-        "5",
-    ];
-    solved(
-        &folder,
-        &[&["tasks/lift.json", "--out", "first"], &options[..]].concat(),
-    );
+    let options = ["--degree", "9", "--segments", "2", "--starts", "3", "--seed", "5"];
+    solved(&folder, &[&["tasks/lift.json", "--out", "first"], &options[..]].concat());
     solved(&folder, &["first/summary.json", "--out", "second"]);
     let [first, second] = ["first", "second"].map(|f| text(&folder.join(f).join("trajectory.csv")));
     assert!(first == second, "to the last digit");
-    let summary: Value =
-        serde_json::from_str(&text(&folder.join("second/summary.json"))).expect("JSON");
+    let summary: Value = serde_json::from_str(&text(&folder.join("second/summary.json"))).expect("JSON");
     assert_eq!(summary["scenario"], "lift");
     let provenance = &summary["provenance"];
     assert_eq!(provenance["version"], env!("CARGO_PKG_VERSION"));
     for (key, value) in [("degree", 9), ("segments", 2), ("starts", 3), ("seed", 5)] {
         assert_eq!(provenance["options"][key], value, "{key}");
     }
-    assert_eq!(
-        provenance["options"]["tolerance"], 1e-6,
-        "what was not given is told as well"
-    );
+    assert_eq!(provenance["options"]["tolerance"], 1e-6, "what was not given is told as well");
     // What is given goes before what was, and another seed bends the starts otherwise.
     let run = solved(&folder, &["first/summary.json", "--seed", "6", "--json"]);
     let other: Value = serde_json::from_str(&run.stdout).expect("JSON");
@@ -222,20 +160,13 @@ fn a_solve_is_repeated_from_its_summary() {
     assert_eq!(other["start_costs"].as_array().map(Vec::len), Some(3));
     assert_ne!(other["start_costs"], summary["start_costs"]);
     // Another method has none of these options.
-    let run = aghf(
-        &folder,
-        &["solve", "first/summary.json", "--method", "flow", "--json"],
-    );
+    let run = aghf(&folder, &["solve", "first/summary.json", "--method", "flow", "--json"]);
     assert!(matches!(run.code, Some(0 | 3)), "{}", run.stderr);
     // A robot that has changed since is no repetition.
     let urdf = text(&folder.join("tasks/mine.urdf"));
     std::fs::write(folder.join("tasks/mine.urdf"), urdf + "\n").expect("writable");
     let again = ["solve", "first/summary.json"];
-    assert_bad_input(
-        &folder,
-        &again,
-        "first/summary.json; mine.urdf: its text is not what it was",
-    );
+    assert_bad_input(&folder, &again, "first/summary.json; mine.urdf: its text is not what it was");
 }
 
 #[test]
@@ -274,42 +205,23 @@ fn a_summary_gives_tables_at_any_rate() {
         let cells = table.lines().skip(1).flat_map(|row| row.split(','));
         cells.map(|x| x.parse().expect("a number")).collect()
     };
-    let (again, first) = (
-        table(&["--rate", "10.3"]),
-        text(&folder.join("m/trajectory.csv")),
-    );
+    let (again, first) = (table(&["--rate", "10.3"]), text(&folder.join("m/trajectory.csv")));
     let both = numbers(&again).into_iter().zip(numbers(&first));
     assert!(again.lines().count() == first.lines().count());
-    assert!(
-        both.into_iter()
-            .all(|(a, b)| (a - b).abs() < 1e-9 * b.abs().max(1.0))
-    );
+    assert!(both.into_iter().all(|(a, b)| (a - b).abs() < 1e-9 * b.abs().max(1.0)));
     let times = |table: &str| -> Vec<f64> {
         let rows = table.lines().skip(1);
-        rows.map(|row| {
-            row.split(',')
-                .next()
-                .unwrap_or("")
-                .parse()
-                .expect("a number")
-        })
-        .collect()
+        rows.map(|row| row.split(',').next().unwrap_or("").parse().expect("a number")).collect()
     };
     // Products with the rate that are whole numbers but for rounding have no row twice.
     for rate in ["27.5", "100", "0.55", "4.35", "1e3"] {
         let times = times(&table(&["--rate", rate]));
-        assert!(
-            times.windows(2).all(|w| w[1] - w[0] > 1e-9),
-            "{rate}: {times:?}"
-        );
+        assert!(times.windows(2).all(|w| w[1] - w[0] > 1e-9), "{rate}: {times:?}");
     }
     assert_eq!(times(&table(&["--rate", "2"])), [0.0, 0.5, 1.0, 1.5, 2.0]);
     // Twenty of them, and the end.
     let slow = times(&table(&["--rate", "10.3"]));
-    assert_eq!(
-        (slow.len(), slow[1], slow[20], slow[21]),
-        (22, 1.0 / 10.3, 20.0 / 10.3, 2.0)
-    );
+    assert_eq!((slow.len(), slow[1], slow[20], slow[21]), (22, 1.0 / 10.3, 20.0 / 10.3, 2.0));
     assert_eq!(times(&table(&["--samples", "3"])), [0.0, 1.0, 2.0]);
     assert_eq!(times(&table(&[])).len(), 201);
     let out = ["sample", "m/summary.json", "--out", "wide.csv"];
@@ -321,45 +233,22 @@ fn a_summary_gives_tables_at_any_rate() {
 fn a_summary_that_does_not_fit_is_refused() {
     let folder = with_segments("sample_refused");
     for (change, words) in [
-        (
-            json!({"curve": {"degree": 8}}),
-            "curve.coefficients[0]: 2 rows of 9 numbers are needed",
-        ),
+        (json!({"curve": {"degree": 8}}), "curve.coefficients[0]: 2 rows of 9 numbers are needed"),
         (json!({"curve": {"horizon_s": -1.0}}), "curve; it is -"),
-        (
-            json!({"curve": {"coefficients": [[[0.0]]]}}),
-            "curve.coefficients: 1 segments are given, 2 are needed",
-        ),
-        (
-            json!({"provenance": {"robot_sha256": "0"}}),
-            "pendulum_1: its text is not what it was",
-        ),
-        (
-            json!({"provenance": {"options": {"degree": "nine"}}}),
-            "provenance.options; degree: invalid type",
-        ),
-        (
-            json!({"provenance": {"scenario": {"q_start": []}}}),
-            "q_start",
-        ),
+        (json!({"curve": {"coefficients": [[[0.0]]]}}), "curve.coefficients: 1 segments are given, 2 are needed"),
+        (json!({"provenance": {"robot_sha256": "0"}}), "pendulum_1: its text is not what it was"),
+        (json!({"provenance": {"options": {"degree": "nine"}}}), "provenance.options; degree: invalid type"),
+        (json!({"provenance": {"scenario": {"q_start": []}}}), "q_start"),
     ] {
         let summary = text(&folder.join("m/summary.json"));
         let mut changed: Value = serde_json::from_str(&summary).expect("JSON");
         merge(&mut changed, &change);
         std::fs::write(folder.join("bad.json"), changed.to_string()).expect("writable");
-        assert_bad_input(
-            &folder,
-            &["sample", "bad.json"],
-            &format!("bad.json; {words}"),
-        );
+        assert_bad_input(&folder, &["sample", "bad.json"], &format!("bad.json; {words}"));
     }
     let scenario = aghf(&folder, &["scenarios", SWING]).stdout;
     std::fs::write(folder.join("scenario.json"), scenario).expect("writable");
-    assert_bad_input(
-        &folder,
-        &["sample", "scenario.json"],
-        "scenario.json: provenance: it is missing",
-    );
+    assert_bad_input(&folder, &["sample", "scenario.json"], "scenario.json: provenance: it is missing");
 }
 
 /// Replaces keys of objects within objects.
@@ -375,25 +264,14 @@ fn places_that_cannot_be_written_exit_with_2_and_leave_nothing_half_done() {
     let folder = empty_folder("unwritable");
     std::fs::write(folder.join("file"), "mine").expect("writable");
     for out in ["file", "file/below"] {
-        assert_bad_input(
-            &folder,
-            &["solve", "pendulum_1_swingup", "--out", out],
-            &format!("aghf: {out}"),
-        );
+        assert_bad_input(&folder, &["solve", "pendulum_1_swingup", "--out", out], &format!("aghf: {out}"));
     }
     assert_eq!(files(&folder), ["file".to_owned()].into());
-    assert_eq!(
-        std::fs::read_to_string(folder.join("file")).expect("it is there"),
-        "mine"
-    );
+    assert_eq!(std::fs::read_to_string(folder.join("file")).expect("it is there"), "mine");
     for taken in ["trajectory.csv", "summary.json", "report.html"] {
         let out = format!("taken_{taken}");
         std::fs::create_dir_all(folder.join(&out).join(taken)).expect("writable");
-        assert_bad_input(
-            &folder,
-            &["solve", "pendulum_1_swingup", "--out", &out],
-            &format!("aghf: {out}/{taken}: "),
-        );
+        assert_bad_input(&folder, &["solve", "pendulum_1_swingup", "--out", &out], &format!("aghf: {out}/{taken}: "));
     }
     let left = files(&folder);
     assert!(!left.iter().any(|f| f.contains("partial")), "{left:?}");

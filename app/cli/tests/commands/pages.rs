@@ -21,9 +21,7 @@ const PAGES: [(&str, &str); 8] = [
 fn blocks<'a>(page: &'a str, language: &str) -> Vec<&'a str> {
     let begin = format!("```{language}\n");
     let behind = page.split(begin.as_str()).skip(1);
-    behind
-        .filter_map(|block| block.split("```").next())
-        .collect()
+    behind.filter_map(|block| block.split("```").next()).collect()
 }
 
 #[test]
@@ -35,11 +33,7 @@ fn the_commands_of_the_pages_run() {
         let text = std::fs::read_to_string(&path).expect("the page is there");
         std::os::unix::fs::symlink(root.join("robots"), folder.join("robots")).expect("writable");
         let urdf = "kinova_gen3.urdf";
-        std::fs::copy(
-            root.join("robots/kinova_gen3").join(urdf),
-            folder.join(urdf),
-        )
-        .expect("writable");
+        std::fs::copy(root.join("robots/kinova_gen3").join(urdf), folder.join(urdf)).expect("writable");
         for scenario in blocks(&text, "json") {
             if scenario.starts_with('{') {
                 std::fs::write(folder.join(format!("{page}.json")), scenario).expect("writable");
@@ -54,13 +48,7 @@ fn the_commands_of_the_pages_run() {
             };
             let words: Vec<&str> = command.split_whitespace().collect();
             let output = aghf(&folder, &words);
-            assert_eq!(
-                output.code,
-                Some(0),
-                "{page}: {line}: {}{}",
-                output.stdout,
-                output.stderr
-            );
+            assert_eq!(output.code, Some(0), "{page}: {line}: {}{}", output.stdout, output.stderr);
             if let Some(file) = file {
                 std::fs::write(folder.join(file), output.stdout).expect("writable");
             }
@@ -90,9 +78,7 @@ fn the_rows_of_summaries_are_explained() {
         let words = [&["solve"], arguments, &["--no-report", "--force"]].concat();
         let output = aghf(&folder, &words);
         let table = output.stdout.lines().filter(|line| line.contains("  "));
-        let names: Vec<_> = table
-            .filter_map(|line| line.trim().split("  ").next())
-            .collect();
+        let names: Vec<_> = table.filter_map(|line| line.trim().split("  ").next()).collect();
         assert!(names.len() > 8, "{}{}", output.stdout, output.stderr);
         for name in names {
             let short = name.split(" (").next().unwrap_or(name);

@@ -17,16 +17,12 @@ fn commands(text: &str) -> Vec<Vec<String>> {
         behind("cargo run --release -- ").or_else(|| behind("aghf "))
     });
     let words = own.map(|command| command.split_whitespace().map(str::to_owned).collect());
-    words
-        .filter(|words: &Vec<String>| words[0].chars().all(|c| c.is_ascii_lowercase()))
-        .collect()
+    words.filter(|words: &Vec<String>| words[0].chars().all(|c| c.is_ascii_lowercase())).collect()
 }
 
 /// The page of help of a command.
 fn help_of(folder: &Path, command: &[String]) -> String {
-    let names = command
-        .iter()
-        .take_while(|word| word.chars().all(|c| c.is_ascii_lowercase()));
+    let names = command.iter().take_while(|word| word.chars().all(|c| c.is_ascii_lowercase()));
     let words: Vec<&str> = names.map(String::as_str).chain(["--help"]).collect();
     let help = aghf(folder, &words);
     assert_eq!(help.code, Some(0), "{command:?}: {}", help.stderr);
@@ -38,13 +34,8 @@ fn pages() -> Vec<PathBuf> {
     let guides = ["src/guide", "app/scenario/src/guide", "app/cli/src/guide"];
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
     let files = guides.map(|guide| std::fs::read_dir(root.join(guide)).expect("it is there"));
-    let paths = files
-        .into_iter()
-        .flatten()
-        .map(|file| file.expect("it can be read").path());
-    paths
-        .filter(|path| path.extension().is_some_and(|kind| kind == "md"))
-        .collect()
+    let paths = files.into_iter().flatten().map(|file| file.expect("it can be read").path());
+    paths.filter(|path| path.extension().is_some_and(|kind| kind == "md")).collect()
 }
 
 /// Every command of the table has a page of help, and every option that stands in its row is on it.
@@ -136,13 +127,7 @@ fn the_first_motion_goes_from_a_scenario_to_a_table() {
     ] {
         let words: Vec<&str> = words.split(' ').collect();
         let output = aghf(&folder, &words);
-        assert_eq!(
-            output.code,
-            Some(0),
-            "{words:?}: {}{}",
-            output.stdout,
-            output.stderr
-        );
+        assert_eq!(output.code, Some(0), "{words:?}: {}{}", output.stdout, output.stderr);
     }
     for command in commands(&guide) {
         let help = aghf(&folder, &[&command[0], "--help"]);

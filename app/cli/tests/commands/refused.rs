@@ -29,11 +29,8 @@ fn commands_are_refused_by_the_place_of_the_error() {
     }
     for case in &cases.commands {
         let arguments: Vec<&str> = case[0].split(' ').collect();
-        let place = if case[1].is_empty() || case[1].starts_with('-') {
-            case[1].clone()
-        } else {
-            format!("{}: ", case[1])
-        };
+        let place =
+            if case[1].is_empty() || case[1].starts_with('-') { case[1].clone() } else { format!("{}: ", case[1]) };
         let words = case.get(2).map_or("", String::as_str);
         assert_bad_input(&folder, &arguments, &format!("{place}; {words}"));
     }
@@ -50,11 +47,7 @@ fn problems_of_moveit_are_refused_by_file_and_element() {
         let [file, bad, element] = [0, 2, 3].map(|i| part(i).expect("it is given"));
         let folder = folder("import_refused", file, part(1), bad);
         let words = format!("{file}: {element}: ; {}", part(4).unwrap_or(""));
-        let request = if file == "pose.yaml" {
-            file
-        } else {
-            "request.yaml"
-        };
+        let request = if file == "pose.yaml" { file } else { "request.yaml" };
         assert_bad_input(&folder, &import_of(request), &words);
         assert_eq!(files(&folder).len(), 5, "{element}: something was written");
     }
@@ -67,10 +60,7 @@ fn bad_options_of_an_import_leave_no_file() {
     for (more, words) in [
         (&["--horizon", "-1"][..], "made.json: horizon_s"),
         (&["--horizon-bounds", "3", "2"], "made.json: free_horizon"),
-        (
-            &["--excess", "0"],
-            "excess: it is 0, a positive number is needed",
-        ),
+        (&["--excess", "0"], "excess: it is 0, a positive number is needed"),
     ] {
         assert_bad_input(&folder, &[&IMPORT, more].concat(), words);
     }
@@ -94,25 +84,14 @@ fn lists_of_a_sweep_have_bounds() {
         values.join(", ")
     };
     let (long, longer) = (list(2000), list(10_001));
-    let costs =
-        format!("[objective]\neffort = [{long}]\nvelocity = [{long}]\nacceleration = [{long}]");
+    let costs = format!("[objective]\neffort = [{long}]\nvelocity = [{long}]\nacceleration = [{long}]");
     for (keys, words) in [
-        (
-            "starts = [100001]".to_owned(),
-            "starts[0]: it is 100001, at least 1 and at most 100000",
-        ),
-        (
-            format!("tolerance = [{longer}]"),
-            "tolerance: it has 10001 values, at most 10000",
-        ),
+        ("starts = [100001]".to_owned(), "starts[0]: it is 100001, at least 1 and at most 100000"),
+        (format!("tolerance = [{longer}]"), "tolerance: it has 10001 values, at most 10000"),
         (costs, "sweep: the grid has more than 1000000 sets"),
-        (
-            "objective = [[1.0], [0.1], [0.2]]".to_owned(),
-            "objective[0]: ; the name of an objective, or an object",
-        ),
+        ("objective = [[1.0], [0.1], [0.2]]".to_owned(), "objective[0]: ; the name of an objective, or an object"),
     ] {
-        let text =
-            format!("method = 'direct'\nscenarios = ['pendulum_*']\ntime_limit_s = 1\n{keys}\n");
+        let text = format!("method = 'direct'\nscenarios = ['pendulum_*']\ntime_limit_s = 1\n{keys}\n");
         std::fs::write(folder.join("s.toml"), text).expect("writable");
         assert_bad_input(&folder, &["sweep", "s.toml"], &format!("s.toml: {words}"));
     }

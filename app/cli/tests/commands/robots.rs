@@ -6,8 +6,7 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 fn urdf_path(name: &str) -> PathBuf {
-    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
-        .join(format!("robots/{name}/{name}.urdf"))
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(format!("robots/{name}/{name}.urdf"))
 }
 
 #[test]
@@ -16,20 +15,10 @@ fn robots_lists_all_that_are_built_in() {
     let run = aghf(&folder, &["robots"]);
     assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
     let all = parsed(&aghf(&folder, &["robots", "--json"]));
-    let listed: Vec<_> = all
-        .as_array()
-        .expect("a list")
-        .iter()
-        .map(|r| r["robot"].clone())
-        .collect();
+    let listed: Vec<_> = all.as_array().expect("a list").iter().map(|r| r["robot"].clone()).collect();
     assert_eq!(listed, builtin_robots().collect::<Vec<_>>());
     for name in builtin_robots() {
-        assert!(
-            run.stdout
-                .lines()
-                .any(|l| l.starts_with(&format!("{name}: "))),
-            "{name}"
-        );
+        assert!(run.stdout.lines().any(|l| l.starts_with(&format!("{name}: "))), "{name}");
     }
 }
 
@@ -43,74 +32,35 @@ fn a_robot_has_joints_limits_and_masses_in_json() {
     let masses = [1.3773, 1.1636, 1.1636, 0.9302, 0.6781, 0.6781, 0.5];
     for (i, joint) in joints.iter().enumerate() {
         assert_eq!(joint["name"], format!("joint_{}", i + 1));
-        assert_eq!(
-            (&joint["kind"], &joint["mass_kg"]),
-            (&json!("revolute"), &json!(masses[i]))
-        );
+        assert_eq!((&joint["kind"], &joint["mass_kg"]), (&json!("revolute"), &json!(masses[i])));
     }
-    let limits =
-        ["lower", "upper", "velocity", "effort", "parent"].map(|key| joints[3][key].clone());
-    assert_eq!(
-        limits,
-        [
-            json!(-2.58),
-            json!(2.58),
-            json!(1.3963),
-            json!(39.0),
-            json!("joint_3")
-        ]
-    );
+    let limits = ["lower", "upper", "velocity", "effort", "parent"].map(|key| joints[3][key].clone());
+    assert_eq!(limits, [json!(-2.58), json!(2.58), json!(1.3963), json!(39.0), json!("joint_3")]);
     assert_eq!(joints[0]["parent"], Value::Null);
     assert!((all[0]["mass_kg"].as_f64().expect("a number") - 6.4909).abs() < 1e-12);
     let notes = all[0]["notes"].to_string();
-    assert!(
-        notes.contains("end_effector_link") && notes.contains("joint_7"),
-        "{notes}"
-    );
+    assert!(notes.contains("end_effector_link") && notes.contains("joint_7"), "{notes}");
 
     let pendulum = parsed(&aghf(&folder, &["robots", "pendulum_1", "--json"]));
     let joint = &pendulum[0]["joints"][0];
-    assert_eq!(
-        (&joint["kind"], &joint["lower"], &joint["effort"]),
-        (&json!("continuous"), &Value::Null, &Value::Null)
-    );
+    assert_eq!((&joint["kind"], &joint["lower"], &joint["effort"]), (&json!("continuous"), &Value::Null, &Value::Null));
 }
 
 #[test]
 fn a_robot_is_shown_with_joints_limits_and_masses() {
     let folder = empty_folder("robot");
     let run = aghf(&folder, &["robots", "kinova_gen3"]);
-    let row = run
-        .stdout
-        .lines()
-        .find(|l| l.contains("joint_4"))
-        .expect("a row a joint");
-    assert!(
-        ["revolute", "joint_3", "-2.58", "1.3963", "39.0"]
-            .iter()
-            .all(|w| row.contains(w)),
-        "{row}"
-    );
-    assert!(
-        run.stdout.contains("kinova_gen3: 7 joints, 6.4909 kg"),
-        "{}",
-        run.stdout
-    );
+    let row = run.stdout.lines().find(|l| l.contains("joint_4")).expect("a row a joint");
+    assert!(["revolute", "joint_3", "-2.58", "1.3963", "39.0"].iter().all(|w| row.contains(w)), "{row}");
+    assert!(run.stdout.contains("kinova_gen3: 7 joints, 6.4909 kg"), "{}", run.stdout);
 
     // Digits show what is said, however large or small it is.
     let text = std::fs::read_to_string(urdf_path("pendulum_1")).expect("it exists");
     for (mass, shown) in [("1e300", "1.000e300 kg"), ("1e-5", "1.000e-5 kg")] {
-        let heavy = text.replace(
-            r#"<mass value="1"/>"#,
-            &format!(r#"<mass value="{mass}"/>"#),
-        );
+        let heavy = text.replace(r#"<mass value="1"/>"#, &format!(r#"<mass value="{mass}"/>"#));
         std::fs::write(folder.join("heavy.urdf"), heavy).expect("writable");
         let run = aghf(&folder, &["robots", "heavy.urdf"]);
-        assert!(
-            run.stdout.contains(shown) && run.stdout.len() < 1000,
-            "{}",
-            run.stdout
-        );
+        assert!(run.stdout.contains(shown) && run.stdout.len() < 1000, "{}", run.stdout);
     }
 }
 
@@ -124,19 +74,11 @@ fn robots_reads_files_and_refuses_bad_ones() {
         parsed(&aghf(&folder, &["robots", "pendulum_2", "--json"])),
     );
     assert_eq!(read[0]["joints"], built_in[0]["joints"]);
-    assert_bad_input(
-        &folder,
-        &["robots", "hexapod"],
-        "aghf: hexapod: robot: ; neither a file nor a built-in robot",
-    );
+    assert_bad_input(&folder, &["robots", "hexapod"], "aghf: hexapod: robot: ; neither a file nor a built-in robot");
     let text = std::fs::read_to_string(&path).expect("it exists");
     let broken = text.replace(r#"<mass value="1"/>"#, r#"<mass value="-1"/>"#);
     std::fs::write(folder.join("broken.urdf"), broken).expect("writable");
-    assert_bad_input(
-        &folder,
-        &["robots", "broken.urdf"],
-        "aghf: broken.urdf: link 'link_1': ; negative",
-    );
+    assert_bad_input(&folder, &["robots", "broken.urdf"], "aghf: broken.urdf: link 'link_1': ; negative");
 }
 
 /// A gripper whose second finger mimics the first.
@@ -169,21 +111,11 @@ fn mimic_joints_move_by_themselves_where_that_is_asked_for() {
             "robots" => "",
             _ => "note: gripper.urdf: joint 'b': mimics 'a', independent here\n",
         };
-        assert_eq!(
-            (run.code, run.stderr.as_str()),
-            (Some(0), note),
-            "{command:?}"
-        );
+        assert_eq!((run.code, run.stderr.as_str()), (Some(0), note), "{command:?}");
     }
-    let all = parsed(&aghf(
-        &folder,
-        &["robots", "gripper.urdf", "--mimic", "independent", "--json"],
-    ));
+    let all = parsed(&aghf(&folder, &["robots", "gripper.urdf", "--mimic", "independent", "--json"]));
     let notes = all[0]["notes"].to_string();
-    assert!(
-        notes.contains("joint 'b': mimics 'a', independent here"),
-        "{notes}"
-    );
+    assert!(notes.contains("joint 'b': mimics 'a', independent here"), "{notes}");
 }
 
 #[test]
@@ -191,13 +123,9 @@ fn robots_are_written_as_urdf() {
     let folder = empty_folder("written");
     let written = aghf(&folder, &["robots", "kinova_gen3", "--urdf", "arm.urdf"]);
     assert_eq!((written.code, written.stderr.as_str()), (Some(0), ""));
-    assert_eq!(
-        files(&folder),
-        ["arm.urdf".to_owned()].into(),
-        "complete and alone"
-    );
-    let [read, built_in] = ["arm.urdf", "kinova_gen3"]
-        .map(|robot| parsed(&aghf(&folder, &["robots", robot, "--json"])));
+    assert_eq!(files(&folder), ["arm.urdf".to_owned()].into(), "complete and alone");
+    let [read, built_in] =
+        ["arm.urdf", "kinova_gen3"].map(|robot| parsed(&aghf(&folder, &["robots", robot, "--json"])));
     assert_eq!(read[0]["joints"], built_in[0]["joints"]);
 
     let nowhere = ["robots", "kinova_gen3", "--urdf", "no/such/arm.urdf"];

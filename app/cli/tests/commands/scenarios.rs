@@ -10,13 +10,8 @@ fn scenarios_lists_all_of_them() {
     let folder = empty_folder("scenarios");
     let run = aghf(&folder, &["scenarios"]);
     assert_eq!(run.code, Some(0));
-    let first_words = run
-        .stdout
-        .lines()
-        .filter_map(|line| line.split_whitespace().next());
-    let listed: Vec<&str> = first_words
-        .take_while(|word| !word.ends_with(':'))
-        .collect();
+    let first_words = run.stdout.lines().filter_map(|line| line.split_whitespace().next());
+    let listed: Vec<&str> = first_words.take_while(|word| !word.ends_with(':')).collect();
     let known = builtin_scenarios().map(str::to_owned);
     let known: Vec<String> = known.chain(generated_scenarios()).collect();
     assert_eq!(listed, known);
@@ -44,11 +39,7 @@ fn the_help_is_plain_text() {
         &["eval", "--help"],
     ] {
         let run = aghf(&empty_folder("plain"), arguments);
-        assert!(
-            !run.stdout.contains("[`"),
-            "a link of rustdoc in {arguments:?}: {}",
-            run.stdout
-        );
+        assert!(!run.stdout.contains("[`"), "a link of rustdoc in {arguments:?}: {}", run.stdout);
     }
 }
 
@@ -64,35 +55,17 @@ fn the_help_names_all_sweeps() {
 /// Runs with its standard output somewhere else, and returns its exit code and what it says on standard error.
 fn with_stdout(stdout: Stdio, arguments: &[&str]) -> (Option<i32>, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_aghf"));
-    command
-        .current_dir(empty_folder("stdout"))
-        .args(arguments)
-        .stdout(stdout)
-        .stderr(Stdio::piped());
-    let output = command
-        .spawn()
-        .expect("it runs")
-        .wait_with_output()
-        .expect("it ends");
-    (
-        output.status.code(),
-        String::from_utf8(output.stderr).expect("it prints text"),
-    )
+    command.current_dir(empty_folder("stdout")).args(arguments).stdout(stdout).stderr(Stdio::piped());
+    let output = command.spawn().expect("it runs").wait_with_output().expect("it ends");
+    (output.status.code(), String::from_utf8(output.stderr).expect("it prints text"))
 }
 
 #[test]
 fn a_reader_that_went_away_is_no_error_and_a_full_disk_is_one() {
-    for arguments in [
-        &["robots"][..],
-        &["robots", "--json"],
-        &["solve", "pendulum_1_swingup"],
-    ] {
+    for arguments in [&["robots"][..], &["robots", "--json"], &["solve", "pendulum_1_swingup"]] {
         let (reader, writer) = std::io::pipe().expect("pipes are to be had");
         drop(reader);
-        assert_eq!(
-            with_stdout(writer.into(), arguments),
-            (Some(0), String::new())
-        );
+        assert_eq!(with_stdout(writer.into(), arguments), (Some(0), String::new()));
     }
     #[cfg(target_os = "linux")]
     {
@@ -107,10 +80,7 @@ fn a_reader_that_went_away_is_no_error_and_a_full_disk_is_one() {
 #[test]
 fn a_robot_is_chosen_for_generated_scenarios_alone() {
     let folder = empty_folder("chosen_robot");
-    let run = aghf(
-        &folder,
-        &["scenarios", "limits_02", "--robot", "pendulum_3"],
-    );
+    let run = aghf(&folder, &["scenarios", "limits_02", "--robot", "pendulum_3"]);
     assert_eq!(parsed(&run)["robot"], "pendulum_3");
     std::fs::write(folder.join("some.json"), run.stdout).expect("writable");
     for command in ["solve", "scenarios"] {

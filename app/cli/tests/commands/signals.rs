@@ -11,15 +11,7 @@ use std::process::{Command, Stdio};
 fn interrupted(folder: &Path, signal: &str, stage: &str) -> (Option<i32>, String) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_aghf"))
         .current_dir(folder)
-        .args([
-            "solve",
-            "pendulum_2_swingup",
-            "--time-limit-s",
-            "600",
-            "-v",
-            "--starts",
-            "2",
-        ])
+        .args(["solve", "pendulum_2_swingup", "--time-limit-s", "600", "-v", "--starts", "2"])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
@@ -51,21 +43,15 @@ fn is_ignored(signal: u32) -> bool {
 #[test]
 fn ctrl_c_keeps_the_best_motion_and_says_so() {
     // Whoever runs the tests may have the others ignored, as `nohup` does, and what is ignored stays so.
-    let signals = [("-INT", 2), ("-HUP", 1)]
-        .into_iter()
-        .filter(|(_, number)| !is_ignored(*number));
+    let signals = [("-INT", 2), ("-HUP", 1)].into_iter().filter(|(_, number)| !is_ignored(*number));
     for (signal, _) in signals.chain([("-TERM", 15)]) {
         let folder = empty_folder(&format!("signal{signal}"));
         // The first batch has ended by then, and something was found.
         let (code, stdout) = interrupted(&folder, signal, "start 4");
         assert_eq!(code, Some(0), "{signal}: {stdout}");
-        assert!(
-            stdout.contains("interrupted: the motion is the best minimum until then"),
-            "{stdout}"
-        );
+        assert!(stdout.contains("interrupted: the motion is the best minimum until then"), "{stdout}");
         let out = "out/pendulum_2_swingup";
-        let expected =
-            ["report.html", "summary.json", "trajectory.csv"].map(|f| format!("{out}/{f}"));
+        let expected = ["report.html", "summary.json", "trajectory.csv"].map(|f| format!("{out}/{f}"));
         assert_eq!(files(&folder), expected.into());
     }
 }
@@ -83,10 +69,7 @@ fn shell(folder: &Path, command: &str) -> (Option<i32>, String) {
 #[test]
 fn a_file_that_cannot_be_completed_leaves_nothing() {
     let folder = empty_folder("too_large");
-    let command = format!(
-        "ulimit -f 8; exec {} solve pendulum_1_swingup --samples 20000",
-        env!("CARGO_BIN_EXE_aghf")
-    );
+    let command = format!("ulimit -f 8; exec {} solve pendulum_1_swingup --samples 20000", env!("CARGO_BIN_EXE_aghf"));
     let (code, stderr) = shell(&folder, &command);
     assert_eq!(code, Some(2), "{stderr}");
     assert!(stderr.contains("trajectory.csv"), "{stderr}");
@@ -123,14 +106,7 @@ fn two_solves_for_one_folder_lose_none() {
         Command::new(env!("CARGO_BIN_EXE_aghf"))
             .current_dir(&folder)
             .env("TMPDIR", &spare)
-            .args([
-                "solve",
-                "pendulum_3_swingup",
-                "--out",
-                "same",
-                "--time-limit-s",
-                "1",
-            ])
+            .args(["solve", "pendulum_3_swingup", "--out", "same", "--time-limit-s", "1"])
             .output()
             .expect("it runs")
     };
@@ -139,35 +115,15 @@ fn two_solves_for_one_folder_lose_none() {
         both.map(|run| run.join().expect("it ends"))
     });
     assert!(runs.iter().all(|run| run.status.success()));
-    let told: String = runs
-        .iter()
-        .map(|run| String::from_utf8_lossy(&run.stderr))
-        .collect();
-    assert!(
-        told.contains("same/") && told.contains("the files are in "),
-        "{told}"
-    );
-    let own = std::fs::read_dir(&spare)
-        .expect("readable")
-        .filter_map(|entry| {
-            let entry = entry.expect("readable");
-            entry
-                .file_type()
-                .expect("readable")
-                .is_dir()
-                .then(|| entry.path())
-        });
+    let told: String = runs.iter().map(|run| String::from_utf8_lossy(&run.stderr)).collect();
+    assert!(told.contains("same/") && told.contains("the files are in "), "{told}");
+    let own = std::fs::read_dir(&spare).expect("readable").filter_map(|entry| {
+        let entry = entry.expect("readable");
+        entry.file_type().expect("readable").is_dir().then(|| entry.path())
+    });
     let own: Vec<_> = own.collect();
-    let [own] = own.as_slice() else {
-        panic!("one private folder: {own:?}")
-    };
-    let mode = std::fs::metadata(own)
-        .expect("it is there")
-        .permissions()
-        .mode();
+    let [own] = own.as_slice() else { panic!("one private folder: {own:?}") };
+    let mode = std::fs::metadata(own).expect("it is there").permissions().mode();
     assert_eq!((files(own).len(), mode & 0o777), (3, 0o700));
-    assert_eq!(
-        (files(&folder.join("same")).len(), files(&elsewhere).len()),
-        (3, 0)
-    );
+    assert_eq!((files(&folder.join("same")).len(), files(&elsewhere).len()), (3, 0));
 }

@@ -14,12 +14,7 @@ fn json_file(path: &Path) -> Value {
 /// The header and the rows of a CSV.
 fn csv_file(path: &Path) -> (Vec<String>, Vec<Vec<f64>>) {
     let mut reader = csv::Reader::from_path(path).expect("it is there");
-    let header = reader
-        .headers()
-        .expect("it has one")
-        .iter()
-        .map(str::to_owned)
-        .collect();
+    let header = reader.headers().expect("it has one").iter().map(str::to_owned).collect();
     let rows = reader.records().map(|row| {
         let row = row.expect("as long as the header");
         row.iter().map(|x| x.parse().expect("a number")).collect()
@@ -32,16 +27,10 @@ fn without_arguments_it_plans_over_the_table() {
     let folder = empty_folder("default");
     let run = aghf(&folder, &[]);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    let expected = [
-        "out/kinova_table_01/report.html",
-        "out/kinova_table_01/summary.json",
-        "out/kinova_table_01/trajectory.csv",
-    ];
+    let expected =
+        ["out/kinova_table_01/report.html", "out/kinova_table_01/summary.json", "out/kinova_table_01/trajectory.csv"];
     assert_eq!(files(&folder), expected.map(str::to_owned).into());
-    for words in expected
-        .iter()
-        .chain(&["kinova_table_01 (kinova_gen3)", "verdict", "optimal"])
-    {
+    for words in expected.iter().chain(&["kinova_table_01 (kinova_gen3)", "verdict", "optimal"]) {
         assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
     }
     let duration = assert_table_01(&folder.join(expected[2]));
@@ -51,42 +40,21 @@ fn without_arguments_it_plans_over_the_table() {
 
 /// Asserts that a CSV has a motion of `kinova_table_01`, and returns its duration in s.
 fn assert_table_01(path: &Path) -> f64 {
-    let Scenario {
-        file: scenario,
-        model,
-        ..
-    } = Scenario::load("kinova_table_01").expect("built in");
+    let Scenario { file: scenario, model, .. } = Scenario::load("kinova_table_01").expect("built in");
     let (header, rows) = csv_file(path);
     let joints = (1..=7).map(|i| format!("joint_{i}"));
-    let columns = ["q", "v", "a", "u"]
-        .iter()
-        .flat_map(|x| joints.clone().map(move |j| format!("{x}_{j}")));
-    assert_eq!(
-        header,
-        std::iter::once("t".to_owned())
-            .chain(columns)
-            .collect::<Vec<_>>()
-    );
+    let columns = ["q", "v", "a", "u"].iter().flat_map(|x| joints.clone().map(move |j| format!("{x}_{j}")));
+    assert_eq!(header, std::iter::once("t".to_owned()).chain(columns).collect::<Vec<_>>());
     assert_eq!((header.len(), rows.len()), (1 + 4 * 7, 201));
     assert!(rows.iter().flatten().all(|x| x.is_finite()));
     assert!(rows.windows(2).all(|w| w[0][0] < w[1][0]), "time ascends");
     let duration = rows[200][0];
-    assert!(
-        rows[0][0] == 0.0 && (1.5..2.0).contains(&duration),
-        "{duration}"
-    );
-    for (row, q, v) in [
-        (&rows[0], &scenario.q_start, &scenario.v_start),
-        (&rows[200], &scenario.q_goal, &scenario.v_goal),
-    ] {
+    assert!(rows[0][0] == 0.0 && (1.5..2.0).contains(&duration), "{duration}");
+    for (row, q, v) in
+        [(&rows[0], &scenario.q_start, &scenario.v_start), (&rows[200], &scenario.q_goal, &scenario.v_goal)]
+    {
         let state = q.iter().chain(v);
-        assert!(
-            row[1..15]
-                .iter()
-                .zip(state)
-                .all(|(a, b)| (a - b).abs() < 1e-12),
-            "{row:?}"
-        );
+        assert!(row[1..15].iter().zip(state).all(|(a, b)| (a - b).abs() < 1e-12), "{row:?}");
     }
 
     // The control is the inverse dynamics of the other columns.
@@ -115,16 +83,9 @@ fn assert_summary_01(path: &Path, duration: f64) {
         "iterations",
         "factorisations",
     ] {
-        assert!(
-            summary[key].as_f64().is_some_and(|x| x > 0.0),
-            "{key}: {summary}"
-        );
+        assert!(summary[key].as_f64().is_some_and(|x| x > 0.0), "{key}: {summary}");
     }
-    for (key, value) in [
-        ("scenario", "kinova_table_01"),
-        ("robot", "kinova_gen3"),
-        ("method", "direct"),
-    ] {
+    for (key, value) in [("scenario", "kinova_table_01"), ("robot", "kinova_gen3"), ("method", "direct")] {
         assert_eq!(summary[key], value);
     }
     assert_eq!(summary["success"], true);
@@ -143,10 +104,7 @@ fn assert_around_the_post(folder: &Path, trajectory: &str) {
     std::fs::write(folder.join("without.json"), without.to_string()).expect("it can be written");
     let run = aghf(folder, &["solve", "without.json", "--out", "without"]);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    let run = aghf(
-        folder,
-        &["judge", "kinova_table_01", "without/trajectory.csv"],
-    );
+    let run = aghf(folder, &["judge", "kinova_table_01", "without/trajectory.csv"]);
     assert_eq!(run.code, Some(1), "{}{}", run.stdout, run.stderr);
     assert!(run.stdout.contains(" and 'post'"), "{}", run.stdout);
 }
@@ -182,16 +140,8 @@ fn options_override_the_scenario_and_show_in_the_summary() {
     ] {
         assert_eq!(summary[key], value, "{key}");
     }
-    for key in [
-        "action",
-        "steps",
-        "omega_evaluations",
-        "jacobian_evaluations",
-    ] {
-        assert!(
-            summary[key].as_f64().is_some_and(|x| x > 0.0),
-            "{key}: {summary}"
-        );
+    for key in ["action", "steps", "omega_evaluations", "jacobian_evaluations"] {
+        assert!(summary[key].as_f64().is_some_and(|x| x > 0.0), "{key}: {summary}");
     }
 }
 
@@ -202,10 +152,7 @@ fn options_of_the_direct_method_show_in_the_summary() {
     let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let summary: Value = serde_json::from_str(&run.stdout).expect("it is JSON");
-    assert_eq!(
-        (&summary["degree"], &summary["tolerance"]),
-        (&json!(10), &json!(1e-7))
-    );
+    assert_eq!((&summary["degree"], &summary["tolerance"]), (&json!(10), &json!(1e-7)));
     assert_eq!(summary["start_costs"].as_array().map(Vec::len), Some(3));
     assert!(summary["gradient_norm"].as_f64() <= Some(1e-7));
     // What only the flow has is not there.
@@ -218,29 +165,17 @@ fn segments_and_an_adaptive_degree_show_in_the_summary() {
     let arguments = "solve pendulum_1_swingup --degree 7 --segments 2 --degree-tolerance 0.05";
     let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    for words in [
-        "2 segments of degree 9",
-        "effort by degree",
-        "converged to 0.05",
-    ] {
+    for words in ["2 segments of degree 9", "effort by degree", "converged to 0.05"] {
         assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
     }
     let summary = json_file(&folder.join("out/pendulum_1_swingup/summary.json"));
     assert_eq!(
-        (
-            &summary["degree"],
-            &summary["segments"],
-            &summary["unknowns"]
-        ),
+        (&summary["degree"], &summary["segments"], &summary["unknowns"]),
         (&json!(9), &json!(2), &json!(2 * 8 - 2))
     );
     assert_eq!(summary["adapted"]["degrees"], json!([7, 9]));
     assert_eq!(summary["adapted"]["converged"], json!(true));
-    assert!(
-        summary["replay_error_inf"]
-            .as_f64()
-            .is_some_and(|x| x > 0.0)
-    );
+    assert!(summary["replay_error_inf"].as_f64().is_some_and(|x| x > 0.0));
 }
 
 #[test]
@@ -248,62 +183,31 @@ fn a_scenario_file_is_solved_under_its_own_name() {
     let folder = empty_folder("file");
     std::fs::create_dir(folder.join("tasks")).expect("writable");
     let robots = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("robots/pendulum_1");
-    std::fs::copy(
-        robots.join("pendulum_1.urdf"),
-        folder.join("tasks/mine.urdf"),
-    )
-    .expect("writable");
+    std::fs::copy(robots.join("pendulum_1.urdf"), folder.join("tasks/mine.urdf")).expect("writable");
     let mut scenario = json_file(&robots.join("pendulum_1_swingup.json"));
     scenario["robot"] = json!("mine.urdf");
     std::fs::write(folder.join("tasks/lift.json"), scenario.to_string()).expect("writable");
     let run = aghf(&folder, &["solve", "tasks/lift.json", "--json"]);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let summary = json_file(&folder.join("out/lift/summary.json"));
-    assert_eq!(
-        (&summary["scenario"], &summary["robot"]),
-        (&json!("lift"), &json!("mine.urdf"))
-    );
+    assert_eq!((&summary["scenario"], &summary["robot"]), (&json!("lift"), &json!("mine.urdf")));
 }
 
 /// A flow that misses the goal.
-pub const MISSING: &[&str] = &[
-    "solve",
-    "pendulum_5_swingup",
-    "--method",
-    "flow",
-    "--k",
-    "1e5",
-    "--s-max",
-    "1",
-];
+pub const MISSING: &[&str] = &["solve", "pendulum_5_swingup", "--method", "flow", "--k", "1e5", "--s-max", "1"];
 
 #[test]
 fn a_solve_that_fails_writes_its_files_and_exits_with_3() {
     let folder = empty_folder("failed");
     let run = aghf(&folder, MISSING);
     assert_eq!(run.code, Some(3), "{}", run.stderr);
-    let words: Vec<_> = run
-        .stdout
-        .lines()
-        .filter(|l| l.starts_with(" verdict"))
-        .collect();
-    assert!(
-        words.iter().any(|l| l.trim_end().ends_with("not valid")),
-        "{}",
-        run.stdout
-    );
-    let expected = [
-        "summary.failed.json",
-        "trajectory.failed.csv",
-        "report.failed.html",
-    ];
+    let words: Vec<_> = run.stdout.lines().filter(|l| l.starts_with(" verdict")).collect();
+    assert!(words.iter().any(|l| l.trim_end().ends_with("not valid")), "{}", run.stdout);
+    let expected = ["summary.failed.json", "trajectory.failed.csv", "report.failed.html"];
     let expected = expected.map(|f| format!("out/pendulum_5_swingup/{f}"));
     assert_eq!(files(&folder), expected.clone().into());
     let summary = json_file(&folder.join(&expected[0]));
-    assert_eq!(
-        (&summary["success"], &summary["verdict"]),
-        (&json!(false), &json!("not_valid"))
-    );
+    assert_eq!((&summary["success"], &summary["verdict"]), (&json!(false), &json!("not_valid")));
     let text = std::fs::read_to_string(folder.join(&expected[1])).expect("it is there");
     let (first, table) = text.split_once('\n').expect("it has lines");
     let reason = summary["failure"].as_str().expect("there is a reason");
@@ -323,9 +227,5 @@ fn a_horizon_that_is_too_short_is_bad_input() {
         "q_goal": goal, "v_goal": at_rest,
     });
     std::fs::write(folder.join("far.json"), far.to_string()).expect("writable");
-    assert_bad_input(
-        &folder,
-        &["solve", "far.json"],
-        "aghf: far: horizon_s: ; joint_1; it is 0.5 s",
-    );
+    assert_bad_input(&folder, &["solve", "far.json"], "aghf: far: horizon_s: ; joint_1; it is 0.5 s");
 }

@@ -45,9 +45,7 @@ fn read(path: &Path) -> String {
 /// A results file without its last column, the time.
 fn timeless(path: &Path) -> Vec<String> {
     let text = read(path);
-    let lines = text
-        .lines()
-        .map(|line| line.rsplit_once(',').expect("columns").0.to_owned());
+    let lines = text.lines().map(|line| line.rsplit_once(',').expect("columns").0.to_owned());
     lines.collect()
 }
 
@@ -68,10 +66,7 @@ fn assert_refused(folder: &Path, arguments: &[&str], words: &str) {
 fn a_sweep_that_is_killed_again_and_again_ends_with_the_same_file() {
     let whole = killed("flow", GRID);
     for outcome in ["success", "goal_missed"] {
-        assert!(
-            whole.iter().any(|line| line.contains(outcome)),
-            "no {outcome}"
-        );
+        assert!(whole.iter().any(|line| line.contains(outcome)), "no {outcome}");
     }
 }
 
@@ -85,11 +80,7 @@ fn so_does_one_of_the_direct_solve() {
 /// Kills a sweep of 60 sets of pendulums many times, compares its results with those of one that went through, and
 /// returns those.
 fn killed(test: &str, grid: &str) -> Vec<String> {
-    let whole = timeless(&sweep(
-        &folder_with(&format!("{test}_whole"), grid),
-        &["--jobs", "1"],
-        "results.csv",
-    ));
+    let whole = timeless(&sweep(&folder_with(&format!("{test}_whole"), grid), &["--jobs", "1"], "results.csv"));
     assert_eq!(whole.len(), 61);
     for (i, line) in whole[1..].iter().enumerate() {
         assert!(line.starts_with(&format!("{i},pendulum_")), "{line}");
@@ -123,13 +114,7 @@ fn killed(test: &str, grid: &str) -> Vec<String> {
     }
     assert!(kills >= 5, "killed {kills} times only");
     assert_eq!(timeless(&sweep(&folder, &[], "results.csv")), whole);
-    let expected = [
-        "ranking.csv",
-        "report.html",
-        "results.csv",
-        "results.json",
-        "sweep.json",
-    ];
+    let expected = ["ranking.csv", "report.html", "results.csv", "results.json", "sweep.json"];
     // Files that a kill left half written stay beside their places.
     let found = files(&folder.join("out/sweeps/grid"));
     let found: Vec<_> = found.iter().filter(|f| !f.ends_with(".partial")).collect();
@@ -169,15 +154,7 @@ fn a_torn_end_is_solved_again() {
     let (text, whole) = (read(&results), timeless(&results));
     let header = text.find('\n').expect("lines") + 1;
     // In the middle of the last row, before its end, in a row in the middle, after and within the header, and nothing.
-    for cut in [
-        text.len() - 40,
-        text.len() - 1,
-        text.len() / 2,
-        header,
-        header - 1,
-        10,
-        0,
-    ] {
+    for cut in [text.len() - 40, text.len() - 1, text.len() / 2, header, header - 1, 10, 0] {
         write(results.clone(), &text[..cut]);
         sweep(&folder, &[], "results.csv");
         assert_eq!(timeless(&results), whole, "cut at {cut}");
@@ -191,8 +168,7 @@ fn a_torn_end_is_solved_again() {
     let [missing] = torn.missing()[..] else {
         panic!("one row was torn");
     };
-    torn.append(Row::failed(&grid, &missing, "made", 0.5))
-        .expect("writable");
+    torn.append(Row::failed(&grid, &missing, "made", 0.5)).expect("writable");
     drop(torn);
     assert_eq!(open().expect("good").missing(), []);
 }
@@ -204,36 +180,12 @@ fn a_wrong_line_is_an_error() {
     let text = read(&results);
     let second = text.lines().nth(2).expect("60 rows");
     for (from, to, words) in [
-        (
-            "set,scenario",
-            "set,scene",
-            "results.csv: line 1: it is not the header",
-        ),
-        (
-            "\n1,pendulum_2",
-            "\n1,pendulum_3",
-            "line 3: its set 1 is not one of this sweep",
-        ),
-        (
-            "\n1,pendulum_2",
-            "\n60,pendulum_2",
-            "line 3: its set 60 is not one of this sweep",
-        ),
-        (
-            "\n1,pendulum_2_swingup,5,10000.0",
-            "\n1,pendulum_2_swingup,5,10001.0",
-            "line 3: its set 1",
-        ),
-        (
-            "\n1,pendulum_2",
-            "\none,pendulum_2",
-            "line 3: ; invalid digit",
-        ),
-        (
-            "\n2,",
-            &format!("\n{second}\n2,"),
-            "line 4: set 1 is there already",
-        ),
+        ("set,scenario", "set,scene", "results.csv: line 1: it is not the header"),
+        ("\n1,pendulum_2", "\n1,pendulum_3", "line 3: its set 1 is not one of this sweep"),
+        ("\n1,pendulum_2", "\n60,pendulum_2", "line 3: its set 60 is not one of this sweep"),
+        ("\n1,pendulum_2_swingup,5,10000.0", "\n1,pendulum_2_swingup,5,10001.0", "line 3: its set 1"),
+        ("\n1,pendulum_2", "\none,pendulum_2", "line 3: ; invalid digit"),
+        ("\n2,", &format!("\n{second}\n2,"), "line 4: set 1 is there already"),
     ] {
         assert!(text.contains(from), "{from}");
         write(results.clone(), &text.replacen(from, to, 1));
@@ -256,25 +208,15 @@ fn results_of_another_sweep_are_refused() {
     let before = read(&results);
     let refused = |words| assert_refused(&folder, &[], words);
 
-    write(
-        mine_path.clone(),
-        &mine.replace("\"horizon_s\": 2.0", "\"horizon_s\": 2.5"),
-    );
+    write(mine_path.clone(), &mine.replace("\"horizon_s\": 2.0", "\"horizon_s\": 2.5"));
     refused("sweep.json: scenarios.1.file.horizon_s: ; another value");
     write(mine_path, &mine);
-    write(
-        urdf_path.clone(),
-        &urdf.replacen("<link", "<!-- heavier --><link", 1),
-    );
+    write(urdf_path.clone(), &urdf.replacen("<link", "<!-- heavier --><link", 1));
     refused("sweep.json: scenarios.1.robot_sha256: ; another value");
     write(urdf_path, &urdf);
     let grid = read(&folder.join("grid.toml"));
     for (from, to, words) in [
-        (
-            "degree = [5, 6]",
-            "degree = [5, 8]",
-            "sweep.json: grid.degree.1",
-        ),
+        ("degree = [5, 6]", "degree = [5, 8]", "sweep.json: grid.degree.1"),
         ("1e7]", "1e7, 1e8]", "sweep.json: grid.k"),
         ("= 600", "= 601", "sweep.json: time_limit_s"),
         (", \"mine.json\"", "", "sweep.json: scenarios"),
@@ -290,11 +232,7 @@ fn results_of_another_sweep_are_refused() {
     std::fs::remove_file(&identity).expect("it is there");
     refused("sweep.json: sweep: it is missing");
     write(identity, &text);
-    assert_eq!(
-        read(&sweep(&folder, &[], "results.csv")),
-        before,
-        "nothing was lost"
-    );
+    assert_eq!(read(&sweep(&folder, &[], "results.csv")), before, "nothing was lost");
 }
 
 #[test]
@@ -321,18 +259,12 @@ fn shards_are_joined_to_the_whole() {
     let whole = timeless(&sweep(&folder_with("unspread", GRID), &[], "results.csv"));
     let folder = folder_with("shards", GRID);
     let first = shard(&folder, 1);
-    assert_eq!(
-        timeless(&first)[..3],
-        [&whole[0], &whole[1], &whole[4]].map(String::clone)
-    );
+    assert_eq!(timeless(&first)[..3], [&whole[0], &whole[1], &whole[4]].map(String::clone));
     shard(&folder, 2);
     let words = "20 of 60 sets are missing, the first is set 2";
     assert_refused(&folder, &["--merge"], words);
     let third = shard(&folder, 3);
-    assert_eq!(
-        timeless(&sweep(&folder, &["--merge"], "results.csv")),
-        whole
-    );
+    assert_eq!(timeless(&sweep(&folder, &["--merge"], "results.csv")), whole);
     sweep(&folder, &["--merge"], "results.csv"); // once more changes nothing
     let results = folder.join("out/sweeps/grid/results.csv");
     assert_eq!(timeless(&results), whole);

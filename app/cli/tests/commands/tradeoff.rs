@@ -6,24 +6,12 @@ use serde_json::Value;
 #[test]
 fn the_curve_is_a_table_and_a_page() {
     let folder = empty_folder("tradeoff");
-    let arguments = [
-        "tradeoff",
-        "limits_01",
-        "--points",
-        "3",
-        "--threads",
-        "1",
-        "--out",
-        "curve",
-    ];
+    let arguments = ["tradeoff", "limits_01", "--points", "3", "--threads", "1", "--out", "curve"];
     let run = aghf(&folder, &arguments);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let table = std::fs::read_to_string(folder.join("curve/tradeoff.csv")).expect("it is there");
     let lines: Vec<&str> = table.lines().collect();
-    assert_eq!(
-        lines[0],
-        "motion,duration_s,control_effort,verdict,iterations,solve_seconds"
-    );
+    assert_eq!(lines[0], "motion,duration_s,control_effort,verdict,iterations,solve_seconds");
     assert_eq!(lines.len(), 4, "{table}");
     let number = |line: &str, column: usize| -> f64 {
         let cell = line.split(',').nth(column).expect("it has one");
@@ -44,17 +32,7 @@ fn the_curve_is_a_table_and_a_page() {
     }
 
     // A motion is a summary as of any solve.
-    let sampled = aghf(
-        &folder,
-        &[
-            "sample",
-            "curve/summary_02.json",
-            "--rate",
-            "100",
-            "--out",
-            "two.csv",
-        ],
-    );
+    let sampled = aghf(&folder, &["sample", "curve/summary_02.json", "--rate", "100", "--out", "two.csv"]);
     assert_eq!(sampled.code, Some(0), "{}", sampled.stderr);
     assert_bad_input(&folder, &arguments, "tradeoff.csv; exists already; --force");
 }
@@ -64,17 +42,10 @@ fn what_it_cannot_do_is_told() {
     let folder = empty_folder("tradeoff_refused");
     for (arguments, words) in [
         (&["--points", "1"][..], "points; it is 1, at least 2"),
-        (
-            &["--method", "flow"][..],
-            "tradeoff; 'flow' does not know it",
-        ),
+        (&["--method", "flow"][..], "tradeoff; 'flow' does not know it"),
     ] {
         let all = [&["tradeoff", "limits_01"][..], arguments].concat();
         assert_bad_input(&folder, &all, words);
     }
-    assert_bad_input(
-        &folder,
-        &["tradeoff", "kinova_free_01"],
-        "objective; without limits",
-    );
+    assert_bad_input(&folder, &["tradeoff", "kinova_free_01"], "objective; without limits");
 }

@@ -16,11 +16,7 @@ fn no_page_is_left_beside_another_motion() {
     let solve = ["solve", SWING, "--out", "here"];
     let run = aghf(&folder, &solve);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    assert!(
-        run.stdout.contains("wrote here/report.html"),
-        "{}",
-        run.stdout
-    );
+    assert!(run.stdout.contains("wrote here/report.html"), "{}", run.stdout);
     assert!(files(&folder).contains("here/report.html"));
     let run = aghf(&folder, &[&solve[..], &["--force", "--no-report"]].concat());
     assert_eq!(run.code, Some(0), "{}", run.stderr);
@@ -39,13 +35,8 @@ fn served(folder: &Path) -> (Child, String) {
         .expect("it runs");
     let mut line = String::new();
     let stdout = server.stdout.take().expect("it is piped");
-    BufReader::new(stdout)
-        .read_line(&mut line)
-        .expect("it prints text");
-    let address = line
-        .trim()
-        .rsplit_once("http://")
-        .map(|(_, address)| address.trim_end_matches('/'));
+    BufReader::new(stdout).read_line(&mut line).expect("it prints text");
+    let address = line.trim().rsplit_once("http://").map(|(_, address)| address.trim_end_matches('/'));
     let address = address.unwrap_or_else(|| panic!("no address: {line}"));
     (server, address.to_owned())
 }
@@ -53,11 +44,7 @@ fn served(folder: &Path) -> (Child, String) {
 #[test]
 fn the_page_is_served_to_this_machine_and_nothing_else_is() {
     let folder = empty_folder("report_served");
-    assert_bad_input(
-        &folder,
-        &["view", "nowhere"],
-        "nowhere: page; written by `aghf solve`",
-    );
+    assert_bad_input(&folder, &["view", "nowhere"], "nowhere: page; written by `aghf solve`");
     let run = aghf(&folder, &["solve", SWING, "--out", "here"]);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let (mut server, address) = served(&folder);
@@ -85,14 +72,9 @@ fn the_page_is_served_to_this_machine_and_nothing_else_is() {
     let ask = |request: &str| ask_as(request, &format!("Host: {address}"));
     let page = std::fs::read_to_string(folder.join("here/report.html")).expect("it is there");
     let found = ask("GET /");
-    let others = [
-        ask("GET /summary.json"),
-        ask("GET /../here/summary.json"),
-        ask("POST /"),
-    ];
+    let others = [ask("GET /summary.json"), ask("GET /../here/summary.json"), ask("POST /")];
     let port = address.rsplit(':').next().expect("it has a port");
-    let own =
-        [&format!("host: LOCALHOST:{port}"), "Host:127.0.0.1"].map(|host| ask_as("GET /", host));
+    let own = [&format!("host: LOCALHOST:{port}"), "Host:127.0.0.1"].map(|host| ask_as("GET /", host));
     let foreign = [
         &format!("Host: evil.example:{port}"),
         &format!("Host: localhost.evil.example:{port}"),
@@ -124,27 +106,10 @@ fn the_page_is_served_to_this_machine_and_nothing_else_is() {
 fn two_motions_are_on_one_page() {
     let folder = empty_folder("report_compared");
     for (out, method) in [("direct", "direct"), ("flowed", "flow")] {
-        let run = aghf(
-            &folder,
-            &[
-                "solve",
-                SWING,
-                "--method",
-                method,
-                "--out",
-                out,
-                "--no-report",
-            ],
-        );
+        let run = aghf(&folder, &["solve", SWING, "--method", method, "--out", out, "--no-report"]);
         assert_eq!(run.code, Some(0), "{}", run.stderr);
     }
-    let compare = [
-        "compare",
-        "direct",
-        "flowed/summary.json",
-        "-o",
-        "both.html",
-    ];
+    let compare = ["compare", "direct", "flowed/summary.json", "-o", "both.html"];
     let run = aghf(&folder, &compare);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let page = std::fs::read_to_string(folder.join("both.html")).expect("it is there");
@@ -153,9 +118,5 @@ fn two_motions_are_on_one_page() {
     }
     assert_bad_input(&folder, &compare, "both.html; it exists already");
     std::fs::create_dir(folder.join("empty")).expect("writable");
-    assert_bad_input(
-        &folder,
-        &["compare", "direct", "empty", "-o", "other.html"],
-        "empty: summary; summary.json",
-    );
+    assert_bad_input(&folder, &["compare", "direct", "empty", "-o", "other.html"], "empty: summary; summary.json");
 }

@@ -10,9 +10,7 @@ fn sources() -> Vec<PathBuf> {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("examples");
     let files = std::fs::read_dir(folder).expect("it is there");
     let files = files.map(|file| file.expect("it can be read").path());
-    files
-        .filter(|path| path.extension().is_some_and(|e| e == "rs"))
-        .collect()
+    files.filter(|path| path.extension().is_some_and(|e| e == "rs")).collect()
 }
 
 /// The name of an example.
@@ -25,19 +23,14 @@ fn name_of(source: &Path) -> &str {
 fn program(name: &str) -> PathBuf {
     let this = std::env::current_exe().expect("it runs");
     let built = this.parent().and_then(Path::parent).expect("target/debug");
-    built
-        .join("examples")
-        .join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
+    built.join("examples").join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
 }
 
 /// The output of an example; it has to end well and say nothing else.
 fn run(name: &str, folder: &Path, arguments: &[&str]) -> String {
     let program = program(name);
     let time_of = |path: &Path| path.metadata().and_then(|of| of.modified()).ok();
-    let source = format!(
-        "{}/examples/{name}.rs",
-        concat!(env!("CARGO_MANIFEST_DIR"), "/../..")
-    );
+    let source = format!("{}/examples/{name}.rs", concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
     assert!(
         time_of(&program) >= time_of(Path::new(&source)),
         "{} is older than its source, or not there: cargo build --examples, or cargo test without --test, builds it",
@@ -46,8 +39,7 @@ fn run(name: &str, folder: &Path, arguments: &[&str]) -> String {
     let mut command = Command::new(program);
     let output = command.current_dir(folder).args(arguments).output();
     let output = output.expect("it runs");
-    let [stdout, stderr] =
-        [output.stdout, output.stderr].map(|text| String::from_utf8(text).expect("it is text"));
+    let [stdout, stderr] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).expect("it is text"));
     assert!(output.status.success(), "{name}: {stdout}{stderr}");
     assert_eq!(stderr, "", "{name}");
     stdout
@@ -56,24 +48,15 @@ fn run(name: &str, folder: &Path, arguments: &[&str]) -> String {
 /// The numbers in column `i` of the lines that have one there.
 fn column(text: &str, i: usize) -> Vec<f64> {
     let cells = text.lines().map(|line| line.split_whitespace().nth(i));
-    cells
-        .filter_map(|cell| cell.and_then(|cell| cell.parse().ok()))
-        .collect()
+    cells.filter_map(|cell| cell.and_then(|cell| cell.parse().ok())).collect()
 }
 
 #[test]
 fn all_are_short() {
     let sources = sources();
     let names: BTreeSet<&str> = sources.iter().map(|source| name_of(source)).collect();
-    let tried = [
-        "another_robot",
-        "code_to_file",
-        "own_constraint",
-        "own_jacobian",
-        "own_lagrangian",
-        "own_scalar",
-        "tracker",
-    ];
+    let tried =
+        ["another_robot", "code_to_file", "own_constraint", "own_jacobian", "own_lagrangian", "own_scalar", "tracker"];
     // Whoever adds one adds its test below.
     assert_eq!(names, BTreeSet::from(tried));
     for source in &sources {
@@ -113,10 +96,7 @@ fn own_jacobian() {
     let verdict = |line: &&str| line.trim_end().ends_with("ok");
     let good = blocks.iter().filter(|line| verdict(line)).count();
     assert!((3..6).contains(&good), "{shown}");
-    let (_, difference) = shown
-        .trim_end()
-        .rsplit_once("curves: ")
-        .expect("it tells the difference");
+    let (_, difference) = shown.trim_end().rsplit_once("curves: ").expect("it tells the difference");
     let difference: f64 = difference.parse().expect("a number");
     assert!((0.0..1e-6).contains(&difference), "{shown}");
 }
@@ -140,10 +120,7 @@ fn own_scalar() {
 fn tracker() {
     let shown = run("tracker", &empty_folder("tracker"), &[]);
     assert!(shown.contains("Finished Kept"), "{shown}");
-    assert!(
-        !shown.contains("Violated") && !shown.contains("Left"),
-        "{shown}"
-    );
+    assert!(!shown.contains("Violated") && !shown.contains("Left"), "{shown}");
     let last = shown.lines().last().and_then(|line| line.split(' ').next());
     let error: f64 = last.and_then(|x| x.parse().ok()).expect("a number");
     assert!(error < 0.01, "{shown}");
@@ -155,19 +132,9 @@ fn code_to_file() {
     let folder = empty_folder("code_to_file");
     let shown = run("code_to_file", &folder, &[]);
     assert!(shown.starts_with("success: true"), "{shown}");
-    let names = [
-        "q.svg",
-        "report.html",
-        "summary.json",
-        "trajectory.csv",
-        "u.svg",
-    ];
+    let names = ["q.svg", "report.html", "summary.json", "trajectory.csv", "u.svg"];
     let of = |i: usize| {
-        let folder = if i == 1 {
-            "code_to_file"
-        } else {
-            "code_to_file-2"
-        };
+        let folder = if i == 1 { "code_to_file" } else { "code_to_file-2" };
         names.map(|name| format!("out/{folder}/{name}"))
     };
     assert_eq!(files(&folder), BTreeSet::from(of(1)));
@@ -177,10 +144,7 @@ fn code_to_file() {
         assert!(shown.contains(name), "{shown}");
         // Seven joints: a line each, and one in the legend.
         let lines = text.matches("<polyline").count();
-        assert!(
-            !name.ends_with("svg") || (text.contains("joint_7") && lines >= 7),
-            "{name}"
-        );
+        assert!(!name.ends_with("svg") || (text.contains("joint_7") && lines >= 7), "{name}");
     }
     run("code_to_file", &folder, &[]);
     assert_eq!(files(&folder), of(1).into_iter().chain(of(2)).collect());
@@ -190,10 +154,7 @@ fn code_to_file() {
 #[test]
 fn another_robot() {
     let folder = empty_folder("another_robot");
-    let path = format!(
-        "{}/robots/kinova_gen3/kinova_gen3.urdf",
-        concat!(env!("CARGO_MANIFEST_DIR"), "/../..")
-    );
+    let path = format!("{}/robots/kinova_gen3/kinova_gen3.urdf", concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
     let arguments: [&[&str]; 2] = [&[], &[&path]];
     for (arguments, joints) in arguments.into_iter().zip([22, 7]) {
         let shown = run("another_robot", &folder, arguments);

@@ -37,24 +37,13 @@ fn versions_are_those_of_this_crate() {
         let Some(dependencies) = block.get("dependencies").and_then(Value::as_table) else {
             continue;
         };
-        for (name, theirs) in dependencies
-            .iter()
-            .filter(|(name, _)| !name.starts_with("aghf"))
-        {
-            let tables = [
-                &app["dependencies"],
-                &manifest["dependencies"],
-                &manifest["workspace"]["dependencies"],
-            ];
+        for (name, theirs) in dependencies.iter().filter(|(name, _)| !name.starts_with("aghf")) {
+            let tables = [&app["dependencies"], &manifest["dependencies"], &manifest["workspace"]["dependencies"]];
             let mut ours = tables.into_iter().filter_map(|table| table.get(name));
             let ours = ours.find(|ours| ours.get("workspace").is_none());
             let ours = ours.expect("a dependency");
-            let ((version, features), (own_version, own_features)) =
-                (version(theirs), version(ours));
-            assert!(
-                version.is_some() && version == own_version,
-                "{name}: {own_version:?}"
-            );
+            let ((version, features), (own_version, own_features)) = (version(theirs), version(ours));
+            assert!(version.is_some() && version == own_version, "{name}: {own_version:?}");
             assert!(features.iter().all(|f| own_features.contains(f)), "{name}");
             compared += 1;
         }
@@ -90,20 +79,12 @@ fn features_and_examples_are_named() {
     for feature in features.keys().filter(|name| *name != "default") {
         assert!(page.contains(&format!("\n| `{feature}`")), "{feature}");
     }
-    for (manifest, packages) in manifests
-        .iter()
-        .zip(["| `aghf` |", "| `aghf`, `aghf-cli`, `aghf-scenario`"])
-    {
+    for (manifest, packages) in manifests.iter().zip(["| `aghf` |", "| `aghf`, `aghf-cli`, `aghf-scenario`"]) {
         for example in manifest["example"].as_array().expect("a list") {
             let name = example["name"].as_str().expect("a name");
-            let rows = page
-                .lines()
-                .filter(|line| line.starts_with(&format!("| `{name}` |")));
+            let rows = page.lines().filter(|line| line.starts_with(&format!("| `{name}` |")));
             let rows: Vec<&str> = rows.collect();
-            assert!(
-                rows.len() == 1 && rows[0].contains(packages),
-                "{name}: {rows:?}"
-            );
+            assert!(rows.len() == 1 && rows[0].contains(packages), "{name}: {rows:?}");
         }
     }
 }

@@ -76,9 +76,7 @@ fn mesh() {
 /// A number from the environment.
 fn from_environment<T: FromStr>(name: &str, default: T) -> T {
     match std::env::var(name) {
-        Ok(text) => text
-            .parse()
-            .unwrap_or_else(|_| panic!("{name} is '{text}', no number")),
+        Ok(text) => text.parse().unwrap_or_else(|_| panic!("{name} is '{text}', no number")),
         Err(_) => default,
     }
 }
@@ -87,9 +85,7 @@ fn from_environment<T: FromStr>(name: &str, default: T) -> T {
 fn fuzz(format: &'static str, target: Target) {
     let seconds: f64 = from_environment("AGHF_FUZZ_SECONDS", 10.0);
     let seed: u64 = from_environment("AGHF_FUZZ_SEED", 1);
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("fuzz")
-        .join(format);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fuzz").join(format);
     std::fs::create_dir_all(&folder).expect("the folder is writable");
     let corpus = corpus(format);
     let current = folder.join("current");
@@ -138,19 +134,10 @@ fn run(
 ) -> Result<Counts, String> {
     let started = Instant::now();
     let mut mutator = Mutator::new(seed, &pool);
-    let (mut seen, mut counts) = (
-        HashSet::new(),
-        Counts {
-            all: 0,
-            accepted: 0,
-        },
-    );
+    let (mut seen, mut counts) = (HashSet::new(), Counts { all: 0, accepted: 0 });
     let first = pool.len();
     while counts.all < first as u64 || started.elapsed().as_secs_f64() < seconds {
-        let input = match pool
-            .get(counts.all as usize)
-            .filter(|_| counts.all < first as u64)
-        {
+        let input = match pool.get(counts.all as usize).filter(|_| counts.all < first as u64) {
             Some(input) => input.clone(),
             None => mutator.mutated(&pool, first),
         };
@@ -185,17 +172,11 @@ fn shape(message: &str) -> String {
 
 /// The files of the corpus of a format, in the order of their names.
 fn corpus(format: &str) -> Vec<Vec<u8>> {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
-        .join("app/cli/tests/fuzz/corpus")
-        .join(format);
+    let folder =
+        Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("app/cli/tests/fuzz/corpus").join(format);
     let entries = std::fs::read_dir(&folder).expect("there is a corpus");
-    let mut files: Vec<PathBuf> = entries
-        .map(|entry| entry.expect("readable").path())
-        .collect();
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.expect("readable").path()).collect();
     files.sort();
     assert!(!files.is_empty(), "{} is empty", folder.display());
-    files
-        .iter()
-        .map(|file| std::fs::read(file).expect("readable"))
-        .collect()
+    files.iter().map(|file| std::fs::read(file).expect("readable")).collect()
 }

@@ -61,9 +61,7 @@ const ODD: [&str; 44] = [
 const NUMBERS: usize = 15;
 
 /// Texts that open something, to be nested deeply.
-const OPENINGS: [&str; 9] = [
-    "[", "{\"a\":", "<a>", "<robot>", "[a.", "[[", "{a=", "&lt;", "\\",
-];
+const OPENINGS: [&str; 9] = ["[", "{\"a\":", "<a>", "<robot>", "[a.", "[[", "{a=", "&lt;", "\\"];
 
 /// A seeded source of mutations.
 pub struct Mutator {
@@ -80,10 +78,7 @@ impl Mutator {
         }
         words.sort();
         words.dedup();
-        Self {
-            rng: ChaCha8Rng::seed_from_u64(seed),
-            words,
-        }
+        Self { rng: ChaCha8Rng::seed_from_u64(seed), words }
     }
 
     /// A number below `end`, which is not zero.
@@ -93,11 +88,7 @@ impl Mutator {
 
     /// A text of the pool, one of its `first` half of the time, after some mutations.
     pub fn mutated(&mut self, pool: &[Vec<u8>], first: usize) -> Vec<u8> {
-        let among = if self.below(2) == 0 {
-            first
-        } else {
-            pool.len()
-        };
+        let among = if self.below(2) == 0 { first } else { pool.len() };
         let mut text = pool[self.below(among)].clone();
         // One is enough more often than not, for what is refused early shows little.
         for _ in 0..=self.below(MOST).saturating_sub(MOST / 2) {

@@ -5,15 +5,11 @@ use aghf::dynamics::{Data, crba, rnea};
 use aghf::geometry::{Capsule, cover_triangles};
 use aghf::model::Model;
 use aghf::motion::sample;
-use aghf::urdf::{
-    Mimic, Srdf, UrdfOptions, builtin_robot, load_mesh, load_urdf_with, parse_urdf_with, summarised,
-};
+use aghf::urdf::{Mimic, Srdf, UrdfOptions, builtin_robot, load_mesh, load_urdf_with, parse_urdf_with, summarised};
 use aghf_cli::output::{evaluate, robot_table};
 use aghf_cli::sweep::Sweep;
 use aghf_scenario::judge::{Tolerances, Trajectory, judge};
-use aghf_scenario::{
-    DirectOptions, MoveIt, MoveItHorizon, Preset, Scenario, ScenarioFile, Solve, Solved,
-};
+use aghf_scenario::{DirectOptions, MoveIt, MoveItHorizon, Preset, Scenario, ScenarioFile, Solve, Solved};
 use nalgebra::{DMatrix, Vector3};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -42,12 +38,8 @@ fn refused_of(files: &[&str], error: &aghf::Error) -> Result<Outcome, String> {
     let message = error.to_string();
     let rest = files.iter().find_map(|file| message.strip_prefix(file));
     match rest {
-        Some(rest) if rest.starts_with(": ") && rest.trim_end().len() > 2 => {
-            Ok(Outcome::Refused(rest.to_owned()))
-        }
-        _ => Err(format!(
-            "the message '{message}' does not begin with the file"
-        )),
+        Some(rest) if rest.starts_with(": ") && rest.trim_end().len() > 2 => Ok(Outcome::Refused(rest.to_owned())),
+        _ => Err(format!("the message '{message}' does not begin with the file")),
     }
 }
 
@@ -59,13 +51,7 @@ fn unexpected(what: &str) -> impl Fn(aghf::Error) -> String {
 pub fn urdf(path: &Path, _: &[u8]) -> Result<Outcome, String> {
     let file = path.to_str().ok_or("the path is text")?;
     let mimic = Mimic::Independent;
-    let (model, notes) = match load_urdf_with(
-        path,
-        UrdfOptions {
-            mimic,
-            ..UrdfOptions::default()
-        },
-    ) {
+    let (model, notes) = match load_urdf_with(path, UrdfOptions { mimic, ..UrdfOptions::default() }) {
         Ok(read) => read,
         Err(error) => return refused(file, &error),
     };
@@ -75,8 +61,8 @@ pub fn urdf(path: &Path, _: &[u8]) -> Result<Outcome, String> {
     evaluated(&model)?;
     // What can be written reads back as it was.
     if let Ok(text) = model.to_urdf() {
-        let (read, _) = parse_urdf_with(&text, file, UrdfOptions::default())
-            .map_err(unexpected("what was written is refused"))?;
+        let (read, _) =
+            parse_urdf_with(&text, file, UrdfOptions::default()).map_err(unexpected("what was written is refused"))?;
         if read.dof() != model.dof() {
             return Err(format!("{} joints are written", model.dof()));
         }
@@ -115,16 +101,8 @@ pub fn scenario(path: &Path, bytes: &[u8]) -> Result<Outcome, String> {
     }
     // That no motion exists is no fault of the reader, nor that a velocity overflows.
     let problem = scenario.problem().is_ok() && scenario.check_feasible().is_ok();
-    if problem
-        && scenario.model.dof() <= SOLVED_JOINTS
-        && rows <= 100
-        && bytes.len().is_multiple_of(8)
-    {
-        let options = DirectOptions {
-            degree: Some(6),
-            time_limit_s: Some(0.0),
-            ..DirectOptions::default()
-        };
+    if problem && scenario.model.dof() <= SOLVED_JOINTS && rows <= 100 && bytes.len().is_multiple_of(8) {
+        let options = DirectOptions { degree: Some(6), time_limit_s: Some(0.0), ..DirectOptions::default() };
         // A search that fails is an answer as well.
         let _ = Solve::new(&scenario).options(options.clone()).run();
     }
@@ -143,12 +121,8 @@ pub fn sweep(path: &Path, _: &[u8]) -> Result<Outcome, String> {
         return Err(format!("{} sets", sweep.sets.len()));
     }
     for set in sweep.sets.iter().take(100) {
-        let options = sweep
-            .options(set)
-            .map_err(unexpected("a set without options"))?;
-        options
-            .check(sweep.scenario(set))
-            .map_err(unexpected("a set that cannot be solved"))?;
+        let options = sweep.options(set).map_err(unexpected("a set without options"))?;
+        options.check(sweep.scenario(set)).map_err(unexpected("a set that cannot be solved"))?;
     }
     Ok(Outcome::Accepted)
 }
@@ -159,9 +133,7 @@ pub fn eval(path: &Path, bytes: &[u8]) -> Result<Outcome, String> {
     let file = path.to_str().ok_or("the path is text")?;
     let model = MODEL.get_or_init(|| builtin_robot("pendulum_2").expect("it is built in"));
     match evaluate(model, &String::from_utf8_lossy(bytes), file) {
-        Ok(evaluation) => serde_json::to_string(&evaluation)
-            .map(|_| Outcome::Accepted)
-            .map_err(|e| e.to_string()),
+        Ok(evaluation) => serde_json::to_string(&evaluation).map(|_| Outcome::Accepted).map_err(|e| e.to_string()),
         Err(error) => refused(file, &error),
     }
 }
@@ -231,8 +203,7 @@ pub fn request(path: &Path, _: &[u8]) -> Result<Outcome, String> {
 /// An SRDF.
 pub fn srdf(path: &Path, _: &[u8]) -> Result<Outcome, String> {
     let file = path.to_str().ok_or("the path is text")?;
-    let (model, _) = parse_urdf_with(ROBOT, "robot.urdf", UrdfOptions::default())
-        .map_err(unexpected("the robot"))?;
+    let (model, _) = parse_urdf_with(ROBOT, "robot.urdf", UrdfOptions::default()).map_err(unexpected("the robot"))?;
     let read = Srdf::load(path, &model).and_then(|srdf| {
         for group in &srdf.groups {
             let _ = srdf.joints_of_group(&group.name, &model, file);

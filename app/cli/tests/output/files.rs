@@ -40,9 +40,6 @@ fn devices_and_links_are_not_replaced() {
         }
     }
     assert_eq!(files(&folder), before);
-    assert_eq!(
-        std::fs::read_to_string(folder.join("link")).expect("it is there"),
-        "mine"
-    );
+    assert_eq!(std::fs::read_to_string(folder.join("link")).expect("it is there"), "mine");
     assert!(folder.join("link").is_symlink());
 }

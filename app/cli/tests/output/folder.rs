@@ -45,20 +45,14 @@ fn fresh_folders_are_all_different() {
     let names: BTreeSet<_> = made.iter().map(|f| f.path().to_owned()).collect();
     assert_eq!(names.len(), 8);
     let expected = |i| {
-        if i == 1 {
-            "same".to_owned()
-        } else {
-            format!("same-{i}")
-        }
+        if i == 1 { "same".to_owned() } else { format!("same-{i}") }
     };
     assert_eq!(names, (1..9).map(|i| place.join(expected(i))).collect());
     // Those in which nothing was written do not stay.
     std::fs::write(place.join("same-3/mine"), "").expect("it can be written");
     drop(made);
     let left = std::fs::read_dir(&place).expect("it is there");
-    let left: Vec<_> = left
-        .map(|e| e.expect("it can be read").file_name())
-        .collect();
+    let left: Vec<_> = left.map(|e| e.expect("it can be read").file_name()).collect();
     assert_eq!(left, ["same-3"]);
 }
 
@@ -72,10 +66,7 @@ fn an_old_folder_stays() {
     assert!(place.is_dir());
     std::fs::write(place.join("a"), "").expect("writable");
     let error = OutputFolder::open(&place, &["b", "a"], false).expect_err("it has one");
-    assert!(
-        error.to_string().contains("a: output: it exists already"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("a: output: it exists already"), "{error}");
     OutputFolder::open(&place, &["b", "a"], true).expect("it may be replaced");
 }
 
@@ -88,36 +79,23 @@ fn the_table_of_a_summary_has_its_notes_and_the_largest_passive_torque() {
         let report = Solve::new(&scenario).options(options).run();
         summary_table(&report.expect("valid").summary)
     };
-    let by_flow = FlowOptions {
-        k: Some(1e5),
-        s_max: Some(1.0),
-        ..FlowOptions::default()
-    };
+    let by_flow = FlowOptions { k: Some(1e5), s_max: Some(1.0), ..FlowOptions::default() };
     let weights = serde_json::from_value(json!({ "acceleration": 1.0 })).expect("weights");
     let weighted = |scenario: &mut Scenario| scenario.file.objective = Clone::clone(&weights);
     let flow = table("pendulum_1_swingup", &weighted, by_flow.into());
-    assert!(
-        flow.contains("objective: the published flow minimises the control effort alone"),
-        "{flow}"
-    );
+    assert!(flow.contains("objective: the published flow minimises the control effort alone"), "{flow}");
     let fast = serde_json::from_value(json!("least-time")).expect("a preset");
     let soon = |scenario: &mut Scenario| scenario.file.objective = Clone::clone(&fast);
     let soon = table("limits_01", &soon, SolveOptions::default());
     assert!(
-        soon.contains(" s, the horizon; objective: least-time")
-            && soon.contains("largest acceleration, not limited"),
+        soon.contains(" s, the horizon; objective: least-time") && soon.contains("largest acceleration, not limited"),
         "{soon}"
     );
     let passive = table("cart_pole_swingup", &|_| (), SolveOptions::default());
-    let row = passive
-        .lines()
-        .find(|line| line.contains("largest torque of passive joints"));
+    let row = passive.lines().find(|line| line.contains("largest torque of passive joints"));
     assert!(row.is_some_and(|row| row.contains(" of ")), "{passive}");
     let driven = table("pendulum_1_swingup", &|_| (), SolveOptions::default());
-    assert!(
-        !driven.contains("passive") && driven.contains("; objective: least-effort"),
-        "{driven}"
-    );
+    assert!(!driven.contains("passive") && driven.contains("; objective: least-effort"), "{driven}");
 }
 
 /// The motions of a trade-off are there although its page cannot be written.

@@ -12,57 +12,25 @@ fn a_walk_has_a_folder_per_phase() {
     std::fs::write(folder.join("walk.json"), WALK).expect("it is writable");
     let run = aghf(&folder, &["solve", "walk.json", "--out", "out"]);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    for words in [
-        "walk_phase_1",
-        "walk_phase_2",
-        "optimal",
-        "'right_sole' lands at 1.0000 s",
-        "wrote out/phase_*",
-    ] {
+    for words in ["walk_phase_1", "walk_phase_2", "optimal", "'right_sole' lands at 1.0000 s", "wrote out/phase_*"] {
         assert!(run.stdout.contains(words), "'{words}': {}", run.stdout);
     }
     let names = ["report.html", "summary.json", "trajectory.csv"];
     let phases = ["out/phase_1", "out/phase_2"];
-    let all = phases
-        .iter()
-        .flat_map(|phase| names.map(|name| format!("{phase}/{name}")));
+    let all = phases.iter().flat_map(|phase| names.map(|name| format!("{phase}/{name}")));
     let all = all.chain(["walk.json".to_owned()]).collect();
     assert_eq!(files(&folder), all);
     for phase in phases {
-        let [summary, table] = names[1..]
-            .iter()
-            .map(|name| format!("{phase}/{name}"))
-            .collect::<Vec<_>>()
-            .try_into()
-            .expect("two");
+        let [summary, table] =
+            names[1..].iter().map(|name| format!("{phase}/{name}")).collect::<Vec<_>>().try_into().expect("two");
         let judged = aghf(&folder, &["judge", &summary, &table]);
         assert_eq!(judged.code, Some(0), "{}{}", judged.stdout, judged.stderr);
         // The checker finds the joints from the foot that stands.
-        let certified = aghf(
-            &folder,
-            &[
-                "certify",
-                &summary,
-                phase,
-                "--out",
-                "certificate.json",
-                "--force",
-            ],
-        );
-        assert_eq!(
-            certified.code,
-            Some(0),
-            "{}{}",
-            certified.stdout,
-            certified.stderr
-        );
+        let certified = aghf(&folder, &["certify", &summary, phase, "--out", "certificate.json", "--force"]);
+        assert_eq!(certified.code, Some(0), "{}{}", certified.stdout, certified.stderr);
     }
     // Nothing is overwritten, nor left of a longer walk.
-    assert_bad_input(
-        &folder,
-        &["solve", "walk.json", "--out", "out"],
-        "phase_1; exists already",
-    );
+    assert_bad_input(&folder, &["solve", "walk.json", "--out", "out"], "phase_1; exists already");
     std::fs::create_dir(folder.join("out/phase_3")).expect("it is writable");
     assert_bad_input(
         &folder,

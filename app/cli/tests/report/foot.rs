@@ -47,10 +47,7 @@ fn centre_of_mass(scenario: &Scenario, q: &[f64]) -> (f64, Vector3<f64>) {
 fn arrows(foot: &Value) -> [Vec<Vector3<f64>>; 2] {
     ["points", "forces"].map(|key| {
         let numbers = floats(&foot[key]);
-        numbers
-            .chunks_exact(3)
-            .map(Vector3::from_column_slice)
-            .collect()
+        numbers.chunks_exact(3).map(Vector3::from_column_slice).collect()
     })
 }
 
@@ -62,17 +59,11 @@ fn at_rest_the_force_is_the_weight_and_acts_under_the_centre_of_mass() {
         let q = [0.0, second, 0.0, 0.2, 0.0, 0.1, 0.0];
         let still = DMatrix::from_fn(14, 5, |i, _| q.get(i).copied().unwrap_or(0.0));
         let nodes = Chebyshev::new(4, 1.0).expect("a degree");
-        let outcome = SolveReport {
-            curve: Curve::new(nodes, still).expect("a curve"),
-            ..outcome.clone()
-        };
+        let outcome = SolveReport { curve: Curve::new(nodes, still).expect("a curve"), ..outcome.clone() };
         let (_, data) = page_of(&scenario, &outcome);
         let foot = &data["foot"];
         assert_eq!(foot["size"], json!([0.15, 0.1]));
-        assert_eq!(
-            foot["pose"].as_array().expect("a list")[..3],
-            [0.02, -0.01, -0.03]
-        );
+        assert_eq!(foot["pose"].as_array().expect("a list")[..3], [0.02, -0.01, -0.03]);
         let (mass, centre) = centre_of_mass(&scenario, &q);
         let weight = -scenario.model.gravity() * mass;
         let named = foot["weight"].as_f64().expect("a number");
@@ -125,8 +116,6 @@ fn a_robot_that_is_screwed_to_the_ground_has_no_arrow() {
     let (_, data) = page_of(&scenario, &solved(&scenario, 1));
     assert!(data["foot"].is_null(), "{}", data["foot"]);
     let plots = data["plots"].as_array().expect("a list");
-    let pressure = plots
-        .iter()
-        .filter(|plot| plot["title"] == "Centre of pressure");
+    let pressure = plots.iter().filter(|plot| plot["title"] == "Centre of pressure");
     assert_eq!(pressure.count(), 0);
 }

@@ -23,14 +23,8 @@ use std::path::{Path, PathBuf};
 
 /// The solve of a scenario from some starts.
 fn solved(scenario: &Scenario, starts: usize) -> SolveReport {
-    let options = DirectOptions {
-        starts: Some(starts),
-        ..DirectOptions::default()
-    };
-    Solve::new(scenario)
-        .options(options.clone())
-        .run()
-        .expect("it can be solved")
+    let options = DirectOptions { starts: Some(starts), ..DirectOptions::default() };
+    Solve::new(scenario).options(options.clone()).run().expect("it can be solved")
 }
 
 /// The text of a page and its data of the one motion.
@@ -44,30 +38,24 @@ fn page_of(scenario: &Scenario, outcome: &SolveReport) -> (String, Value) {
 }
 
 fn bytes(value: &Value) -> Vec<u8> {
-    STANDARD
-        .decode(value.as_str().expect("it is text"))
-        .expect("base 64")
+    STANDARD.decode(value.as_str().expect("it is text")).expect("base 64")
 }
 
 fn floats(value: &Value) -> Vec<f64> {
     let bytes = bytes(value);
     let all = bytes.chunks_exact(4);
-    all.map(|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])))
-        .collect()
+    all.map(|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))).collect()
 }
 
 fn shorts(value: &Value) -> Vec<f64> {
     let bytes = bytes(value);
     let all = bytes.chunks_exact(2);
-    all.map(|b| f64::from(i16::from_le_bytes([b[0], b[1]])))
-        .collect()
+    all.map(|b| f64::from(i16::from_le_bytes([b[0], b[1]]))).collect()
 }
 
 /// An empty folder for one test.
 fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("report")
-        .join(test);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("report").join(test);
     if folder.exists() {
         std::fs::remove_dir_all(&folder).expect("it is ours");
     }

@@ -18,10 +18,7 @@ fn every_body_is_where_the_kinematics_put_it() {
     assert!(text.len() < LARGEST, "{} bytes", text.len());
     let n = scenario.model.dof();
     let track = &data["tracks"][0];
-    let (times, unit) = (
-        floats(&track["times"]),
-        track["unit"].as_f64().expect("a number"),
-    );
+    let (times, unit) = (floats(&track["times"]), track["unit"].as_f64().expect("a number"));
     let (positions, turns) = (shorts(&track["positions"]), shorts(&track["turns"]));
     assert_eq!(positions.len(), 3 * n * times.len());
     assert_eq!(turns.len(), 4 * n * times.len());
@@ -33,10 +30,7 @@ fn every_body_is_where_the_kinematics_put_it() {
         let q = &x.as_slice()[..n];
         for (joint, q) in q.iter().enumerate() {
             // Times are of single precision, and velocities some 30 rad/s.
-            assert!(
-                (values[4 * n * row + joint] - q).abs() < 1e-4,
-                "joint {joint}"
-            );
+            assert!((values[4 * n * row + joint] - q).abs() < 1e-4, "joint {joint}");
         }
         forward_kinematics(&scenario.model, q, &mut placements).expect("of this robot");
         for (body, placement) in placements.iter().enumerate() {
@@ -58,10 +52,7 @@ fn clearances_are_those_of_the_surroundings_and_have_names() {
     for name in [
         "kinova_obstacles_01",
         "kinova_gap_01",
-        concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../../robots/panda/scenarios/box_0001.json"
-        ),
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda/scenarios/box_0001.json"),
     ] {
         let scenario = Scenario::load(name).expect("it is there");
         let mut outcome = solved(&scenario, 1);
@@ -74,35 +65,16 @@ fn clearances_are_those_of_the_surroundings_and_have_names() {
         let mut placements = vec![Placement::identity(); n];
         for row in (0..times.len()).step_by(17) {
             let (x, _) = outcome.curve.at(times[row]);
-            forward_kinematics(&scenario.model, &x.as_slice()[..n], &mut placements)
-                .expect("of this robot");
-            let known = scenario
-                .scene
-                .clearance(&placements)
-                .expect("of this robot");
-            assert!(
-                (values[row] - known).abs() < 1e-4,
-                "{name}: {} is {known}",
-                values[row]
-            );
+            forward_kinematics(&scenario.model, &x.as_slice()[..n], &mut placements).expect("of this robot");
+            let known = scenario.scene.clearance(&placements).expect("of this robot");
+            assert!((values[row] - known).abs() < 1e-4, "{name}: {} is {known}", values[row]);
             let point = |k: usize| &points[6 * row + 3 * k..6 * row + 3 * k + 3];
-            let apart = point(0)
-                .iter()
-                .zip(point(1))
-                .map(|(a, b)| (a - b) * (a - b));
+            let apart = point(0).iter().zip(point(1)).map(|(a, b)| (a - b) * (a - b));
             let apart = apart.sum::<f64>().sqrt();
-            assert!(
-                (apart - known.abs()).abs() < 1e-4,
-                "{name}: the points are {apart} apart, not {known}"
-            );
+            assert!((apart - known.abs()).abs() < 1e-4, "{name}: the points are {apart} apart, not {known}");
             let pair = clearance["pair"][row].as_u64().expect("a number") as usize;
             let names = &clearance["pairs"][pair];
-            assert!(
-                names
-                    .as_array()
-                    .is_some_and(|names| names.len() == 2 && names[0] != names[1]),
-                "{names}"
-            );
+            assert!(names.as_array().is_some_and(|names| names.len() == 2 && names[0] != names[1]), "{names}");
         }
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
         let told = data["least_clearance"].as_f64().expect("a number");
@@ -117,22 +89,15 @@ fn the_efforts_of_the_joints_make_up_that_of_the_motion() {
         let outcome = solved(&scenario, 2);
         let (_, data) = page_of(&scenario, &outcome);
         let joints = data["joints"].as_array().expect("a list");
-        let sum: f64 = joints
-            .iter()
-            .filter_map(|joint| joint["effort"].as_f64())
-            .sum();
+        let sum: f64 = joints.iter().filter_map(|joint| joint["effort"].as_f64()).sum();
         let known = outcome.summary.control_effort;
-        assert!(
-            (sum - known).abs() < 2e-3 * known,
-            "{name}: {sum} is {known}"
-        );
+        assert!((sum - known).abs() < 2e-3 * known, "{name}: {sum} is {known}");
     }
 }
 
 fn curves(plot: &Value, color: &str) -> usize {
     let svg = plot["svg"].as_str().expect("it is text");
-    svg.matches(&format!("<polyline stroke=\"{color}\""))
-        .count()
+    svg.matches(&format!("<polyline stroke=\"{color}\"")).count()
 }
 
 #[test]
@@ -140,19 +105,8 @@ fn a_curve_for_each_joint_and_limits_in_its_colour() {
     let scenario = Scenario::load("kinova_obstacles_01").expect("it is built in");
     let (_, data) = page_of(&scenario, &solved(&scenario, 1));
     let plots = data["plots"].as_array().expect("a list");
-    let titles: Vec<_> = plots
-        .iter()
-        .filter_map(|plot| plot["title"].as_str())
-        .collect();
-    let expected = [
-        "Position",
-        "Velocity",
-        "Acceleration",
-        "Torque",
-        "Clearance",
-        "Cost, by iteration",
-        "Convergence",
-    ];
+    let titles: Vec<_> = plots.iter().filter_map(|plot| plot["title"].as_str()).collect();
+    let expected = ["Position", "Velocity", "Acceleration", "Torque", "Clearance", "Cost, by iteration", "Convergence"];
     assert_eq!(titles, expected);
     for plot in &plots[..4] {
         for joint in data["joints"].as_array().expect("a list") {
@@ -202,10 +156,7 @@ fn strips_beyond_limits_are_narrow_and_apart_and_labels_fit() {
         let apart = |pair: &[[f64; 2]]| pair[0][1] <= pair[1][0] + 1.0;
         assert!(shown.windows(2).all(apart), "{}: {shown:?}", plot["title"]);
         for label in svg.split("<text ").skip(1) {
-            let label = label
-                .split('>')
-                .nth(1)
-                .and_then(|text| text.split('<').next());
+            let label = label.split('>').nth(1).and_then(|text| text.split('<').next());
             let label = label.expect("a text").trim();
             assert!(label.len() <= 8, "{label}");
         }
@@ -220,10 +171,7 @@ fn violations_on_the_way_are_told() {
     let (_, data) = page_of(&scenario, &solved(&scenario, 1));
     let plots = data["plots"].as_array().expect("a list");
     let legend = plots[6]["legend"].as_array().expect("a list");
-    let names: Vec<_> = legend
-        .iter()
-        .filter_map(|entry| entry[0].as_str())
-        .collect();
+    let names: Vec<_> = legend.iter().filter_map(|entry| entry[0].as_str()).collect();
     assert_eq!(names, ["gradient norm", "largest violation"]);
 }
 
@@ -233,27 +181,18 @@ fn the_first_guess_and_other_minima_are_ghosts() {
     let outcome = solved(&scenario, 12);
     let (_, data) = page_of(&scenario, &outcome);
     let tracks = data["tracks"].as_array().expect("a list");
-    let kinds: Vec<_> = tracks
-        .iter()
-        .filter_map(|track| track["kind"].as_str())
-        .collect();
+    let kinds: Vec<_> = tracks.iter().filter_map(|track| track["kind"].as_str()).collect();
     assert_eq!(kinds[..3], ["motion", "guess", "minimum"]);
     assert!(kinds.len() <= 4, "{kinds:?}");
     let minima = data["minima"].as_array().expect("a list");
-    let starts: u64 = minima
-        .iter()
-        .filter_map(|minimum| minimum["starts"].as_u64())
-        .sum();
+    let starts: u64 = minima.iter().filter_map(|minimum| minimum["starts"].as_u64()).sum();
     assert!(minima.len() > 1 && starts <= 12, "{minima:?}");
     assert_eq!(minima[0]["track"], 0);
     assert_eq!(minima[1]["track"], 2);
     // All begin where the motion does, and the other minimum is another way.
     let positions = |track: usize| {
         let unit = tracks[track]["unit"].as_f64().unwrap_or(f64::NAN);
-        shorts(&tracks[track]["positions"])
-            .into_iter()
-            .map(move |x| x * unit)
-            .collect::<Vec<_>>()
+        shorts(&tracks[track]["positions"]).into_iter().map(move |x| x * unit).collect::<Vec<_>>()
     };
     let n = 3 * scenario.model.dof();
     let (motion, other) = (positions(0), positions(2));
@@ -261,10 +200,6 @@ fn the_first_guess_and_other_minima_are_ghosts() {
         assert!((a - b).abs() < 1e-3, "{a} {b}");
     }
     let middle = |all: &[f64]| all[all.len() / n / 2 * n..][..n].to_vec();
-    let apart = middle(&motion)
-        .iter()
-        .zip(middle(&other))
-        .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max);
+    let apart = middle(&motion).iter().zip(middle(&other)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(apart > 0.05, "the minima are {apart} apart");
 }

@@ -46,9 +46,7 @@ fn scenario(folder: &Path, urdf: &str, obstacle: &str) -> Scenario {
 fn kinds(data: &Value, body: Value) -> Vec<String> {
     let shapes = data["scene"]["shapes"].as_array().expect("a list");
     let own = shapes.iter().filter(|shape| shape["body"] == body);
-    own.filter_map(|shape| shape["kind"].as_str())
-        .map(str::to_owned)
-        .collect()
+    own.filter_map(|shape| shape["kind"].as_str()).map(str::to_owned).collect()
 }
 
 #[test]
@@ -56,23 +54,17 @@ fn a_link_shows_its_visuals_else_its_collision_shapes_else_capsules() {
     let folder = folder("shapes");
     let visual = "<visual><origin xyz=\"0 0 0.5\"/><geometry><box size=\"0.1 0.2 1\"/></geometry>\
         <material name=\"red\"/></visual>";
-    let collision =
-        "<collision><geometry><cylinder radius=\"0.1\" length=\"1\"/></geometry></collision>";
+    let collision = "<collision><geometry><cylinder radius=\"0.1\" length=\"1\"/></geometry></collision>";
     let missing = "<visual><geometry><mesh filename=\"not_there.stl\"/></geometry></visual>";
     let broken = "<visual><geometry><blob/></geometry></visual>";
     let page = |first: &str, second: &str| {
         let scenario = scenario(&folder, &robot(first, second, "j1"), "ball");
         page_of(&scenario, &solved(&scenario, 1)).1
     };
-    let data = page(
-        &format!("{visual}{collision}"),
-        &format!("{missing}{collision}"),
-    );
+    let data = page(&format!("{visual}{collision}"), &format!("{missing}{collision}"));
     assert_eq!(kinds(&data, json!(0)), ["box"]);
     assert_eq!(kinds(&data, json!(1)), ["cylinder"]);
-    let red = data["scene"]["shapes"]
-        .as_array()
-        .and_then(|shapes| shapes.iter().find(|shape| shape["kind"] == "box"));
+    let red = data["scene"]["shapes"].as_array().and_then(|shapes| shapes.iter().find(|shape| shape["kind"] == "box"));
     let red = red.expect("the box is there");
     assert_eq!(red["color"], json!([1.0, 0.0, 0.0]));
     assert_eq!(red["size"], json!([0.05, 0.1, 0.5]));
@@ -97,14 +89,10 @@ fn a_mesh_is_shown_with_its_triangles() {
     let folder = folder("mesh");
     let corners = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"];
     let faces = ["1 3 2", "1 2 4", "1 4 3", "2 3 4"];
-    let text: String = corners
-        .iter()
-        .map(|c| format!("v {c}\n"))
-        .chain(faces.iter().map(|f| format!("f {f}\n")))
-        .collect();
+    let text: String =
+        corners.iter().map(|c| format!("v {c}\n")).chain(faces.iter().map(|f| format!("f {f}\n"))).collect();
     std::fs::write(folder.join("part.obj"), text).expect("writable");
-    let mesh =
-        "<visual><geometry><mesh filename=\"part.obj\" scale=\"2 2 2\"/></geometry></visual>";
+    let mesh = "<visual><geometry><mesh filename=\"part.obj\" scale=\"2 2 2\"/></geometry></visual>";
     let scenario = scenario(&folder, &robot(mesh, mesh, "j1"), "ball");
     let (_, data) = page_of(&scenario, &solved(&scenario, 1));
     assert_eq!(kinds(&data, json!(1)), ["mesh"]);
@@ -120,18 +108,11 @@ fn a_mesh_is_shown_with_its_triangles() {
 fn no_name_ends_the_data() {
     let folder = folder("hostile");
     let evil = "</script><script>window.bad = 1</script><!-- <img src=x onerror=alert(1)> \"'&😀 {{TITLE}} {{DATA}}";
-    let escaped = evil
-        .replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('"', "&quot;");
+    let escaped = evil.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
     let scenario = scenario(&folder, &robot("", "", &escaped), evil);
     let (text, data) = page_of(&scenario, &solved(&scenario, 1));
     assert_eq!(data["joints"][0]["name"], evil);
-    assert!(
-        data["scene"]["obstacles"][0]["name"]
-            .as_str()
-            .is_some_and(|name| name.contains(evil))
-    );
+    assert!(data["scene"]["obstacles"][0]["name"].as_str().is_some_and(|name| name.contains(evil)));
     assert_eq!(text.matches("<script").count(), 2);
     assert_eq!(text.matches("</script").count(), 2);
     assert!(!text.contains("<img") && !text.contains("<!--"));

@@ -6,7 +6,8 @@ use aghf_cli::report::{Bar, Group, Part, Plot, Scatter, Table, TablePage};
 use aghf_cli::sweep::{Row, RowOutcome, Sweep, ranking, sweep_page};
 use serde_json::{Value, json};
 
-const EVIL: &str = "</script><script>window.bad = 1</script><!-- <img src=x onerror=alert(1)> \"'&😀 {{TITLE}} {{DATA}}";
+const EVIL: &str =
+    "</script><script>window.bad = 1</script><!-- <img src=x onerror=alert(1)> \"'&😀 {{TITLE}} {{DATA}}";
 
 /// The text of a page and its data.
 fn page_of(page: &TablePage) -> (String, Value) {
@@ -21,10 +22,7 @@ fn page_of(page: &TablePage) -> (String, Value) {
 /// The parts of a page that are tables.
 fn tables(data: &Value) -> Vec<&Value> {
     let parts = data["parts"].as_array().expect("a list");
-    parts
-        .iter()
-        .filter(|part| part["kind"] == "table")
-        .collect()
+    parts.iter().filter(|part| part["kind"] == "table").collect()
 }
 
 fn plots(data: &Value) -> Vec<&Value> {
@@ -51,11 +49,7 @@ fn swept(test: &str) -> (Sweep, Vec<Row>) {
                 let effort = json!(100.0 + set.index as f64);
                 row.results.insert("control_effort".to_owned(), effort);
                 Row {
-                    outcome: if p == 7 {
-                        RowOutcome::GoalMissed
-                    } else {
-                        RowOutcome::Success
-                    },
+                    outcome: if p == 7 { RowOutcome::GoalMissed } else { RowOutcome::Success },
                     reason: (p == 7).then(|| EVIL.to_owned()),
                     ..row
                 }
@@ -78,29 +72,17 @@ fn a_sweep_has_a_point_for_each_motion_and_a_bar_for_each_value() {
         (group["name"].clone(), group["failed"].clone(), points.len())
     });
     let counts: Vec<_> = counts.collect();
-    assert_eq!(
-        counts,
-        [
-            (json!("success"), json!(false), 6),
-            (json!("goal_missed"), json!(true), 5)
-        ]
-    );
+    assert_eq!(counts, [(json!("success"), json!(false), 6), (json!("goal_missed"), json!(true), 5)]);
     let first = &groups[0]["points"][0];
     assert_eq!((&first[0], &first[1]), (&json!(1.0), &json!(100.0)));
     let name = first[2].as_str().expect("it is text");
-    assert!(
-        name.contains("set 0: pendulum_1_swingup") && name.contains("degree 5"),
-        "{name}"
-    );
+    assert!(name.contains("set 0: pendulum_1_swingup") && name.contains("degree 5"), "{name}");
     let bars = |title: &str| {
         let plot = plots.iter().find(|plot| plot["title"] == title);
         plot.map(|plot| plot["bars"].clone())
     };
     let bar = |name: &str, good: usize, all: usize| json!({"name": name, "good": good, "all": all});
-    assert_eq!(
-        bars("degree"),
-        Some(json!([bar("5", 6, 6), bar("7", 0, 6)]))
-    );
+    assert_eq!(bars("degree"), Some(json!([bar("5", 6, 6), bar("7", 0, 6)])));
     let thirds = ["1e5", "1e6", "1e7"].map(|k| bar(k, 2, 4));
     assert_eq!(bars("k"), Some(json!(thirds)));
     assert_eq!(bars("s_max"), None, "it has one value");
@@ -121,17 +103,7 @@ fn a_sweep_has_a_point_for_each_motion_and_a_bar_for_each_value() {
 #[test]
 fn cells_are_numbers_where_they_are_and_long_tables_are_cut() {
     let column = ["a".to_owned()];
-    let cells = [
-        "12",
-        "1.5e-3",
-        "0.1234567891",
-        "",
-        "12x",
-        "NaN",
-        "inf",
-        "18446744073709551615",
-        "9007199254740993",
-    ];
+    let cells = ["12", "1.5e-3", "0.1234567891", "", "12x", "NaN", "inf", "18446744073709551615", "9007199254740993"];
     let rows = cells.map(|cell| vec![cell.to_owned()]);
     let table = serde_json::to_value(Table::new("t", &column, &rows)).expect("JSON");
     let expected = json!([
@@ -149,9 +121,7 @@ fn cells_are_numbers_where_they_are_and_long_tables_are_cut() {
     let many: Vec<usize> = (0..6000).collect();
     let rows: Vec<(usize, usize)> = many.iter().map(|i| (*i, 2 * i)).collect();
     let text: String = rows.iter().map(|(a, b)| format!("{a},{b}\n")).collect();
-    let table = Table::of_csv("t", "f.csv", format!("a,b\n{text}").as_bytes(), |i| {
-        i > 4997
-    });
+    let table = Table::of_csv("t", "f.csv", format!("a,b\n{text}").as_bytes(), |i| i > 4997);
     let table = serde_json::to_value(table.expect("it is a table")).expect("JSON");
     assert_eq!(table["all"], 6000);
     assert_eq!(table["rows"].as_array().map(Vec::len), Some(5000));
@@ -174,24 +144,13 @@ fn points_that_are_no_numbers_are_left_out_and_too_many_are_thinned() {
             title: "t".to_owned(),
             about: String::new(),
             figures: Vec::new(),
-            parts: vec![Part::Plots {
-                title: "t".to_owned(),
-                plots: vec![Plot::Scatter(scatter)],
-            }],
+            parts: vec![Part::Plots { title: "t".to_owned(), plots: vec![Plot::Scatter(scatter)] }],
         };
         let (_, data) = page_of(&page);
         let plot = plots(&data)[0].clone();
-        (
-            plot["groups"][0]["points"].as_array().map(Vec::len),
-            plot["title"].clone(),
-        )
+        (plot["groups"][0]["points"].as_array().map(Vec::len), plot["title"].clone())
     };
-    let few = plot(vec![
-        point(1.0),
-        point(f64::NAN),
-        point(f64::INFINITY),
-        point(2.0),
-    ]);
+    let few = plot(vec![point(1.0), point(f64::NAN), point(f64::INFINITY), point(2.0)]);
     assert_eq!(count(few), (Some(2), json!("t")));
     let (points, title) = count(plot((0..50_001).map(|i| point(f64::from(i))).collect()));
     assert_eq!((points, title), (Some(16_667), json!("t (one point of 3)")));
@@ -200,33 +159,15 @@ fn points_that_are_no_numbers_are_left_out_and_too_many_are_thinned() {
 #[test]
 fn hostile_text_is_text_everywhere() {
     let evil = || EVIL.to_owned();
-    let bars = vec![Bar {
-        name: evil(),
-        good: 1,
-        all: 2,
-    }];
+    let bars = vec![Bar { name: evil(), good: 1, all: 2 }];
     let group = Group::new(evil(), 0, true, vec![(1.0, 2.0, evil())]);
-    let scatter = Scatter {
-        title: evil(),
-        x: evil(),
-        y: evil(),
-        groups: vec![group],
-    };
+    let scatter = Scatter { title: evil(), x: evil(), y: evil(), groups: vec![group] };
     let page = TablePage {
         title: evil(),
         about: evil(),
         figures: vec![[evil(), evil()]],
         parts: vec![
-            Part::Plots {
-                title: evil(),
-                plots: vec![
-                    Plot::Scatter(scatter),
-                    Plot::Bars {
-                        title: evil(),
-                        bars,
-                    },
-                ],
-            },
+            Part::Plots { title: evil(), plots: vec![Plot::Scatter(scatter), Plot::Bars { title: evil(), bars }] },
             Part::Table(Table::new(EVIL, &[evil()], &[vec![evil()]])),
         ],
     };

@@ -3,12 +3,9 @@
 use crate::files::{FULL, folder, load};
 use aghf::direct::PlannedStarts;
 use aghf_cli::sweep::{
-    ParameterSet, Ranked, Results, Row, RowOutcome, Shard, Sweep, best, merge, ranking,
-    ranking_table, run, shard_files,
+    ParameterSet, Ranked, Results, Row, RowOutcome, Shard, Sweep, best, merge, ranking, ranking_table, run, shard_files,
 };
-use aghf_scenario::{
-    DirectOptions, Enforced, Method, Objective, ObjectiveWeights, PerJoint, Solve, Units,
-};
+use aghf_scenario::{DirectOptions, Enforced, Method, Objective, ObjectiveWeights, PerJoint, Solve, Units};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::Mutex;
@@ -69,23 +66,11 @@ fn a_grid_has_every_combination_with_seeds_slowest() {
     assert_eq!(sweep.options(set).expect("good"), asked.into());
     let scenario = sweep.scenario(set);
     let [effort, velocity, acceleration] = [1.0, 0.5, 2.0].map(PerJoint::Same);
-    let weights = ObjectiveWeights {
-        units: Units::Si,
-        effort,
-        velocity,
-        acceleration,
-        ..ObjectiveWeights::default()
-    };
+    let weights = ObjectiveWeights { units: Units::Si, effort, velocity, acceleration, ..ObjectiveWeights::default() };
     assert_eq!(scenario.file.objective, Objective::Weights(weights));
     let limits = &scenario.file.enforced_limits;
-    let share = |share| Enforced::Share {
-        share,
-        joints: None,
-    };
-    assert_eq!(
-        [&limits.position, &limits.velocity, &limits.torque],
-        [&share(1.0), &share(0.5), &share(1.0)]
-    );
+    let share = |share| Enforced::Share { share, joints: None };
+    assert_eq!([&limits.position, &limits.velocity, &limits.torque], [&share(1.0), &share(0.5), &share(1.0)]);
     let torque = &sweep.scenario(&sweep.sets[0]).file.enforced_limits.torque;
     assert_eq!(torque, &Enforced::No);
 }
@@ -111,10 +96,7 @@ fn what_has_no_list_is_as_the_scenario_and_the_method_have_it() {
     assert_eq!(effort, alone.summary.control_effort);
     // The quadratures agree to 1e-3.
     let cost = row.result("cost").expect("a number");
-    assert!(
-        (cost - effort).abs() < 2e-3 * effort,
-        "the cost is the effort"
-    );
+    assert!((cost - effort).abs() < 2e-3 * effort, "the cost is the effort");
     assert_eq!(row.result("starts_tried"), Some(32.0));
     assert_eq!(row.result("horizon_s"), Some(2.0));
     assert!(row.result("iterations") > Some(0.0) && row.result("minima") > Some(0.0));
@@ -139,10 +121,7 @@ enforced_limits.position = [false]
     for (i, row) in rows.iter().enumerate() {
         if i % 3 == 2 {
             // At a hundredth of the velocity the goal is out of reach, which is no error of the sweep.
-            assert_eq!(
-                (row.outcome, row.result("cost")),
-                (RowOutcome::Failed, None)
-            );
+            assert_eq!((row.outcome, row.result("cost")), (RowOutcome::Failed, None));
             let reason = row.reason.as_deref().expect("a reason");
             assert!(reason.contains("horizon_s"), "{reason}");
             continue;
@@ -169,14 +148,8 @@ fn a_set_is_stopped_at_its_time() {
     let [row] = &solved(&sweep, &sweep.sets)[..] else {
         panic!("one set");
     };
-    assert_eq!(
-        (row.outcome, row.result("cost")),
-        (RowOutcome::TimeLimit, None)
-    );
-    assert!(
-        row.solve_seconds < 100.0,
-        "it would take far longer: {row:?}"
-    );
+    assert_eq!((row.outcome, row.result("cost")), (RowOutcome::TimeLimit, None));
+    assert!(row.solve_seconds < 100.0, "it would take far longer: {row:?}");
     let sweep = load("late", &text(1, 3600.0)).expect("good");
     let [row] = &solved(&sweep, &sweep.sets)[..] else {
         panic!("one set");
@@ -227,25 +200,14 @@ seed = [1, 2, 3]
     assert_eq!(all[1].success_rate, 5.0 / 6.0);
     assert!(!all[0].parameters.contains_key("seed"));
     let first = of("pendulum_1_swingup");
-    assert_eq!(
-        (first[0].median_seconds, first[0].solve_seconds),
-        (Some(1.0), Some(34.0))
-    );
+    assert_eq!((first[0].median_seconds, first[0].solve_seconds), (Some(1.0), Some(34.0)));
     assert_eq!(first[0].parameters["degree"], 9, "by the median");
     let [fastest, least] = best(&first).expect("some succeed");
-    assert_eq!(
-        [fastest, least].map(|r| r.result("control_effort")),
-        [Some(4.0), Some(3.0)]
-    );
+    assert_eq!([fastest, least].map(|r| r.result("control_effort")), [Some(4.0), Some(3.0)]);
 
     let table = ranking_table(&ranked);
-    let lines: Vec<Vec<_>> = (table.lines())
-        .map(|line| line.split_whitespace().collect())
-        .collect();
-    assert_eq!(
-        lines[0][..5],
-        ["scenario", "best", "by", "success", "degree"]
-    );
+    let lines: Vec<Vec<_>> = (table.lines()).map(|line| line.split_whitespace().collect()).collect();
+    assert_eq!(lines[0][..5], ["scenario", "best", "by", "success", "degree"]);
     assert_eq!(lines[1][..5], ["all", "time", "100", "%", "9"]);
     assert!(!table.contains("segments"), "there is no list of them");
 }
@@ -269,10 +231,7 @@ starts = [1, 2]
     for index in 1..=3 {
         let shard = Shard { index, count: 3 };
         let results = Results::open(&sweep, shard, &out).expect("free");
-        run(&sweep, &results.missing(), Some(1), &|row| {
-            results.append(row)
-        })
-        .expect("good");
+        run(&sweep, &results.missing(), Some(1), &|row| results.append(row)).expect("good");
         results.finish().expect("all are there");
     }
     let files = shard_files(&out).expect("it is there");
@@ -285,22 +244,10 @@ starts = [1, 2]
     for (from, to, key) in [
         ("degree = [6, 9]", "degree = [6, 10]", "grid.degree.1"),
         ("starts = [1, 2]", "starts = [1]", "grid.starts"),
-        (
-            "starts = [1, 2]",
-            "starts = [1, 2]\ntolerance = [1e-8]",
-            "grid.tolerance",
-        ),
+        ("starts = [1, 2]", "starts = [1, 2]\ntolerance = [1e-8]", "grid.tolerance"),
         ("600", "601", "time_limit_s"),
-        (
-            "starts = [1, 2]",
-            "starts = [1, 2]\nobjective.velocity = [0.1]",
-            "grid.objective.velocity",
-        ),
-        (
-            "starts = [1, 2]",
-            "starts = [1, 2]\nenforced_limits.torque = [true]",
-            "grid.enforced_limits.torque",
-        ),
+        ("starts = [1, 2]", "starts = [1, 2]\nobjective.velocity = [0.1]", "grid.objective.velocity"),
+        ("starts = [1, 2]", "starts = [1, 2]\nenforced_limits.torque = [true]", "grid.enforced_limits.torque"),
         ("method = \"direct\"", "method = \"flow\"", "method"),
     ] {
         let mut other = text.replace(from, to);

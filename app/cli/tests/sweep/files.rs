@@ -30,9 +30,7 @@ enforced_limits = { position = [true], velocity = [true, 0.5], torque = [false, 
 
 /// A folder for the files of one test.
 pub fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("sweep")
-        .join(test);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("sweep").join(test);
     std::fs::create_dir_all(&folder).expect("the folder is writable");
     folder
 }

@@ -3,8 +3,7 @@
 use crate::files::{FULL, GRID, folder, load};
 use aghf_cli::output::csv_of;
 use aghf_cli::sweep::{
-    Ranked, Row, RowOutcome, Sweep, best, builtin_sweeps, ranking, ranking_table, write_ranking,
-    write_rows,
+    Ranked, Row, RowOutcome, Sweep, best, builtin_sweeps, ranking, ranking_table, write_ranking, write_rows,
 };
 use aghf_scenario::{DirectOptions, Method};
 use serde_json::{Value, json};
@@ -81,9 +80,7 @@ fn a_json_file_has_what_a_csv_has() {
 /// A ranking of two scenarios with four sets each: the second is the fastest of those that succeed in both, the third
 /// has the least effort, the fourth is faster but fails once, and the first fails twice.
 fn ranked(test: &str) -> Vec<Ranked> {
-    let four = GRID
-        .replace("degree = [5, 7]", "degree = [7]")
-        .replace("1e3,", "1e3, 1e4,");
+    let four = GRID.replace("degree = [5, 7]", "degree = [7]").replace("1e3,", "1e3, 1e4,");
     let grid = load(test, &four.replace("1, 10", "1")).expect("good");
     let made = [
         (false, 0.1, 1.0),
@@ -98,11 +95,7 @@ fn ranked(test: &str) -> Vec<Ranked> {
     let rows: Vec<Row> = (grid.sets.iter().zip(made))
         .map(|(set, (success, seconds, effort))| {
             let mut row = Row::failed(&grid, set, "", seconds);
-            row.outcome = if success {
-                RowOutcome::Success
-            } else {
-                RowOutcome::GoalMissed
-            };
+            row.outcome = if success { RowOutcome::Success } else { RowOutcome::GoalMissed };
             row.results["control_effort"] = json!(effort);
             row.results["final_error_inf"] = json!(effort / 1e4);
             row.results["smallest_clearance_m"] = json!(0.2 - seconds / 10.0);
@@ -127,22 +120,10 @@ fn the_ranking_is_by_success_then_time() {
     let ks = |of: &[Ranked]| of.iter().map(k).collect::<Vec<_>>();
     let all = of("all");
     assert_eq!(ks(&all), [1e4, 1e5, 1e7, 1e3]);
-    assert_eq!(
-        all.iter().map(|r| r.success_rate).collect::<Vec<_>>(),
-        [1.0, 1.0, 0.5, 0.0]
-    );
-    assert_eq!(
-        (all[0].solve_seconds, all[0].result("control_effort")),
-        (Some(1.5), Some(55.0))
-    );
-    assert_eq!(
-        (all[0].result("final_error_inf"), all[0].result("action")),
-        (Some(60.0 / 1e4), None)
-    );
-    assert_eq!(
-        (all[2].solve_seconds, all[3].solve_seconds),
-        (Some(0.5), None)
-    );
+    assert_eq!(all.iter().map(|r| r.success_rate).collect::<Vec<_>>(), [1.0, 1.0, 0.5, 0.0]);
+    assert_eq!((all[0].solve_seconds, all[0].result("control_effort")), (Some(1.5), Some(55.0)));
+    assert_eq!((all[0].result("final_error_inf"), all[0].result("action")), (Some(60.0 / 1e4), None));
+    assert_eq!((all[2].solve_seconds, all[3].solve_seconds), (Some(0.5), None));
     assert_eq!(
         [0, 3].map(|i: usize| all[i].result("smallest_clearance_m")),
         [Some(0.0), None],
@@ -157,10 +138,7 @@ fn the_ranking_is_by_success_then_time() {
 #[test]
 fn the_table_of_a_ranking_has_the_fastest_and_the_least_effort() {
     let table = ranking_table(&ranked("ranking_table"));
-    let lines: Vec<Vec<_>> = table
-        .lines()
-        .map(|l| l.split_whitespace().collect())
-        .collect();
+    let lines: Vec<Vec<_>> = table.lines().map(|l| l.split_whitespace().collect()).collect();
     assert_eq!(lines[1][..6], ["all", "time", "100", "%", "7", "1e4"]);
     assert_eq!(lines[2][..6], ["all", "effort", "100", "%", "7", "1e5"]);
     assert_eq!(lines[2].last(), Some(&"-0.2000"), "the clearance: {table}");
@@ -214,14 +192,9 @@ fn keys_of_scenarios_and_methods_of_all_kinds_are_swept() {
     let text = "method = \"duals\"\nscenarios = [\"pendulum_1_swingup\"]\ntime_limit_s = 60\nk = [1e4, 1e6]\n\
         feedback.kp = [10, 20]\n";
     let sweep = load("duals", text).expect("good");
-    let gains = sweep
-        .sets
-        .iter()
-        .map(|set| sweep.scenario(set).file.feedback.kp);
+    let gains = sweep.sets.iter().map(|set| sweep.scenario(set).file.feedback.kp);
     assert!(gains.eq([10.0, 20.0, 10.0, 20.0]));
-    let horizons = text
-        .replace("feedback.kp = [10, 20]", "horizon_s = [2, 2.5]")
-        .replace("duals", "direct");
+    let horizons = text.replace("feedback.kp = [10, 20]", "horizon_s = [2, 2.5]").replace("duals", "direct");
     let sweep = load("horizons", &horizons.replace("k = [1e4, 1e6]\n", "")).expect("good");
     let row = Row::failed(&sweep, &sweep.sets[1], "", 0.0);
     assert_eq!(row.parameters["horizon_s"], 2.5);
@@ -235,11 +208,7 @@ fn a_folder_is_swept_and_stands_for_its_scenarios() {
     let folder = folder("of_a_folder").join("problems");
     std::fs::create_dir_all(&folder).expect("it is writable");
     for name in ["pendulum_3_swingup", "pendulum_2_swingup"] {
-        let path = format!(
-            "{}/../../robots/{}/{name}.json",
-            env!("CARGO_MANIFEST_DIR"),
-            &name[..10]
-        );
+        let path = format!("{}/../../robots/{}/{name}.json", env!("CARGO_MANIFEST_DIR"), &name[..10]);
         std::fs::copy(path, folder.join(format!("own_{name}.json"))).expect("both are there");
     }
     std::fs::write(folder.join("notes.txt"), "no scenario").expect("it is writable");
@@ -250,15 +219,9 @@ fn a_folder_is_swept_and_stands_for_its_scenarios() {
     let sweep = Sweep::load(folder.to_str().expect("it is text")).expect("good");
     let expected = ["own_pendulum_2_swingup", "own_pendulum_3_swingup"];
     assert_eq!(names(&sweep), expected);
-    assert_eq!(
-        (sweep.name.as_str(), sweep.method()),
-        ("problems", Method::Direct)
-    );
+    assert_eq!((sweep.name.as_str(), sweep.method()), ("problems", Method::Direct));
     assert_eq!(sweep.sets.len(), 2);
-    let usual = DirectOptions {
-        threads: Some(1),
-        ..Default::default()
-    };
+    let usual = DirectOptions { threads: Some(1), ..Default::default() };
     assert_eq!(sweep.options(&sweep.sets[0]).expect("good"), usual.into());
 
     let grid = "method = \"direct\"\nscenarios = [\"problems\"]\ntime_limit_s = 9\n\
@@ -266,10 +229,7 @@ fn a_folder_is_swept_and_stands_for_its_scenarios() {
     let sweep = load("of_a_folder", grid).expect("good");
     assert_eq!(names(&sweep), expected);
     let planned = |i: usize| sweep.parameters(&sweep.sets[i])["planned_starts"].clone();
-    assert_eq!(
-        [0, 1, 2, 3].map(planned),
-        ["later", "first", "later", "first"]
-    );
+    assert_eq!([0, 1, 2, 3].map(planned), ["later", "first", "later", "first"]);
 
     let empty = folder.join("empty");
     std::fs::create_dir_all(&empty).expect("it is writable");

@@ -36,15 +36,9 @@ pub(super) struct Pair {
 /// The pairs of the promise.
 pub(super) fn pairs(scenario: &Scenario, promise: Promise) -> Result<Vec<Pair>> {
     let scene = &scenario.scene;
-    let balls = |tree: usize| {
-        scene.trees()[tree]
-            .nodes
-            .iter()
-            .filter_map(|node| node.leaf)
-    };
+    let balls = |tree: usize| scene.trees()[tree].nodes.iter().filter_map(|node| node.leaf);
     if promise == Promise::Obstacles {
-        let moving =
-            (0..scene.robot().balls.len()).filter(|i| scene.robot().balls[*i].body.is_some());
+        let moving = (0..scene.robot().balls.len()).filter(|i| scene.robot().balls[*i].body.is_some());
         let beside = scene.obstacle_margins().iter().enumerate();
         let of = |ball| {
             beside.clone().map(move |(obstacle, margin)| Pair {
@@ -57,12 +51,7 @@ pub(super) fn pairs(scenario: &Scenario, promise: Promise) -> Result<Vec<Pair>> 
     }
     let between = |([a, b], margin): ([usize; 2], f64)| {
         let all = balls(a).flat_map(move |i| balls(b).map(move |j| (i, j)));
-        all.map(move |(ball, other)| Pair {
-            part: ball,
-            beside: Beside::Part(other),
-            margin,
-        })
-        .collect::<Vec<_>>()
+        all.map(move |(ball, other)| Pair { part: ball, beside: Beside::Part(other), margin }).collect::<Vec<_>>()
     };
     let links = scenario.kept_apart()?.into_iter();
     Ok(links.flat_map(between).collect())
@@ -98,10 +87,7 @@ impl<'a> Balls<'a> {
         let centre = |ball: &CollisionSphere| match ball.body {
             None => ball.centre.map(Model::constant),
             Some(body) => {
-                let Placement {
-                    rotation,
-                    translation,
-                } = &placements[body];
+                let Placement { rotation, translation } = &placements[body];
                 let row = |i: usize| {
                     let terms = (0..3).map(|j| rotation[(i, j)].scale(ball.centre[j]));
                     terms.fold(translation[i], |sum, term| sum + term)
@@ -114,10 +100,7 @@ impl<'a> Balls<'a> {
         Self {
             scenario,
             basis,
-            middles: centres
-                .iter()
-                .map(|c| c.map(|x| x.coefficients()[0]))
-                .collect(),
+            middles: centres.iter().map(|c| c.map(|x| x.coefficients()[0])).collect(),
             ways: centres.iter().map(way).collect(),
             left,
             centres,
@@ -174,10 +157,7 @@ impl<'a> Balls<'a> {
         let ball = |i: usize| match (scene.robot().links.get(i), scene.robot().balls[i].body) {
             (Some(link), _) => format!("link '{link}'"),
             (None, Some(body)) => {
-                format!(
-                    "the body of joint '{}'",
-                    self.scenario.model.joints()[body].name()
-                )
+                format!("the body of joint '{}'", self.scenario.model.joints()[body].name())
             }
             (None, None) => "the base".to_owned(),
         };
@@ -194,11 +174,7 @@ impl<'a> Balls<'a> {
         let square = of.iter().map(|x| *x * *x).reduce(|a, b| a + b);
         let square = square.map_or(0.0, |square| lower(self.basis, self.left, square));
         // NaN for a vector with NaN.
-        if square < 0.0 {
-            0.0
-        } else {
-            square.sqrt() * (1.0 - 4.0 * f64::EPSILON)
-        }
+        if square < 0.0 { 0.0 } else { square.sqrt() * (1.0 - 4.0 * f64::EPSILON) }
     }
 
     /// A lower bound on the reserve of a pair, m.
@@ -218,23 +194,14 @@ impl<'a> Balls<'a> {
     /// A lower bound on the signed distance from a solid, in its own frame: that from the part of its surface that is
     /// nearest in the middle, where the signs of coordinates do not change.
     fn to_solid(&self, solid: &Solid, p: &Vector3<Model>) -> f64 {
-        let Placement {
-            rotation,
-            translation,
-        } = &solid.placement;
+        let Placement { rotation, translation } = &solid.placement;
         let from = Vector3::from_fn(|i, _| p[i] - Model::constant(translation[i]));
         let p = Vector3::from_fn(|j, _| {
-            (0..3)
-                .map(|i| from[i].scale(rotation[(i, j)]))
-                .fold(Model::constant(0.0), |a, b| a + b)
+            (0..3).map(|i| from[i].scale(rotation[(i, j)])).fold(Model::constant(0.0), |a, b| a + b)
         });
         // The distance from a face, beyond it.
         let beyond = |i: usize, half: f64| {
-            let sign = if p[i].coefficients()[0] < 0.0 {
-                -1.0
-            } else {
-                1.0
-            };
+            let sign = if p[i].coefficients()[0] < 0.0 { -1.0 } else { 1.0 };
             let off = p[i].scale(sign) - Model::constant(half);
             (off, lower(self.basis, self.left, off))
         };
@@ -243,36 +210,18 @@ impl<'a> Balls<'a> {
             Shape::HalfSpace => lower(self.basis, self.left, p.z),
             Shape::Cuboid { half_extents } => {
                 let faces: Vec<_> = (0..3).map(|i| beyond(i, half_extents[i])).collect();
-                let out: Vec<_> = faces
-                    .iter()
-                    .filter(|(_, off)| *off >= 0.0)
-                    .map(|f| f.0)
-                    .collect();
+                let out: Vec<_> = faces.iter().filter(|(_, off)| *off >= 0.0).map(|f| f.0).collect();
                 match out.len() {
                     2 | 3 => self.length(&out),
-                    _ => faces
-                        .iter()
-                        .map(|f| f.1)
-                        .reduce(|a, b| if a >= b { a } else { b })
-                        .unwrap_or(f64::NAN),
+                    _ => faces.iter().map(|f| f.1).reduce(|a, b| if a >= b { a } else { b }).unwrap_or(f64::NAN),
                 }
             }
-            Shape::Capsule {
-                radius,
-                half_length,
-            } => {
+            Shape::Capsule { radius, half_length } => {
                 let (off, least) = beyond(2, half_length);
                 let with_cap = [p.x, p.y, off];
-                self.length(if least >= 0.0 {
-                    &with_cap
-                } else {
-                    &with_cap[..2]
-                }) - radius
+                self.length(if least >= 0.0 { &with_cap } else { &with_cap[..2] }) - radius
             }
-            Shape::Cylinder {
-                radius,
-                half_length,
-            } => {
+            Shape::Cylinder { radius, half_length } => {
                 let (_, along) = beyond(2, half_length);
                 let across = self.length(&[p.x, p.y]) - radius;
                 if along >= 0.0 && across >= 0.0 {

@@ -96,13 +96,7 @@ impl Promise {
 /// An interval of a segment, on which `x` goes from -1 to 1, the reserve of each promise there, and directions that
 /// separate shapes of the robot from others.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Interval(
-    pub usize,
-    pub f64,
-    pub f64,
-    pub Vec<f64>,
-    pub Vec<Direction>,
-);
+pub struct Interval(pub usize, pub f64, pub f64, pub Vec<f64>, pub Vec<Direction>);
 
 /// A direction from one shape to another. The shapes of the robot are sorted by the names of their links, and the
 /// obstacles follow them. Pairs without one are separated in the direction of their centres.

@@ -20,9 +20,7 @@ mod search;
 mod shapes;
 mod table;
 
-pub use document::{
-    Certificate, Certification, Direction, Failure, Interval, LEFT_OUT, Passage, Promise,
-};
+pub use document::{Certificate, Certification, Direction, Failure, Interval, LEFT_OUT, Passage, Promise};
 
 pub use table::{NAME, TableDifference, named_run, table_differences};
 
@@ -62,14 +60,9 @@ pub fn certify(
 ) -> Result<Certification> {
     scenario.refuse_walk()?;
     curve.check_joints(&scenario.model, "certify")?;
-    check_length(
-        "waypoint_times_s",
-        scenario.waypoints.len(),
-        waypoint_times.len(),
-    )?;
+    check_length("waypoint_times_s", scenario.waypoints.len(), waypoint_times.len())?;
     if !(tracking_error >= 0.0 && tracking_error.is_finite()) {
-        let condition =
-            format!("it is {tracking_error}, a finite number that is not negative is needed");
+        let condition = format!("it is {tracking_error}, a finite number that is not negative is needed");
         return Err(Error::input("certify", "tracking_error", condition));
     }
     search::certification(scenario, curve, texts, waypoint_times, tracking_error)

@@ -14,11 +14,7 @@ const ACCELERATION: f64 = 1e-6;
 
 /// The states at the ends and between segments that differ from what a scenario promises, velocities that are not the
 /// rates of positions, and the horizon if it differs. An allowance is made for another arithmetic.
-pub(super) fn broken_ends(
-    scenario: &Scenario,
-    curve: &CurveFile,
-    motion: &Motion,
-) -> Result<Vec<Failure>> {
+pub(super) fn broken_ends(scenario: &Scenario, curve: &CurveFile, motion: &Motion) -> Result<Vec<Failure>> {
     let (file, horizon) = (&scenario.file, motion.horizon());
     let largest = |deviations: Vec<Ball>| {
         let magnitudes = deviations.iter().map(Ball::magnitude);
@@ -30,17 +26,11 @@ pub(super) fn broken_ends(
     let (start, end) = (at(0, -1.0), at(last, 1.0));
     let off = |all: &[Polynomial], wanted: &[f64]| {
         let pairs = all.iter().zip(wanted);
-        largest(
-            pairs
-                .map(|(p, x)| p.middle() - Ball::constant(*x))
-                .collect(),
-        )
+        largest(pairs.map(|(p, x)| p.middle() - Ball::constant(*x)).collect())
     };
     let breakpoints: Vec<_> = (1..=last).map(|e| [at(e - 1, 1.0), at(e, -1.0)]).collect();
     let jump = |of: fn(&Piece) -> &Vec<Polynomial>| {
-        let pairs = breakpoints
-            .iter()
-            .flat_map(|[a, b]| of(a).iter().zip(of(b)));
+        let pairs = breakpoints.iter().flat_map(|[a, b]| of(a).iter().zip(of(b)));
         largest(pairs.map(|(a, b)| a.middle() - b.middle()).collect())
     };
     let is_smooth = file.continuity() == Continuous::Acceleration;
@@ -48,76 +38,16 @@ pub(super) fn broken_ends(
     let rests = |v: &[f64]| is_smooth && v.iter().all(|v| *v == 0.0);
     let zeros = vec![0.0; scenario.model.dof()];
     let ends = [
-        (
-            "start position",
-            true,
-            off(&start.q, &file.q_start),
-            STATE,
-            0.0,
-        ),
-        (
-            "start velocity",
-            true,
-            off(&start.v, &file.v_start),
-            STATE,
-            0.0,
-        ),
-        (
-            "rest at the start",
-            rests(&file.v_start),
-            off(&start.a, &zeros),
-            ACCELERATION,
-            0.0,
-        ),
-        (
-            "goal position",
-            file.goal.is_empty(),
-            off(&end.q, &file.q_goal),
-            STATE,
-            horizon,
-        ),
-        (
-            "goal velocity",
-            !is_free,
-            off(&end.v, &file.v_goal),
-            STATE,
-            horizon,
-        ),
-        (
-            "rest at the goal",
-            !is_free && rests(&file.v_goal),
-            off(&end.a, &zeros),
-            ACCELERATION,
-            horizon,
-        ),
-        (
-            "velocity as the rate of the position",
-            true,
-            largest(slip(curve)?),
-            STATE,
-            f64::NAN,
-        ),
-        (
-            "continuity of positions",
-            true,
-            jump(|piece| &piece.q),
-            STATE,
-            f64::NAN,
-        ),
-        (
-            "continuity of velocities",
-            true,
-            jump(|piece| &piece.v),
-            STATE,
-            f64::NAN,
-        ),
-        (
-            "continuity of accelerations",
-            is_smooth,
-            jump(|piece| &piece.a),
-            ACCELERATION,
-            f64::NAN,
-        ),
+        ("start position", true, off(&start.q, &file.q_start), STATE, 0.0),
+        ("start velocity", true, off(&start.v, &file.v_start), STATE, 0.0),
+        ("rest at the start", rests(&file.v_start), off(&start.a, &zeros), ACCELERATION, 0.0),
+        ("goal position", file.goal.is_empty(), off(&end.q, &file.q_goal), STATE, horizon),
+        ("goal velocity", !is_free, off(&end.v, &file.v_goal), STATE, horizon),
+        ("rest at the goal", !is_free && rests(&file.v_goal), off(&end.a, &zeros), ACCELERATION, horizon),
+        ("velocity as the rate of the position", true, largest(slip(curve)?), STATE, f64::NAN),
+        ("continuity of positions", true, jump(|piece| &piece.q), STATE, f64::NAN),
+        ("continuity of velocities", true, jump(|piece| &piece.v), STATE, f64::NAN),
+        ("continuity of accelerations", is_smooth, jump(|piece| &piece.a), ACCELERATION, f64::NAN),
     ];
     let failure = |promise: &str, value: f64, bound: f64, at_s: f64| Failure {
         promise: promise.to_owned(),
@@ -129,19 +59,12 @@ pub(super) fn broken_ends(
     };
     // A deviation that is no number breaks its promise.
     let is_within = |value: f64, bound: f64| value <= bound;
-    let broken = ends
-        .into_iter()
-        .filter(|(_, is_asked, value, bound, _)| *is_asked && !is_within(*value, *bound));
-    let mut failures: Vec<_> = broken
-        .map(|(promise, _, value, bound, at_s)| failure(promise, value, bound, at_s))
-        .collect();
+    let broken = ends.into_iter().filter(|(_, is_asked, value, bound, _)| *is_asked && !is_within(*value, *bound));
+    let mut failures: Vec<_> =
+        broken.map(|(promise, _, value, bound, at_s)| failure(promise, value, bound, at_s)).collect();
     let [shortest, longest] = file.horizon_bounds();
     if !(shortest..=longest).contains(&horizon) {
-        let bound = if horizon < shortest {
-            shortest
-        } else {
-            longest
-        };
+        let bound = if horizon < shortest { shortest } else { longest };
         failures.push(failure("horizon", horizon, bound, horizon));
     }
     for (i, [from, to]) in file.keep.iter().map(Kept::times).enumerate() {
@@ -164,8 +87,7 @@ fn slip(curve: &CurveFile) -> Result<Vec<Ball>> {
             let scale = Ball::constant(2.0 * segments).divided_by(curve.horizon_s);
             let zero = std::iter::once(Ball::zero());
             let off = velocity.iter().zip(rate.iter().copied().chain(zero));
-            let off = off
-                .map(|(v, rate)| Ball::constant((Ball::constant(*v) - rate * scale).magnitude()));
+            let off = off.map(|(v, rate)| Ball::constant((Ball::constant(*v) - rate * scale).magnitude()));
             found.push(off.fold(Ball::zero(), |sum, off| sum + off));
         }
     }
@@ -188,12 +110,7 @@ impl Points<'_> {
     pub(super) fn goal(&self) -> Result<Option<Worst>> {
         let end = Part::about(self.motion.segments() - 1, 1.0);
         let mut best: Option<Worst> = None;
-        for constraints in self
-            .scenario
-            .goal
-            .iter()
-            .flat_map(|goal| &goal.alternatives)
-        {
+        for constraints in self.scenario.goal.iter().flat_map(|goal| &goal.alternatives) {
             let worst = self.worst(end, constraints, Vec::new())?;
             let known = best.as_ref().map_or(f64::NEG_INFINITY, |(_, n)| n.claim);
             best = worst.filter(|(_, n)| n.claim > known).or(best);
@@ -215,8 +132,7 @@ impl Points<'_> {
                 let place = format!("{what} of joint '{}'", joint.name());
                 Row::new(Promise::Position, place, [aim - EQUALITY, aim + EQUALITY])
             });
-            rows.zip(all.iter().map(|p| Polynomial::from(p.middle())))
-                .collect()
+            rows.zip(all.iter().map(|p| Polynomial::from(p.middle()))).collect()
         };
         let mut own = Vec::new();
         if let Some(q) = &point.q {
@@ -247,12 +163,6 @@ impl Points<'_> {
             (row, nearest)
         });
         // A claim of NaN is the worst.
-        Ok(nearest.reduce(|a, b| {
-            if a.1.claim <= b.1.claim || a.1.claim.is_nan() {
-                a
-            } else {
-                b
-            }
-        }))
+        Ok(nearest.reduce(|a, b| if a.1.claim <= b.1.claim || a.1.claim.is_nan() { a } else { b }))
     }
 }

@@ -68,13 +68,7 @@ pub(super) struct Row {
 impl Row {
     /// A row of scale one that is kept throughout.
     pub(super) fn new(promise: Promise, place: String, bounds: [f64; 2]) -> Self {
-        Self {
-            promise,
-            place,
-            bounds,
-            scale: 1.0,
-            times: [f64::NEG_INFINITY, f64::INFINITY],
-        }
+        Self { promise, place, bounds, scale: 1.0, times: [f64::NEG_INFINITY, f64::INFINITY] }
     }
 
     /// True if it is kept at some time of a part.
@@ -94,11 +88,7 @@ pub(super) fn limits(scenario: &Scenario) -> Vec<LimitRow> {
                 continue;
             }
             if let Some(bounds) = scenario.bound(limit, joint) {
-                rows.push(LimitRow {
-                    promise,
-                    joint,
-                    bounds,
-                });
+                rows.push(LimitRow { promise, joint, bounds });
             }
         }
     }
@@ -114,10 +104,7 @@ pub(super) fn rows_of(promise: Promise, constraints: &[AnyConstraint], model: &M
             true => [-EQUALITY * scale, EQUALITY * scale],
             false => [f64::NEG_INFINITY, 0.0],
         };
-        Row {
-            scale: *scale,
-            ..Row::new(promise, constraints.label(i, model).name, bounds)
-        }
+        Row { scale: *scale, ..Row::new(promise, constraints.label(i, model).name, bounds) }
     };
     scales.iter().enumerate().map(row).collect()
 }
@@ -130,12 +117,7 @@ pub(super) fn values_of<const N: usize>(
 ) -> Result<Vec<Polynomial>> {
     let mut placements = vec![Placement::identity(); q.len()];
     forward_kinematics(model, &q, &mut placements)?;
-    let at = PlacedState {
-        model,
-        x: &[q, v].concat(),
-        placements: &placements,
-        pieces: None,
-    };
+    let at = PlacedState { model, x: &[q, v].concat(), placements: &placements, pieces: None };
     let mut values = vec![TaylorModel::zero(); constraints.dim()];
     constraints.value(&at, &mut values)?;
     Ok(values.into_iter().map(Polynomial::from).collect())
@@ -158,11 +140,7 @@ pub(super) struct Nearest {
 impl Nearest {
     /// The same for positions in a tube about a motion on which it is `alone`: the tube is no error.
     pub(super) fn in_tube(self, alone: &Self) -> Self {
-        Self {
-            is_known: alone.is_known,
-            claim: self.claim + OTHER_ERRORS * (self.error - alone.error),
-            ..self
-        }
+        Self { is_known: alone.is_known, claim: self.claim + OTHER_ERRORS * (self.error - alone.error), ..self }
     }
 
     /// The value that is not excluded, if the claim is not accepted.
@@ -201,18 +179,11 @@ pub(super) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    pub(super) fn new(
-        scenario: &'a Scenario,
-        limits: &'a [LimitRow],
-        motion: &Motion,
-    ) -> Result<Self> {
+    pub(super) fn new(scenario: &'a Scenario, limits: &'a [LimitRow], motion: &Motion) -> Result<Self> {
         let model = &scenario.model;
         let of_limit = |row: &LimitRow| {
             let place = format!("joint '{}'", model.joints()[row.joint].name());
-            Row {
-                scale: row.scale(),
-                ..Row::new(row.promise, place, row.bounds)
-            }
+            Row { scale: row.scale(), ..Row::new(row.promise, place, row.bounds) }
         };
         let mut all: Vec<Row> = limits.iter().map(of_limit).collect();
         let mut kept = Vec::new();
@@ -251,9 +222,7 @@ impl<'a> Rows<'a> {
         }
         let of_joints = [&piece.q, &piece.v, &piece.a, &piece.jerk, &torques];
         let of_limit = |row: &LimitRow| {
-            let order = LIMITS
-                .iter()
-                .position(|(promise, _)| *promise == row.promise);
+            let order = LIMITS.iter().position(|(promise, _)| *promise == row.promise);
             of_joints[order.unwrap_or_default()][row.joint].clone()
         };
         let mut values: Vec<Polynomial> = self.limits.iter().map(of_limit).collect();
@@ -267,9 +236,7 @@ impl<'a> Rows<'a> {
             values.extend(g.into_iter().map(Polynomial::from));
         }
         let rows = self.all.iter().zip(&values);
-        Ok(rows
-            .map(|(row, value)| self.nearest_of(row, value))
-            .collect())
+        Ok(rows.map(|(row, value)| self.nearest_of(row, value)).collect())
     }
 
     /// The nearest value of a row whose values are those of a polynomial.
@@ -280,24 +247,10 @@ impl<'a> Rows<'a> {
         };
         let (scale, [least, most]) = (row.scale, row.bounds);
         let of = |range: Range| {
-            let below = (
-                (range.lower - least) / scale,
-                range.least_at_most,
-                least,
-                range.places[0],
-            );
-            let above = (
-                (most - range.upper) / scale,
-                range.most_at_least,
-                most,
-                range.places[1],
-            );
+            let below = ((range.lower - least) / scale, range.least_at_most, least, range.places[0]);
+            let above = ((most - range.upper) / scale, range.most_at_least, most, range.places[1]);
             // A reserve of NaN is none.
-            if below.0 <= above.0 || below.0.is_nan() {
-                below
-            } else {
-                above
-            }
+            if below.0 <= above.0 || below.0.is_nan() { below } else { above }
         };
         let mut found = of(basis.range(polynomial, COARSE * scale));
         if found.0 < NEAR {

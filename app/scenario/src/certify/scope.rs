@@ -105,11 +105,7 @@ fn outcomes(scenario: &Scenario, is_known: bool) -> Vec<(&'static str, String)> 
         row("obstacles", obstacles, clear(!obstacles.is_empty())),
         row("robot_shape", robot_shape, ASSUMED),
         row("self_collision", self_collision, clear(apart)),
-        row(
-            "clearance_m",
-            clearance_m,
-            clear(apart || !obstacles.is_empty()),
-        ),
+        row("clearance_m", clearance_m, clear(apart || !obstacles.is_empty())),
         row("enforced_limits", enforced_limits, PROVED),
         row("flow", flow, NO_PROMISE),
         row("feedback", feedback, NO_PROMISE),
@@ -135,11 +131,7 @@ pub(super) fn meshes(scenario: &Scenario) -> Result<BTreeMap<String, String>> {
 
 /// True if the robot and its load consist of balls, or of points or balls along its links.
 pub(super) fn has_balls(scenario: &Scenario) -> bool {
-    let payload = scenario
-        .file
-        .payload
-        .as_ref()
-        .and_then(|payload| payload.shape);
+    let payload = scenario.file.payload.as_ref().and_then(|payload| payload.shape);
     let load = payload.is_none_or(|shape| matches!(shape, ObstacleShape::Sphere { .. }));
     let by_shapes = matches!(scenario.robot_shape(), RobotShape::Collision { .. });
     let is_ball = |c: &Collision| matches!(c.shape, CollisionShape::Solid(Shape::Sphere { .. }));

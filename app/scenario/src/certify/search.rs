@@ -6,10 +6,7 @@ use super::points::{Points, broken_ends};
 use super::rows::{Nearest, OTHER_ERRORS, Row, Rows, limits};
 use super::scope::{has_balls, keys, meshes};
 use super::shapes::{self, Part as ShapePart, Shapes};
-use super::{
-    Certificate, Certification, Direction, Failure, Interval, LEFT_OUT, Passage, Promise,
-    TOLERANCE, Texts,
-};
+use super::{Certificate, Certification, Direction, Failure, Interval, LEFT_OUT, Passage, Promise, TOLERANCE, Texts};
 use crate::{CurveFile, Scenario, sha256};
 use aghf::certify::{Bernstein, Motion, ORDER, Part, Piece};
 use aghf::dynamics::forward_kinematics;
@@ -81,10 +78,7 @@ pub(super) fn certification(
     let intervals = search.intervals()?;
     let (promises, failures) = (search.promises, search.failures);
     if !failures.is_empty() {
-        return Ok(Certification {
-            certificate: None,
-            failures,
-        });
+        return Ok(Certification { certificate: None, failures });
     }
     let keys = keys(scenario)?;
     let hash = |text: &&str| sha256(text.as_bytes());
@@ -103,10 +97,7 @@ pub(super) fn certification(
         promises,
         intervals,
     };
-    Ok(Certification {
-        certificate: Some(certificate),
-        failures,
-    })
+    Ok(Certification { certificate: Some(certificate), failures })
 }
 
 /// A claim rounded down to [`DECIMALS`].
@@ -132,12 +123,7 @@ impl Failure {
 }
 
 impl<'a> Search<'a> {
-    fn new(
-        scenario: &'a Scenario,
-        motion: &'a Motion,
-        rows: Rows<'a>,
-        tracking_error: f64,
-    ) -> Result<Self> {
+    fn new(scenario: &'a Scenario, motion: &'a Motion, rows: Rows<'a>, tracking_error: f64) -> Result<Self> {
         let mut promises: Vec<_> = rows.all.iter().map(|row| row.promise).collect();
         promises.dedup();
         let (shapes, mut all) = (shapes::parts(scenario)?, Vec::new());
@@ -152,16 +138,7 @@ impl<'a> Search<'a> {
                 all.push(own);
             }
         }
-        Ok(Self {
-            scenario,
-            motion,
-            tracking_error,
-            rows,
-            promises,
-            pairs: all,
-            shapes,
-            failures: Vec::new(),
-        })
+        Ok(Self { scenario, motion, tracking_error, rows, promises, pairs: all, shapes, failures: Vec::new() })
     }
 
     /// Adds a failure unless one of the same row is known.
@@ -180,11 +157,7 @@ impl<'a> Search<'a> {
 
     /// Checks the goal, if it is a set of poses, and the waypoints, which the motion passes at these times, s.
     fn points(&mut self, times: &[f64]) -> Result<(Option<f64>, Vec<Passage>)> {
-        let points = Points {
-            scenario: self.scenario,
-            motion: self.motion,
-            rows: &self.rows,
-        };
+        let points = Points { scenario: self.scenario, motion: self.motion, rows: &self.rows };
         let goal = points.goal()?;
         let mut passages = Vec::new();
         let mut worst = vec![("goal".to_owned(), goal, self.motion.horizon())];
@@ -223,10 +196,7 @@ impl<'a> Search<'a> {
             }
         }
         while parts.len() < FEWEST {
-            parts = parts
-                .into_iter()
-                .flat_map(|part| part.split(part.middle))
-                .collect();
+            parts = parts.into_iter().flat_map(|part| part.split(part.middle)).collect();
         }
         parts
     }
@@ -242,10 +212,7 @@ impl<'a> Search<'a> {
             match self.claims(part, &basis, can_halve)? {
                 Some((claims, directions)) => {
                     let [from, to] = part.ends();
-                    let claims = claims
-                        .into_iter()
-                        .map(|claim| self.claimed(claim))
-                        .collect();
+                    let claims = claims.into_iter().map(|claim| self.claimed(claim)).collect();
                     found.push(Interval(part.segment, from, to, claims, directions));
                 }
                 None if self.fails_in_middle(part, &basis)? => {}
@@ -363,9 +330,7 @@ impl<'a> Search<'a> {
             }
             None => {
                 let balls = Balls::new(self.scenario, basis, &bodies, left);
-                pairs
-                    .map(|pairs| (balls.least(pairs), Vec::new()))
-                    .collect()
+                pairs.map(|pairs| (balls.least(pairs), Vec::new())).collect()
             }
         }))
     }
@@ -375,19 +340,10 @@ impl<'a> Search<'a> {
         let [q, _, _] = piece.models();
         let mut bodies = vec![Placement::identity(); q.len()];
         forward_kinematics(&self.scenario.model, &q, &mut bodies)?;
-        let entries = |at: &Placement<Model>| {
-            at.rotation
-                .iter()
-                .chain(&at.translation)
-                .map(Model::radius)
-                .collect()
-        };
+        let entries = |at: &Placement<Model>| at.rotation.iter().chain(&at.translation).map(Model::radius).collect();
         let radii = bodies.iter().flat_map(|at| -> Vec<f64> { entries(at) });
         // An error of NaN stays NaN.
-        let most = radii.fold(
-            f64::MIN_POSITIVE,
-            |most, r| if r <= most { most } else { r },
-        );
+        let most = radii.fold(f64::MIN_POSITIVE, |most, r| if r <= most { most } else { r });
         Ok((bodies, most))
     }
 }

@@ -36,13 +36,7 @@ pub(super) fn parts(scenario: &Scenario) -> Result<Option<Vec<Part>>> {
         Some(load) => load.collision(&scenario.model, &scenario.name)?,
         None => None,
     };
-    let part = |c: &Collision| {
-        Some(Part {
-            link: c.link.clone(),
-            body: c.body,
-            solid: c.solid()?,
-        })
-    };
+    let part = |c: &Collision| Some(Part { link: c.link.clone(), body: c.body, solid: c.solid()? });
     let mut shapes: Vec<&Collision> = scenario.model.collisions().iter().collect();
     shapes.sort_by(|a, b| a.link.cmp(&b.link));
     let parts: Option<Vec<Part>> = shapes.into_iter().chain(&load).map(part).collect();
@@ -58,11 +52,7 @@ pub(super) fn pairs(scenario: &Scenario, parts: &[Part], promise: Promise) -> Re
     if promise == Promise::Obstacles {
         for (i, _) in all().filter(|(_, part)| part.body.is_some()) {
             let beside = scene.obstacle_margins().iter().enumerate();
-            pairs.extend(beside.map(|(o, margin)| Pair {
-                part: i,
-                beside: Beside::Obstacle(o),
-                margin: *margin,
-            }));
+            pairs.extend(beside.map(|(o, margin)| Pair { part: i, beside: Beside::Obstacle(o), margin: *margin }));
         }
         return Ok(pairs);
     }
@@ -73,11 +63,7 @@ pub(super) fn pairs(scenario: &Scenario, parts: &[Part], promise: Promise) -> Re
         });
         for (i, _) in a {
             for (j, _) in b.clone() {
-                pairs.push(Pair {
-                    part: i.min(j),
-                    beside: Beside::Part(i.max(j)),
-                    margin,
-                });
+                pairs.push(Pair { part: i.min(j), beside: Beside::Part(i.max(j)), margin });
             }
         }
     }
@@ -112,10 +98,7 @@ impl<'a> Shapes<'a> {
             let own = &solid.placement;
             let at = match body {
                 Some(body) => bodies[body].compose_constant(own),
-                None => Placement::new(
-                    own.rotation.map(Model::constant),
-                    constant(&own.translation),
-                ),
+                None => Placement::new(own.rotation.map(Model::constant), constant(&own.translation)),
             };
             let middle = |x: Model| x.coefficients()[0];
             Placed {
@@ -133,9 +116,7 @@ impl<'a> Shapes<'a> {
             basis,
             left,
             parts,
-            placed: of_robot
-                .chain(obstacles.iter().map(|o| place(None, &o.solid)))
-                .collect(),
+            placed: of_robot.chain(obstacles.iter().map(|o| place(None, &o.solid))).collect(),
             names: obstacles.iter().map(|o| &*o.name).collect(),
         }
     }
@@ -151,10 +132,7 @@ impl<'a> Shapes<'a> {
             let b = &self.placed[of[1]];
             let (n, is_bounded) = match b.shape {
                 Shape::HalfSpace => (-b.at.rotation.column(2), false),
-                _ => (
-                    constant(&(b.middle.placement.translation - self.centre(of[0]))),
-                    true,
-                ),
+                _ => (constant(&(b.middle.placement.translation - self.centre(of[0]))), true),
             };
             (self.bound(of, &n, pair.margin), of, pair.margin, is_bounded)
         };
@@ -185,11 +163,7 @@ impl<'a> Shapes<'a> {
         }
         directions.retain(|(bound, _)| *bound < claim);
         let directions = directions.into_iter().map(|(_, direction)| direction);
-        let least = Least {
-            claim,
-            middle,
-            place,
-        };
+        let least = Least { claim, middle, place };
         (least, directions.collect())
     }
 
@@ -242,9 +216,7 @@ fn extent(of: &Placed, n: &Vector3<Model>) -> Model {
     let along = of.at.rotation.transpose() * n;
     let squares = along.map(|x| x * x);
     let root = |square: Model| {
-        let near = square.coefficients()[0]
-            .max(0.3 * square.variation())
-            .max(1e-12);
+        let near = square.coefficients()[0].max(0.3 * square.variation()).max(1e-12);
         (square + Model::constant(near)).divided_by(2.0 * near.sqrt())
     };
     let ball = |radius: f64| root(n.dot(n)).scale(radius);
@@ -254,14 +226,10 @@ fn extent(of: &Placed, n: &Vector3<Model>) -> Model {
             let edges = [0, 1, 2].map(|i| root(squares[i]).scale(h[i]));
             edges[0] + edges[1] + edges[2]
         }
-        Shape::Capsule {
-            radius,
-            half_length,
-        } => root(squares.z).scale(half_length) + ball(radius),
-        Shape::Cylinder {
-            radius,
-            half_length,
-        } => root(squares.z).scale(half_length) + root(squares.x + squares.y).scale(radius),
+        Shape::Capsule { radius, half_length } => root(squares.z).scale(half_length) + ball(radius),
+        Shape::Cylinder { radius, half_length } => {
+            root(squares.z).scale(half_length) + root(squares.x + squares.y).scale(radius)
+        }
         // In the direction against its normal, the only one in which it has an end.
         Shape::HalfSpace => Model::constant(0.0),
     }

@@ -33,8 +33,7 @@ pub struct TableDifference {
 #[must_use]
 pub fn named_run(text: &str) -> Option<&str> {
     let (_, rest) = text.split_once(NAME)?;
-    rest.get(..64)
-        .filter(|hash| hash.bytes().all(|byte| byte.is_ascii_hexdigit()))
+    rest.get(..64).filter(|hash| hash.bytes().all(|byte| byte.is_ascii_hexdigit()))
 }
 
 /// The text before the hash of a summary in tables and messages.
@@ -46,11 +45,7 @@ pub const NAME: &str = "run_sha256:";
 ///
 /// # Errors
 /// The joints or the duration are others.
-pub fn table_differences(
-    scenario: &Scenario,
-    curve: &CurveFile,
-    table: &Trajectory,
-) -> Result<Vec<TableDifference>> {
+pub fn table_differences(scenario: &Scenario, curve: &CurveFile, table: &Trajectory) -> Result<Vec<TableDifference>> {
     curve.check_joints(&scenario.model, "table")?;
     let motion = Motion::new(curve.horizon_s, &curve.positions())?;
     let duration = table.duration();
@@ -59,18 +54,9 @@ pub fn table_differences(
         let condition = format!("it lasts {duration} s, the motion {horizon} s");
         return Err(Error::input("table", "t", condition));
     }
-    let is_known = [
-        true,
-        table.v.is_some(),
-        table.v.is_some() && table.a.is_some(),
-    ];
-    let known = DEGREES
-        .into_iter()
-        .zip(is_known)
-        .filter(|(_, is_known)| *is_known);
-    Ok(known
-        .map(|(degree, _)| difference(&motion, table, degree))
-        .collect())
+    let is_known = [true, table.v.is_some(), table.v.is_some() && table.a.is_some()];
+    let known = DEGREES.into_iter().zip(is_known).filter(|(_, is_known)| *is_known);
+    Ok(known.map(|(degree, _)| difference(&motion, table, degree)).collect())
 }
 
 /// The largest differences for polynomials of a degree between samples.
@@ -79,10 +65,7 @@ fn difference(motion: &Motion, table: &Trajectory, degree: usize) -> TableDiffer
     let per_second = motion.segments() as f64 / motion.horizon();
     let largest = |c: Vec<f64>, radius: f64| {
         let size: f64 = c.iter().map(|c| c.abs()).sum();
-        let polynomial = Polynomial {
-            coefficients: c,
-            radius: radius + ROUNDING * size,
-        };
+        let polynomial = Polynomial { coefficients: c, radius: radius + ROUNDING * size };
         let range = basis.range(&polynomial, ACCURACY * size.max(1.0));
         range.upper.max(-range.lower)
     };
@@ -92,20 +75,12 @@ fn difference(motion: &Motion, table: &Trajectory, degree: usize) -> TableDiffer
         // In segments from the start.
         let [begin, end] = [from, to].map(|t| t * per_second);
         let mut cuts = vec![begin];
-        cuts.extend(
-            (0..=motion.segments())
-                .map(|e| e as f64)
-                .filter(|e| begin < *e && *e < end),
-        );
+        cuts.extend((0..=motion.segments()).map(|e| e as f64).filter(|e| begin < *e && *e < end));
         cuts.push(end);
         for cut in cuts.windows(2) {
             let middle = 0.5 * (cut[0] + cut[1]);
             let segment = (middle as usize).min(motion.segments() - 1);
-            let part = Part {
-                segment,
-                middle: 2.0 * (middle - segment as f64) - 1.0,
-                half: cut[1] - cut[0],
-            };
+            let part = Part { segment, middle: 2.0 * (middle - segment as f64) - 1.0, half: cut[1] - cut[0] };
             let piece = motion.piece(part);
             // The places of the table's own variable, from -1 to 1 over the interval, on this cut.
             let places = [cut[0], cut[1]].map(|x| 2.0 * (x - begin) / (end - begin) - 1.0);
@@ -114,9 +89,7 @@ fn difference(motion: &Motion, table: &Trajectory, degree: usize) -> TableDiffer
                 let own = within(&samples(table, k, i, degree, to - from), places);
                 let count = own.len().max(q.coefficients.len());
                 let at = |c: &[f64], j: usize| c.get(j).copied().unwrap_or(0.0);
-                let off: Vec<f64> = (0..count)
-                    .map(|j| at(&own, j) - at(&q.coefficients, j))
-                    .collect();
+                let off: Vec<f64> = (0..count).map(|j| at(&own, j) - at(&q.coefficients, j)).collect();
                 let rate: Vec<f64> = (1..count).map(|j| j as f64 * off[j] / half_s).collect();
                 let size: f64 = q.coefficients.iter().map(|c| c.abs()).sum();
                 let by_rounding = q.radius + ROUNDING * size;
@@ -126,11 +99,7 @@ fn difference(motion: &Motion, table: &Trajectory, degree: usize) -> TableDiffer
         }
     }
     let [position, velocity] = found;
-    TableDifference {
-        degree,
-        position,
-        velocity,
-    }
+    TableDifference { degree, position, velocity }
 }
 
 /// The coefficients in `x`, from -1 to 1 over an interval of `h` seconds, of the polynomial of this degree through the
@@ -145,12 +114,7 @@ fn samples(table: &Trajectory, k: usize, i: usize, degree: usize, h: f64) -> Vec
     };
     let [speed, turn] = halves(both(v, 0.5 * h));
     let Some(a) = table.a.as_ref().filter(|_| degree > 3) else {
-        return vec![
-            mean - 0.5 * turn,
-            1.5 * way - 0.5 * speed,
-            0.5 * turn,
-            0.5 * (speed - way),
-        ];
+        return vec![mean - 0.5 * turn, 1.5 * way - 0.5 * speed, 0.5 * turn, 0.5 * (speed - way)];
     };
     let [push, jerk] = halves(both(a, 0.25 * h * h));
     // Even: c0 + c2 + c4 is the mean, 2 c2 + 4 c4 the turn, 2 c2 + 12 c4 the push; odd alike.

@@ -22,10 +22,7 @@ const LINK_RADIUS: f64 = 0.03;
 /// A box of spheres on the ground where the line of the step drags the right foot.
 pub(super) fn step_over_box(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
     let step: ScenarioFile = read_json(builtin_scenario(STEP).unwrap_or_default(), STEP)?;
-    let swinging = model
-        .joints()
-        .iter()
-        .map(|j| j.name().starts_with("right_"));
+    let swinging = model.joints().iter().map(|j| j.name().starts_with("right_"));
     let leg: Vec<bool> = (swinging.zip(model.joints()))
         .map(|(right, j)| right && !j.name().contains("shoulder") && !j.name().contains("elbow"))
         .collect();
@@ -33,38 +30,18 @@ pub(super) fn step_over_box(model: &Model, rng: &mut ChaCha8Rng) -> Result<Optio
         let joints = q.iter().zip(&leg).zip(model.joints());
         joints
             .map(|((q, leg), joint)| {
-                let by = if *leg {
-                    rng.random_range(-0.05..0.05)
-                } else {
-                    0.0
-                };
+                let by = if *leg { rng.random_range(-0.05..0.05) } else { 0.0 };
                 rounded(q + by).clamp(joint.limits().lower, joint.limits().upper)
             })
             .collect()
     };
     let ends = [near(&step.q_start), near(&step.q_goal)];
-    let bend: Vec<f64> = (leg.iter())
-        .map(|leg| {
-            if *leg {
-                rng.random_range(-1.2..1.2)
-            } else {
-                0.0
-            }
-        })
-        .collect();
-    let witness = Witness {
-        model,
-        ends,
-        bend,
-        horizon: step.horizon_s,
-    };
+    let bend: Vec<f64> = (leg.iter()).map(|leg| if *leg { rng.random_range(-1.2..1.2) } else { 0.0 }).collect();
+    let witness = Witness { model, ends, bend, horizon: step.horizon_s };
     let paths = Paths::new(witness, LINK_RADIUS)?;
 
     let capsules = paths.line.capsules();
-    let foot = |c: &Capsule| {
-        c.body
-            .is_some_and(|b| model.joints()[b].name().contains("right_toe"))
-    };
+    let foot = |c: &Capsule| c.body.is_some_and(|b| model.joints()[b].name().contains("right_toe"));
     let Some(foot) = capsules.iter().rposition(foot) else {
         return Ok(None);
     };

@@ -3,9 +3,7 @@
 use super::limits::{moving_capsule, near_line};
 use super::paths::Paths;
 use super::witness::{HORIZON_RATIO, Witness, least_horizon};
-use super::{
-    CLEAR, Candidate, HIT, direction, obstacle, round_down, round_up, round_vector, rounded, sphere,
-};
+use super::{CLEAR, Candidate, HIT, direction, obstacle, round_down, round_up, round_vector, rounded, sphere};
 use crate::ObstacleShape;
 use aghf::error::Result;
 use aghf::model::Model;
@@ -52,19 +50,13 @@ pub(super) fn cross(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candid
         let capsule = moving_capsule(paths.line.capsules().len(), rng);
         let (centre, radius) = near_line(&paths, capsule, 0.15, 0.06..0.12, rng);
         let hit = paths.line.clearance(centre, radius)? < -HIT;
-        let wanted = if hit {
-            hits < 3
-        } else {
-            spheres.len() - hits < 3
-        };
+        let wanted = if hit { hits < 3 } else { spheres.len() - hits < 3 };
         if wanted && paths.free(centre, radius, CLEAR)? {
             spheres.push(sphere((centre, radius)));
             hits += usize::from(hit);
         }
         if spheres.len() == 5 && hits >= 2 {
-            return Ok(Some(
-                Candidate::new(paths.witness, LINK_RADIUS).with_obstacles(spheres),
-            ));
+            return Ok(Some(Candidate::new(paths.witness, LINK_RADIUS).with_obstacles(spheres)));
         }
     }
     Ok(None)
@@ -91,10 +83,7 @@ pub(super) fn gap(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidat
             hit = hit || paths.line.clearance(centre, radius)? < -HIT;
         }
         if free && hit {
-            return Ok(Some(
-                Candidate::new(paths.witness, LINK_RADIUS)
-                    .with_obstacles(spheres.map(sphere).to_vec()),
-            ));
+            return Ok(Some(Candidate::new(paths.witness, LINK_RADIUS).with_obstacles(spheres.map(sphere).to_vec())));
         }
     }
     Ok(None)

@@ -66,17 +66,9 @@ fn pair(model: &Model, rng: &mut ChaCha8Rng) -> ([Vec<f64>; 2], f64) {
 /// A random pair, rest to rest, for which a polynomial on the straight line satisfies all limits.
 pub(super) fn without_obstacle(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
     let (ends, horizon) = pair(model, rng);
-    let witness = Witness {
-        model,
-        ends,
-        bend: vec![0.0; model.dof()],
-        horizon,
-    };
+    let witness = Witness { model, ends, bend: vec![0.0; model.dof()], horizon };
     let good = witness.keeps_limits(TORQUE_SHARES[0])?;
-    Ok(good.then(|| Candidate {
-        shape: RobotShape::JointFrames,
-        ..Candidate::new(witness, 0.0)
-    }))
+    Ok(good.then(|| Candidate { shape: RobotShape::JointFrames, ..Candidate::new(witness, 0.0) }))
 }
 
 /// The length of the longest chain of links, m.
@@ -85,9 +77,7 @@ fn reach(model: &Model) -> f64 {
     for joint in model.joints() {
         let before = joint.parent().map_or(0.0, |p| reaches[p]);
         // The part before the first joint is not a link that moves.
-        let link = joint
-            .parent()
-            .map_or(0.0, |_| joint.origin().translation.norm());
+        let link = joint.parent().map_or(0.0, |_| joint.origin().translation.norm());
         reaches.push(before + link);
     }
     let frames = model.frames().iter();
@@ -125,9 +115,7 @@ pub(super) fn with_obstacle(model: &Model, rng: &mut ChaCha8Rng) -> Result<Optio
         for _ in 0..PLACES {
             let radii = RADII.start * scale..RADII.end * scale;
             let (centre, size) = near_line(&paths, capsule, OFF * scale, radii, rng);
-            if paths.line.clearance(centre, size)? < -HIT * scale
-                && paths.free(centre, size, CLEAR * scale)?
-            {
+            if paths.line.clearance(centre, size)? < -HIT * scale && paths.free(centre, size, CLEAR * scale)? {
                 let made = Candidate::new(paths.witness, radius);
                 return Ok(Some(made.with_obstacles(vec![sphere((centre, size))])));
             }
@@ -152,8 +140,5 @@ pub(super) fn near_line(
     let [from, to] = paths.line.segment(capsule, rng.random_range(0.25..0.75));
     let on_link = from + (to - from) * rng.random_range(0.0..1.0);
     let off = direction(rng) * rng.random_range(0.0..off);
-    (
-        round_vector(on_link + off),
-        rounded(rng.random_range(radii)),
-    )
+    (round_vector(on_link + off), rounded(rng.random_range(radii)))
 }

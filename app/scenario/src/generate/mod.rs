@@ -12,8 +12,8 @@ mod paths;
 mod witness;
 
 use super::{
-    Continuous, EnforcedLimits, FlowParameters, Objective, ObjectiveWeights, Obstacle,
-    ObstacleShape, PerJoint, Pose, RobotShape, ScenarioFile, Units,
+    Continuous, EnforcedLimits, FlowParameters, Objective, ObjectiveWeights, Obstacle, ObstacleShape, PerJoint, Pose,
+    RobotShape, ScenarioFile, Units,
 };
 use aghf::error::{Error, Result};
 use aghf::model::Model;
@@ -78,10 +78,7 @@ impl Candidate {
             ends: witness.ends,
             rates: [rest.clone(), rest],
             horizon: witness.horizon,
-            shape: RobotShape::SweptLinks {
-                radius_m: link_radius,
-                spacing_m: 0.05,
-            },
+            shape: RobotShape::SweptLinks { radius_m: link_radius, spacing_m: 0.05 },
             obstacles: Vec::new(),
         }
     }
@@ -96,10 +93,7 @@ fn obstacle(shape: ObstacleShape, position: Vector3<f64>) -> Obstacle {
     Obstacle {
         name: None,
         shape,
-        pose: Pose {
-            position_m: position.into(),
-            orientation_xyzw: None,
-        },
+        pose: Pose { position_m: position.into(), orientation_xyzw: None },
         clearance_m: None,
     }
 }
@@ -154,23 +148,14 @@ const KINOVA: Family = Family {
 
 /// The families of generated scenarios; ten scenarios of each are listed.
 pub const FAMILIES: [Family; 6] = [
-    Family {
-        name: "kinova_cross",
-        about: "spheres that the links of the line sweep through",
-        ..KINOVA
-    },
+    Family { name: "kinova_cross", about: "spheres that the links of the line sweep through", ..KINOVA },
     Family {
         name: "kinova_gap",
         about: "two spheres with a narrow passage between, across the line",
         attempt: kinova::gap,
         ..KINOVA
     },
-    Family {
-        name: "kinova_floor",
-        about: "a floor that the line dips below",
-        attempt: kinova::floor,
-        ..KINOVA
-    },
+    Family { name: "kinova_floor", about: "a floor that the line dips below", attempt: kinova::floor, ..KINOVA },
     Family {
         name: "digit_box",
         about: "a step over a box of spheres in the way of the swinging foot",
@@ -186,10 +171,7 @@ pub const FAMILIES: [Family; 6] = [
             k_cons: 1e5,
             c_cons: 200.0,
         },
-        feedback: Feedback {
-            kp: 100.0,
-            kv: 100.0,
-        },
+        feedback: Feedback { kp: 100.0, kv: 100.0 },
         attempt: digit::step_over_box,
         ..KINOVA
     },
@@ -211,8 +193,7 @@ pub const FAMILIES: [Family; 6] = [
 
 /// The names of the listed generated scenarios.
 pub fn generated_scenarios() -> impl Iterator<Item = String> {
-    let of_family =
-        |family: &'static Family| (1..=LISTED).map(|seed| format!("{}_{seed:02}", family.name));
+    let of_family = |family: &'static Family| (1..=LISTED).map(|seed| format!("{}_{seed:02}", family.name));
     FAMILIES.iter().flat_map(of_family)
 }
 
@@ -249,27 +230,14 @@ pub fn generate_for(name: &str, robot: Option<&str>, mimic: Mimic) -> Option<Res
 }
 
 impl Family {
-    fn scenario(
-        &self,
-        name: &str,
-        seed: u64,
-        robot: Option<&str>,
-        mimic: Mimic,
-    ) -> Result<ScenarioFile> {
+    fn scenario(&self, name: &str, seed: u64, robot: Option<&str>, mimic: Mimic) -> Result<ScenarioFile> {
         if robot.is_some() && !self.any_robot {
             let condition = format!("scenarios '{}' are for {} alone", self.name, self.robot);
             return Err(Error::input(name, "robot", condition));
         }
         let robot = robot.unwrap_or(self.robot);
-        let (model, _) = load_robot_with(
-            robot,
-            Path::new(""),
-            UrdfOptions {
-                mimic,
-                ..UrdfOptions::default()
-            },
-        )
-        .map_err(|e| Error::input(name, "robot", e.to_string()))?;
+        let (model, _) = load_robot_with(robot, Path::new(""), UrdfOptions { mimic, ..UrdfOptions::default() })
+            .map_err(|e| Error::input(name, "robot", e.to_string()))?;
         let rng = &mut ChaCha8Rng::seed_from_u64(seed);
         for _ in 0..ATTEMPTS {
             if let Some(made) = (self.attempt)(&model, rng)? {
@@ -297,11 +265,7 @@ impl Family {
             }),
             obstacles: made.obstacles,
             robot_shape: Some(made.shape),
-            enforced_limits: if self.within_limits {
-                EnforcedLimits::default()
-            } else {
-                EnforcedLimits::NONE
-            },
+            enforced_limits: if self.within_limits { EnforcedLimits::default() } else { EnforcedLimits::NONE },
             flow: self.flow,
             feedback: self.feedback,
             ..ScenarioFile::new(robot.to_owned(), made.horizon, start, goal)

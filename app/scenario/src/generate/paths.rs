@@ -34,11 +34,7 @@ impl<'a> Paths<'a> {
         let bend = std::mem::replace(&mut witness.bend, straight);
         let line = Swept::new(&witness, radius)?;
         witness.bend = bend;
-        Ok(Self {
-            witness,
-            line,
-            bent,
-        })
+        Ok(Self { witness, line, bent })
     }
 
     /// Returns true if the bent path stays `margin` clear of a sphere, m.
@@ -58,10 +54,7 @@ impl Swept {
             forward_kinematics(model, &q, &mut placements)?;
             Ok(placements)
         });
-        Ok(Self {
-            places: places.collect::<Result<_>>()?,
-            capsules: Capsule::along_links(model, radius),
-        })
+        Ok(Self { places: places.collect::<Result<_>>()?, capsules: Capsule::along_links(model, radius) })
     }
 
     /// The distance of the sphere from the swept space, m.
@@ -94,9 +87,7 @@ impl Swept {
     pub(super) fn segment(&self, capsule: usize, t: f64) -> [Vector3<f64>; 2] {
         let capsule = &self.capsules[capsule];
         let placements = &self.places[(t * (PLACES - 1) as f64) as usize];
-        let placement = capsule
-            .body
-            .map_or_else(Placement::identity, |b| placements[b]);
+        let placement = capsule.body.map_or_else(Placement::identity, |b| placements[b]);
         (capsule.ends).map(|end| placement.rotation * end + placement.translation)
     }
 

@@ -36,32 +36,20 @@ pub(super) struct Witness<'a> {
 /// $s$, $s'$, $s''$: from 0 to 1 at the velocity $\tfrac54 (1 - x^4)$, $x = 2 \tau - 1$, which is nearly constant.
 fn progress(tau: f64) -> [f64; 3] {
     let x = 2.0 * tau - 1.0;
-    [
-        0.5 + PEAK * (0.5 * x - 0.1 * x.powi(5)),
-        PEAK * (1.0 - x.powi(4)),
-        -8.0 * PEAK * x.powi(3),
-    ]
+    [0.5 + PEAK * (0.5 * x - 0.1 * x.powi(5)), PEAK * (1.0 - x.powi(4)), -8.0 * PEAK * x.powi(3)]
 }
 
 /// $h$, $h'$, $h''$ of $h = 16 \tau^2 (1 - \tau)^2$: one in the middle, at rest at both ends.
 fn bump(tau: f64) -> [f64; 3] {
     let rest = 1.0 - tau;
-    [
-        16.0 * (tau * rest).powi(2),
-        32.0 * tau * rest * (rest - tau),
-        32.0 * (1.0 - 6.0 * tau * rest),
-    ]
+    [16.0 * (tau * rest).powi(2), 32.0 * tau * rest * (rest - tau), 32.0 * (1.0 - 6.0 * tau * rest)]
 }
 
 /// The shortest horizon at the velocity limits; [`NOMINAL_SPEED`] is used for a joint without one.
 pub(super) fn least_horizon(model: &Model, [start, goal]: &[Vec<f64>; 2]) -> f64 {
     let speed = |i: usize| {
         let limit = model.joints()[i].limits().velocity;
-        if limit.is_finite() {
-            limit
-        } else {
-            NOMINAL_SPEED
-        }
+        if limit.is_finite() { limit } else { NOMINAL_SPEED }
     };
     slowest(start, goal, speed).map_or(0.0, |(_, time)| time)
 }
@@ -69,18 +57,8 @@ pub(super) fn least_horizon(model: &Model, [start, goal]: &[Vec<f64>; 2]) -> f64
 impl<'a> Witness<'a> {
     /// Builds the motion with each joint bent by the largest part of `wish` that its limits of position and velocity
     /// allow.
-    pub(super) fn bent(
-        model: &'a Model,
-        ends: [Vec<f64>; 2],
-        wish: Vec<f64>,
-        horizon: f64,
-    ) -> Self {
-        let mut witness = Self {
-            model,
-            ends,
-            bend: wish,
-            horizon,
-        };
+    pub(super) fn bent(model: &'a Model, ends: [Vec<f64>; 2], wish: Vec<f64>, horizon: f64) -> Self {
+        let mut witness = Self { model, ends, bend: wish, horizon };
         for i in 0..model.dof() {
             let wish = witness.bend[i];
             for part in PARTS {

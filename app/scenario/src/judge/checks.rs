@@ -45,18 +45,13 @@ pub(super) fn by_joint(
 /// the columns of two motions where there are no limits.
 fn consistency(scenario: &Scenario, trajectory: &Trajectory, tolerance: f64) -> [Row; 2] {
     let Trajectory { times, q, v, a, .. } = trajectory;
-    let mut rows = [
-        (Check::VelocityIsRate, "v"),
-        (Check::AccelerationIsRate, "a"),
-    ]
-    .map(|(check, what)| {
+    let mut rows = [(Check::VelocityIsRate, "v"), (Check::AccelerationIsRate, "a")].map(|(check, what)| {
         let note = format!("the table has no {what}");
         Row::without_value(check, tolerance, Outcome::NotApplicable, &note)
     });
     let Some(v) = v else { return rows };
     let intervals = times.len() - 1;
-    let mean =
-        |of: &[Vec<f64>], k: usize, i: usize| (of[k + 1][i] - of[k][i]) / (times[k + 1] - times[k]);
+    let mean = |of: &[Vec<f64>], k: usize, i: usize| (of[k + 1][i] - of[k][i]) / (times[k + 1] - times[k]);
     for k in 0..intervals {
         let (first, last) = (k.saturating_sub(1), (k + 1).min(intervals - 1));
         let (interval, at_s) = (times[k + 1] - times[k], times[k] - times[0]);
@@ -83,9 +78,7 @@ fn consistency(scenario: &Scenario, trajectory: &Trajectory, tolerance: f64) -> 
 
 /// The range of numbers.
 fn spread(values: impl Iterator<Item = f64>) -> f64 {
-    let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), x| {
-        (least.min(x), most.max(x))
-    });
+    let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), x| (least.min(x), most.max(x)));
     most - least
 }
 
@@ -99,12 +92,7 @@ fn beyond(off: f64, explained: f64) -> f64 {
 const LIMITS: [(Check, Limit, usize, [&str; 2]); 4] = [
     (Check::PositionLimits, Limit::Position, 0, POSITION),
     (Check::VelocityLimits, Limit::Velocity, 1, VELOCITY),
-    (
-        Check::AccelerationLimits,
-        Limit::Acceleration,
-        2,
-        ACCELERATION,
-    ),
+    (Check::AccelerationLimits, Limit::Acceleration, 2, ACCELERATION),
     (Check::JerkLimits, Limit::Jerk, 3, JERK),
 ];
 
@@ -131,25 +119,18 @@ fn limits(
         if proof.derived {
             let q: Vec<f64> = trajectory.q.iter().map(|q| q[i]).collect();
             for (k, mean) in means(&trajectory.times, &q, order).into_iter().enumerate() {
-                let error =
-                    intervals.error(order, (k + order / 2).min(intervals.joints.len() - 1), i);
+                let error = intervals.error(order, (k + order / 2).min(intervals.joints.len() - 1), i);
                 let worst = Worst::between(mean, bounds, unit, time(k));
                 proof.row.take_within(worst, CAUTION * error, name);
             }
         }
         if let (Limit::Acceleration, Some(a)) = (limit, &trajectory.a) {
             for (k, a) in a.iter().enumerate() {
-                proof
-                    .row
-                    .take(Worst::between(a[i], bounds, unit, time(k)), name);
+                proof.row.take(Worst::between(a[i], bounds, unit, time(k)), name);
             }
         }
         for (k, joints) in intervals.joints.iter().enumerate() {
-            let error = if order > 0 {
-                intervals.error(order, k, i)
-            } else {
-                0.0
-            };
+            let error = if order > 0 { intervals.error(order, k, i) } else { 0.0 };
             proof.cover(k, [0.0, 1.0], |proof, part| {
                 let [[least, most], [from, to]] = joints[i].bounds(order, part);
                 let middle = joints[i].at(order, 0.5 * (part[0] + part[1]));
@@ -159,9 +140,7 @@ fn limits(
                 };
                 Ok(proof.settles(k, part, &of, (bounds, unit), name))
             })?;
-            if let (Limit::Jerk, false, Some(next)) =
-                (limit, proof.derived, intervals.joints.get(k + 1))
-            {
+            if let (Limit::Jerk, false, Some(next)) = (limit, proof.derived, intervals.joints.get(k + 1)) {
                 let jump = next[i].at(2, 0.0) - joints[i].at(2, 1.0);
                 let between = 0.5 * (intervals.times[k][1] + intervals.times[k + 1][1]);
                 let worst = Worst::between(jump / between, bounds, unit, time(k + 1));

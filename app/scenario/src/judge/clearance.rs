@@ -26,10 +26,7 @@ enum Between {
     /// The balls of a link, as the index of their tree, and an obstacle.
     Obstacle { tree: usize, obstacle: usize },
     /// The balls of two links, and the joints that carry only one of them.
-    Links {
-        trees: [usize; 2],
-        paths: [Vec<usize>; 2],
-    },
+    Links { trees: [usize; 2], paths: [Vec<usize>; 2] },
 }
 
 /// A pair, and the nodes of the trees below which its balls are; the second one is that of an obstacle, without effect.
@@ -49,11 +46,7 @@ struct Surroundings<'a> {
 }
 
 /// The rows for obstacles and for self-collision.
-pub(super) fn clearances(
-    scenario: &Scenario,
-    intervals: &Intervals,
-    overlap: f64,
-) -> Result<Vec<Row>> {
+pub(super) fn clearances(scenario: &Scenario, intervals: &Intervals, overlap: f64) -> Result<Vec<Row>> {
     let model = &scenario.model;
     let trees = scenario.scene.trees();
     let scene = Surroundings {
@@ -65,10 +58,9 @@ pub(super) fn clearances(
     let moving = (0..trees.len()).filter(|tree| !scene.paths[*tree].is_empty());
     let beside = scenario.scene.obstacle_margins().iter().enumerate();
     let obstacles = moving.flat_map(|tree| {
-        beside.clone().map(move |(obstacle, margin)| Pair {
-            between: Between::Obstacle { tree, obstacle },
-            margin: *margin,
-        })
+        beside
+            .clone()
+            .map(move |(obstacle, margin)| Pair { between: Between::Obstacle { tree, obstacle }, margin: *margin })
     });
     let links = scenario.scene.tree_pairs().iter();
     let links = links.zip(scenario.scene.pair_margins());
@@ -78,20 +70,11 @@ pub(super) fn clearances(
             let path = scene.paths[trees[of]].iter();
             path.filter(|i| !shared.contains(i)).copied().collect()
         };
-        let between = Between::Links {
-            trees: *trees,
-            paths: [alone(0, 1), alone(1, 0)],
-        };
-        Pair {
-            between,
-            margin: *margin,
-        }
+        let between = Between::Links { trees: *trees, paths: [alone(0, 1), alone(1, 0)] };
+        Pair { between, margin: *margin }
     });
     let mut rows = Vec::new();
-    for (check, pairs) in [
-        (Check::Obstacles, obstacles.collect::<Vec<_>>()),
-        (Check::SelfCollision, links.collect()),
-    ] {
+    for (check, pairs) in [(Check::Obstacles, obstacles.collect::<Vec<_>>()), (Check::SelfCollision, links.collect())] {
         if pairs.is_empty() {
             let why = match check {
                 Check::SelfCollision if !scenario.keeps_links_clear() => "links may overlap",
@@ -116,16 +99,11 @@ pub(super) fn clearances(
 fn place_of(scenario: &Scenario, pair: &Pair, gap: Gap) -> String {
     let part = |tree: usize, node: usize| {
         let tree = &scenario.scene.trees()[tree];
-        let link = tree.nodes[node]
-            .leaf
-            .and_then(|ball| scenario.scene.robot().links.get(ball));
+        let link = tree.nodes[node].leaf.and_then(|ball| scenario.scene.robot().links.get(ball));
         match (link, tree.body) {
             (Some(link), _) => format!("link '{link}'"),
             (None, Some(body)) => {
-                format!(
-                    "the body of joint '{}'",
-                    scenario.model.joints()[body].name()
-                )
+                format!("the body of joint '{}'", scenario.model.joints()[body].name())
             }
             (None, None) => "the base".to_owned(),
         }
@@ -144,11 +122,7 @@ fn place_of(scenario: &Scenario, pair: &Pair, gap: Gap) -> String {
 
 /// A bound; negative infinity if numbers overflow.
 fn known(bound: f64) -> f64 {
-    if bound.is_nan() {
-        f64::NEG_INFINITY
-    } else {
-        bound
-    }
+    if bound.is_nan() { f64::NEG_INFINITY } else { bound }
 }
 
 /// The search for the least gap over time.
@@ -171,10 +145,7 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(scene: &'a Surroundings<'a>, reach: Reach<'a>, pairs: &'a [Pair], overlap: f64) -> Self {
-        let first = Gap {
-            pair: 0,
-            nodes: [0, 0],
-        };
+        let first = Gap { pair: 0, nodes: [0, 0] };
         Self {
             scene,
             reach,
@@ -191,10 +162,7 @@ impl<'a> Search<'a> {
 
     /// Evaluates all samples, so that the least gap is nearly known, and then proves bounds between them.
     fn run(mut self) -> Result<Self> {
-        let root = |pair| Gap {
-            pair,
-            nodes: [0, 0],
-        };
+        let root = |pair| Gap { pair, nodes: [0, 0] };
         let all: Vec<Gap> = (0..self.pairs.len()).map(root).collect();
         let intervals = self.scene.intervals.joints.len();
         for k in 0..intervals {
@@ -255,8 +223,7 @@ impl<'a> Search<'a> {
         self.place(k, middle)?;
         let joints = &self.scene.intervals.joints[k];
         self.ways.clear();
-        self.ways
-            .extend(joints.iter().map(|joint| joint.way_from_middle(range)));
+        self.ways.extend(joints.iter().map(|joint| joint.way_from_middle(range)));
         let mut left = Vec::new();
         let mut visited = 0;
         let mut open = gaps.to_vec();
@@ -304,11 +271,7 @@ impl<'a> Search<'a> {
     fn ball(&self, tree: usize, node: usize) -> CollisionSphere {
         let tree = &self.scene.trees[tree];
         let Sphere { centre, radius } = tree.nodes[node].bound;
-        CollisionSphere {
-            body: tree.body,
-            centre,
-            radius,
-        }
+        CollisionSphere { body: tree.body, centre, radius }
     }
 
     /// The current gap, m; negative for an overlap.
@@ -337,9 +300,7 @@ impl<'a> Search<'a> {
         let [node, beside] = gap.nodes;
         match &self.pairs[gap.pair].between {
             Between::Obstacle { tree, .. } => way(*tree, node, &self.scene.paths[*tree]),
-            Between::Links { trees, paths } => {
-                way(trees[0], node, &paths[0]) + way(trees[1], beside, &paths[1])
-            }
+            Between::Links { trees, paths } => way(trees[0], node, &paths[0]) + way(trees[1], beside, &paths[1]),
         }
     }
 

@@ -21,16 +21,8 @@ pub(super) fn boundary(
     horizon.take(whole, || "duration".to_owned());
     let mut rows = vec![horizon];
     for (end, [positions, velocities], [q, v]) in [
-        (
-            End::Start,
-            [Check::StartPosition, Check::StartVelocity],
-            [&file.q_start, &file.v_start],
-        ),
-        (
-            End::Goal,
-            [Check::GoalPosition, Check::GoalVelocity],
-            [&file.q_goal, &file.v_goal],
-        ),
+        (End::Start, [Check::StartPosition, Check::StartVelocity], [&file.q_start, &file.v_start]),
+        (End::Goal, [Check::GoalPosition, Check::GoalVelocity], [&file.q_goal, &file.v_goal]),
     ] {
         let (k, s) = end.place(intervals);
         let found = intervals.at(0, k, s);
@@ -40,33 +32,16 @@ pub(super) fn boundary(
         };
         rows.push(set.unwrap_or_else(|| {
             let mut row = Row::new(positions, tolerance);
-            state(
-                &mut row,
-                scenario,
-                (&found, q),
-                POSITION,
-                intervals.time(k, s),
-            );
+            state(&mut row, scenario, (&found, q), POSITION, intervals.time(k, s));
             row
         }));
         if velocities == Check::GoalVelocity && file.free_final_velocity {
             let outcome = Outcome::NotApplicable;
-            rows.push(Row::without_value(
-                velocities,
-                tolerance,
-                outcome,
-                "it is free",
-            ));
+            rows.push(Row::without_value(velocities, tolerance, outcome, "it is free"));
             continue;
         }
         let mut row = Row::new(velocities, tolerance);
-        state(
-            &mut row,
-            scenario,
-            (&intervals.at(1, k, s), v),
-            VELOCITY,
-            intervals.time(k, s),
-        );
+        state(&mut row, scenario, (&intervals.at(1, k, s), v), VELOCITY, intervals.time(k, s));
         if intervals.is_derived() {
             derived_velocity(&mut row, intervals, end, (&trajectory.q, v));
         }
@@ -93,13 +68,7 @@ impl End {
 }
 
 /// Takes the differences of a state of all joints from the one of the scenario.
-fn state(
-    row: &mut Row,
-    scenario: &Scenario,
-    (found, wanted): (&[f64], &[f64]),
-    units: [&'static str; 2],
-    at_s: f64,
-) {
+fn state(row: &mut Row, scenario: &Scenario, (found, wanted): (&[f64], &[f64]), units: [&'static str; 2], at_s: f64) {
     for ((joint, found), wanted) in scenario.model.joints().iter().zip(found).zip(wanted) {
         let off = difference((found - wanted).abs(), unit_of(joint, units), at_s);
         row.take(off, || joint_name(joint));
@@ -123,9 +92,7 @@ fn derived_velocity(row: &mut Row, intervals: &Intervals, end: End, (q, v): (&[V
         let explained = 2.0 * (mean(k) - mean(beside)).abs();
         let found = match off {
             off if off + error <= row.tolerance => Outcome::Pass,
-            _ if (mean(k) - wanted).abs() > explained + CAUTION * error + row.tolerance => {
-                Outcome::Fail
-            }
+            _ if (mean(k) - wanted).abs() > explained + CAUTION * error + row.tolerance => Outcome::Fail,
             _ => Outcome::NotChecked,
         };
         outcome = outcome.max(found);
@@ -137,12 +104,7 @@ fn derived_velocity(row: &mut Row, intervals: &Intervals, end: End, (q, v): (&[V
 }
 
 /// Checks that accelerations are continuous, and zero at an end at which all velocities are zero.
-pub(super) fn continuity(
-    scenario: &Scenario,
-    trajectory: &Trajectory,
-    intervals: &Intervals,
-    tolerance: f64,
-) -> Row {
+pub(super) fn continuity(scenario: &Scenario, trajectory: &Trajectory, intervals: &Intervals, tolerance: f64) -> Row {
     let (check, file) = (Check::Continuity, &scenario.file);
     if file.continuity() == Continuous::Velocity {
         let note = "velocities are continuous between all samples";
@@ -155,21 +117,16 @@ pub(super) fn continuity(
     let mut row = Row::new(check, tolerance);
     row.outcome = Outcome::Pass;
     let rests = |v: &[f64]| v.iter().all(|v| *v == 0.0);
-    for (end, at_rest) in [
-        (End::Start, rests(&file.v_start)),
-        (End::Goal, rests(&file.v_goal) && !file.free_final_velocity),
-    ] {
+    for (end, at_rest) in
+        [(End::Start, rests(&file.v_start)), (End::Goal, rests(&file.v_goal) && !file.free_final_velocity)]
+    {
         let (k, s) = end.place(intervals);
         let joints = scenario.model.joints().iter().enumerate();
         for (i, joint) in joints.filter(|_| at_rest) {
             let value = intervals.joints[k][i].at(2, s).abs();
             let (at_s, error) = (intervals.time(k, s), intervals.error(2, k, i));
             let off = difference(value, unit_of(joint, ACCELERATION), at_s);
-            let unsure = if intervals.is_derived() {
-                f64::INFINITY
-            } else {
-                0.0
-            };
+            let unsure = if intervals.is_derived() { f64::INFINITY } else { 0.0 };
             row.take_within(off, unsure, || joint_name(joint));
             if intervals.is_derived() && value + error > tolerance {
                 row.leave(true, at_s);

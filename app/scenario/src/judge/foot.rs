@@ -12,20 +12,13 @@ use aghf::spatial::{Inertia, Placement};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 /// Proves the bounds on the force of the ground at all times; `None` without a foot.
-pub(super) fn standing(
-    scenario: &Scenario,
-    intervals: &Intervals,
-    tolerance: f64,
-) -> Result<Option<Row>> {
+pub(super) fn standing(scenario: &Scenario, intervals: &Intervals, tolerance: f64) -> Result<Option<Row>> {
     let Some(stand) = &scenario.file.stand else {
         return Ok(None);
     };
     let model = &scenario.model;
     let (middle, axes) = sole(stand, model)?;
-    let (middle, axes) = (
-        middle.map(Model::constant),
-        axes.transpose().map(Model::constant),
-    );
+    let (middle, axes) = (middle.map(Model::constant), axes.transpose().map(Model::constant));
     let mut proof = Proof::new(Row::new(Check::Foot, tolerance), intervals);
     let throughout = [f64::NEG_INFINITY, f64::INFINITY];
     let place = |name: &str| format!("{name} of foot '{}'", stand.frame);
@@ -55,19 +48,11 @@ fn sole(stand: &Stand, model: &Robot) -> Result<(Vector3<f64>, Matrix3<f64>)> {
 }
 
 /// The quantities of a force and a moment in the axes of the sole with their bounds and units.
-fn measures(
-    stand: &Stand,
-    force: &Vector3<Model>,
-    moment: &Vector3<Model>,
-) -> Vec<Measured<'static>> {
+fn measures(stand: &Stand, force: &Vector3<Model>, moment: &Vector3<Model>) -> Vec<Measured<'static>> {
     let (up, none) = (Bounded::of(&force.z), f64::NEG_INFINITY);
     let over = |of: Model| Bounded::of(&(of / force.z));
     let (l, b) = (stand.half_length_m, stand.half_width_m);
-    let slip = Bounded::of_length(&Vector3::new(
-        force.x / force.z,
-        force.y / force.z,
-        Model::zero(),
-    ));
+    let slip = Bounded::of_length(&Vector3::new(force.x / force.z, force.y / force.z, Model::zero()));
     let all = [
         Some(("normal force", up, [0.0, f64::INFINITY], "N")),
         Some(("centre of pressure along", over(-moment.y), [-l, l], "m")),
@@ -76,13 +61,7 @@ fn measures(
         (stand.torsion).map(|most| ("torsion", over(moment.z), [-most, most], "m")),
     ];
     let all = all.into_iter().flatten();
-    all.map(|(place, of, bounds, unit)| Measured {
-        of,
-        bounds,
-        unit,
-        place,
-    })
-    .collect()
+    all.map(|(place, of, bounds, unit)| Measured { of, bounds, unit, place }).collect()
 }
 
 /// The motion of a body: its angular velocity and acceleration, and the acceleration of its origin.
@@ -96,11 +75,7 @@ struct Moving {
 impl Moving {
     /// The base at rest.
     fn base() -> Self {
-        Self {
-            turn: Vector3::zeros(),
-            turn_rate: Vector3::zeros(),
-            acceleration: Vector3::zeros(),
-        }
+        Self { turn: Vector3::zeros(), turn_rate: Vector3::zeros(), acceleration: Vector3::zeros() }
     }
 
     /// The acceleration of a point of the body at `r` from its origin.
@@ -111,12 +86,7 @@ impl Moving {
 
 /// The force of the ground and its moment about the origin of the base: the sums over all bodies of mass times
 /// acceleration less gravity, and of the moments of these with the rates of the angular momenta.
-fn ground(
-    model: &Robot,
-    q: &[Model],
-    v: &[Model],
-    a: &[Model],
-) -> Result<(Vector3<Model>, Vector3<Model>)> {
+fn ground(model: &Robot, q: &[Model], v: &[Model], a: &[Model]) -> Result<(Vector3<Model>, Vector3<Model>)> {
     let mut placements = vec![Placement::identity(); model.dof()];
     forward_kinematics(model, q, &mut placements)?;
     let still = Placement::identity();
@@ -129,10 +99,7 @@ fn ground(
         };
         let axis = placements[i].rotation * joint.axis().map(Model::constant);
         let rate = axis * v[i];
-        let mut own = Moving {
-            acceleration: parent.at(&(placements[i].translation - from)),
-            ..parent
-        };
+        let mut own = Moving { acceleration: parent.at(&(placements[i].translation - from)), ..parent };
         match joint.kind() {
             JointKind::Prismatic => {
                 own.acceleration += axis * a[i] + parent.turn.cross(&rate) * Model::constant(2.0);
@@ -157,21 +124,12 @@ fn of_body(
     inertia: &Inertia<f64>,
     placement: &Placement<Model>,
 ) -> (Vector3<Model>, Vector3<Model>) {
-    let Inertia {
-        mass,
-        first_moment,
-        rotational,
-    } = inertia;
-    let c = if *mass > 0.0 {
-        first_moment / *mass
-    } else {
-        Vector3::zeros()
-    };
+    let Inertia { mass, first_moment, rotational } = inertia;
+    let c = if *mass > 0.0 { first_moment / *mass } else { Vector3::zeros() };
     // Steiner's theorem, backwards.
     let about_centre = rotational - (Matrix3::identity() * c.dot(&c) - c * c.transpose()) * *mass;
     let constant = Model::constant;
-    let about_centre =
-        placement.rotation * about_centre.map(constant) * placement.rotation.transpose();
+    let about_centre = placement.rotation * about_centre.map(constant) * placement.rotation.transpose();
     let r = placement.rotation * c.map(constant);
     let force = (moving.at(&r) - model.gravity().map(constant)) * constant(*mass);
     let spin = about_centre * moving.turn_rate + moving.turn.cross(&(about_centre * moving.turn));

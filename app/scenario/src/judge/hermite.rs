@@ -95,14 +95,8 @@ impl Hermite {
         }
         let all = &c[..=degree];
         // A minimum would lose NaN.
-        let least = all
-            .iter()
-            .copied()
-            .reduce(|a, b| if a <= b { a } else { b });
-        let most = all
-            .iter()
-            .copied()
-            .reduce(|a, b| if a >= b { a } else { b });
+        let least = all.iter().copied().reduce(|a, b| if a <= b { a } else { b });
+        let most = all.iter().copied().reduce(|a, b| if a >= b { a } else { b });
         let hull = [least, most].map(|bound| bound.unwrap_or(f64::NAN));
         [hull, [c[0], c[degree]]]
     }
@@ -121,10 +115,6 @@ impl Hermite {
         let [[least, most], _] = self.bounds(1, range);
         let way = least.abs().max(most.abs()) * self.interval * 0.5 * (range[1] - range[0]);
         // After an overflow there is no finite bound.
-        if least.is_nan() || most.is_nan() || way.is_nan() {
-            f64::INFINITY
-        } else {
-            way
-        }
+        if least.is_nan() || most.is_nan() || way.is_nan() { f64::INFINITY } else { way }
     }
 }

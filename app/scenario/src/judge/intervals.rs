@@ -51,17 +51,12 @@ impl Intervals {
             let of = |table: &Option<Vec<Vec<f64>>>| ends.map(|k| table.as_ref().map(|t| t[k][i]));
             let (v, a) = (of(v).map(Option::unwrap_or_default), of(a));
             let whole = Hermite::new(q, v, a, interval);
-            let found = if jumps {
-                smoothest(whole, q, v, a, interval)
-            } else {
-                whole
-            };
+            let found = if jumps { smoothest(whole, q, v, a, interval) } else { whole };
             jumping += usize::from(found != whole);
             found
         };
-        let polynomials: Vec<Vec<Hermite>> = (0..times.len() - 1)
-            .map(|k| joints().map(|i| joint(k, i)).collect())
-            .collect();
+        let polynomials: Vec<Vec<Hermite>> =
+            (0..times.len() - 1).map(|k| joints().map(|i| joint(k, i)).collect()).collect();
         let mut words = match (v, a) {
             (None, _) => "the quintics through q and the rates of q by five neighbouring samples",
             (_, None) => "the cubics through q and v",
@@ -69,9 +64,8 @@ impl Intervals {
         }
         .to_owned();
         if jumping > 0 {
-            words += &format!(
-                "; of lower degree in {jumping} intervals of a joint, at whose ends its acceleration jumps"
-            );
+            words +=
+                &format!("; of lower degree in {jumping} intervals of a joint, at whose ends its acceleration jumps");
         }
         Self {
             times: (times.windows(2).map(|t| [t[0] - times[0], t[1] - t[0]])).collect(),
@@ -94,10 +88,7 @@ impl Intervals {
 
     /// The derivatives of this order of all joints at the fraction `s` of interval `k`.
     pub fn at(&self, order: usize, k: usize, s: f64) -> Vec<f64> {
-        self.joints[k]
-            .iter()
-            .map(|joint| joint.at(order, s))
-            .collect()
+        self.joints[k].iter().map(|joint| joint.at(order, s)).collect()
     }
 
     /// True if velocities and accelerations are derived from positions.
@@ -119,9 +110,7 @@ impl Intervals {
         [0, 1, 2].map(|order| {
             let joints = self.joints[k].iter().enumerate();
             let error = |i: usize| multiple * self.error(order, k, i);
-            joints
-                .map(|(i, joint)| joint.model(order, part, error(i)))
-                .collect()
+            joints.map(|(i, joint)| joint.model(order, part, error(i))).collect()
         })
     }
 
@@ -141,13 +130,7 @@ impl Intervals {
 
 /// The motion through samples of which one may be before a jump of the acceleration and the other after one: without
 /// the accelerations that a jump leaves. An acceleration is left by no jump if the motion without it has it.
-fn smoothest(
-    whole: Hermite,
-    q: [f64; 2],
-    v: [f64; 2],
-    a: [Option<f64>; 2],
-    interval: f64,
-) -> Hermite {
+fn smoothest(whole: Hermite, q: [f64; 2], v: [f64; 2], a: [Option<f64>; 2], interval: f64) -> Hermite {
     let [from, to] = a;
     let others = [[from, None], [None, to], [None, None]];
     let others = others.map(|a| Hermite::new(q, v, a, interval));
@@ -159,16 +142,12 @@ fn smoothest(
         let [[least, most], _] = of.bounds(3, [0.0, 1.0]);
         least.abs().max(most.abs())
     };
-    let smoother = others
-        .into_iter()
-        .reduce(|a, b| match roughness(&b) < roughness(&a) {
-            true => b,
-            false => a,
-        });
+    let smoother = others.into_iter().reduce(|a, b| match roughness(&b) < roughness(&a) {
+        true => b,
+        false => a,
+    });
     // A jump that is large beside the other changes of the acceleration makes jerks many times as large.
-    smoother
-        .filter(|other| 2.0 * roughness(other) < roughness(&whole))
-        .unwrap_or(whole)
+    smoother.filter(|other| 2.0 * roughness(other) < roughness(&whole)).unwrap_or(whole)
 }
 
 /// A quantity on a part of an interval.
@@ -182,29 +161,17 @@ pub(super) struct Bounded {
 impl Bounded {
     pub fn of(model: &Model) -> Self {
         let ([c, b, a], variation) = (*model.coefficients(), model.variation());
-        Self {
-            hull: [c - variation, c + variation],
-            values: [c - b + a, c, c + b + a].map(|x| [x, model.radius()]),
-        }
+        Self { hull: [c - variation, c + variation], values: [c - b + a, c, c + b + a].map(|x| [x, model.radius()]) }
     }
 
     /// The length of a vector.
     pub fn of_length(vector: &Vector3<Model>) -> Self {
         let parts = [vector.x, vector.y, vector.z].map(|model| Self::of(&model));
         let length = |of: [f64; 3]| of[0].hypot(of[1]).hypot(of[2]);
-        let largest = parts
-            .each_ref()
-            .map(|part| part.hull[0].abs().max(part.hull[1].abs()));
-        let values = [0, 1, 2].map(|place| {
-            [0, 1].map(|i| length(parts.each_ref().map(|part| part.values[place][i])))
-        });
-        let unknown = parts
-            .iter()
-            .any(|part| part.hull.iter().any(|bound| bound.is_nan()));
-        Self {
-            hull: [0.0, if unknown { f64::NAN } else { length(largest) }],
-            values,
-        }
+        let largest = parts.each_ref().map(|part| part.hull[0].abs().max(part.hull[1].abs()));
+        let values = [0, 1, 2].map(|place| [0, 1].map(|i| length(parts.each_ref().map(|part| part.values[place][i]))));
+        let unknown = parts.iter().any(|part| part.hull.iter().any(|bound| bound.is_nan()));
+        Self { hull: [0.0, if unknown { f64::NAN } else { length(largest) }], values }
     }
 }
 
@@ -227,12 +194,7 @@ pub(super) struct Proof<'a> {
 
 impl<'a> Proof<'a> {
     pub fn new(row: Row, intervals: &'a Intervals) -> Self {
-        Self {
-            row,
-            intervals,
-            derived: intervals.is_derived(),
-            halvings: MOST_HALVINGS,
-        }
+        Self { row, intervals, derived: intervals.is_derived(), halvings: MOST_HALVINGS }
     }
 
     /// Takes the values of a quantity on a part of interval `k`. Returns true if nothing more is to be known about it:
@@ -294,22 +256,13 @@ impl<'a> Proof<'a> {
         let mut take = |proof: &mut Self, k: usize, part: [f64; 2]| {
             let [q, v, a] = intervals.models(k, part);
             let mut all = true;
-            for Measured {
-                of,
-                bounds,
-                unit,
-                place,
-            } in measure([&q, &v, &a])?
-            {
+            for Measured { of, bounds, unit, place } in measure([&q, &v, &a])? {
                 all &= proof.settles(k, part, &of, (bounds, unit), || name(place));
             }
             Ok(all)
         };
         for k in intervals.inner() {
-            if intervals
-                .within(k, times)
-                .is_some_and(|[from, _]| from == 0.0)
-            {
+            if intervals.within(k, times).is_some_and(|[from, _]| from == 0.0) {
                 take(self, k, [0.0, 0.0])?;
             }
         }

@@ -28,12 +28,10 @@ impl Trajectory {
         let names = &message.joint_names;
         let place = |name: &str| names.iter().position(|own| own == name);
         let joints: Option<Vec<usize>> = model.joints().iter().map(|j| place(j.name())).collect();
-        let joints = joints
-            .filter(|joints| joints.len() == names.len())
-            .ok_or_else(|| {
-                let condition = "they are not the joints of the robot that move";
-                refuse("joint_names".to_owned(), condition.to_owned())
-            })?;
+        let joints = joints.filter(|joints| joints.len() == names.len()).ok_or_else(|| {
+            let condition = "they are not the joints of the robot that move";
+            refuse("joint_names".to_owned(), condition.to_owned())
+        })?;
         let points = &message.points;
         if points.len() < 2 {
             let condition = format!("{} are given, at least 2 are needed", points.len());
@@ -42,19 +40,14 @@ impl Trajectory {
         let times: Vec<f64> = points.iter().map(|p| p.time_from_start.seconds()).collect();
         if let Some(k) = times.windows(2).position(|pair| pair[0] >= pair[1]) {
             let condition = format!("{} s does not come after {} s", times[k + 1], times[k]);
-            return Err(refuse(
-                format!("points[{}].time_from_start", k + 1),
-                condition,
-            ));
+            return Err(refuse(format!("points[{}].time_from_start", k + 1), condition));
         }
         let mut tables = [const { None }; LISTS.len()];
         for ((name, list), table) in LISTS.into_iter().zip(&mut tables) {
             if name != LISTS[0].0 && points.iter().all(|point| list(point).is_empty()) {
                 continue;
             }
-            let wrong = points
-                .iter()
-                .position(|point| list(point).len() != joints.len());
+            let wrong = points.iter().position(|point| list(point).len() != joints.len());
             if let Some(k) = wrong {
                 let (found, wanted) = (list(&points[k]).len(), joints.len());
                 let condition = format!("it has {found} numbers, there are {wanted} joints");

@@ -91,16 +91,9 @@ use intervals::Intervals;
 ///
 /// # Errors
 /// A tolerance is negative or not finite, or the trajectory has another number of joints.
-pub fn judge(
-    scenario: &Scenario,
-    trajectory: &Trajectory,
-    tolerances: Tolerances,
-) -> Result<Judgement> {
+pub fn judge(scenario: &Scenario, trajectory: &Trajectory, tolerances: Tolerances) -> Result<Judgement> {
     scenario.refuse_walk()?;
-    for (what, value) in [
-        ("tolerance", tolerances.tolerance),
-        ("overlap", tolerances.overlap_m),
-    ] {
+    for (what, value) in [("tolerance", tolerances.tolerance), ("overlap", tolerances.overlap_m)] {
         if !(value.is_finite() && value >= 0.0) {
             let value = plain(value);
             let condition = format!("it is {value}, a number that is not negative is needed");
@@ -139,10 +132,7 @@ fn checks_of(
     intervals: &Intervals,
     tolerances: Tolerances,
 ) -> Result<Vec<Row>> {
-    let Tolerances {
-        tolerance,
-        overlap_m,
-    } = tolerances;
+    let Tolerances { tolerance, overlap_m } = tolerances;
     let mut checks = checks::by_joint(scenario, trajectory, intervals, tolerance)?;
     checks.extend(clearance::clearances(scenario, intervals, overlap_m)?);
     checks.extend(poses::kept(scenario, intervals, tolerance)?);

@@ -45,12 +45,7 @@ pub(super) struct Poses<'a> {
 impl<'a> Poses<'a> {
     pub fn new(of: &'a Goal, model: &'a Model) -> Result<Self> {
         let reference = of.relative_to.as_ref().map(|name| frame_of(model, name));
-        Ok(Self {
-            of,
-            model,
-            frame: frame_of(model, &of.frame)?,
-            reference: reference.transpose()?,
-        })
+        Ok(Self { of, model, frame: frame_of(model, &of.frame)?, reference: reference.transpose()? })
     }
 
     /// The joints that move the frame against the reference.
@@ -87,13 +82,7 @@ fn frame_of<'m>(model: &'m Model, name: &str) -> Result<&'m Frame<f64>> {
 
 /// The distance from a position, or the coordinates in a box.
 fn position_measures(goal: &Goal, position: &Vector3<f64>) -> Vec<Measure> {
-    let metres = |name, value, bounds| Measure {
-        name,
-        value,
-        bounds,
-        unit: "m",
-        turns: false,
-    };
+    let metres = |name, value, bounds| Measure { name, value, bounds, unit: "m", turns: false };
     if let Some(centre) = goal.position_m {
         let distance = (position - Vector3::from(centre)).norm();
         let most = goal.tolerance_m.unwrap_or(0.0);
@@ -102,10 +91,7 @@ fn position_measures(goal: &Goal, position: &Vector3<f64>) -> Vec<Measure> {
     let Some(within) = &goal.within else {
         return Vec::new();
     };
-    let Pose {
-        position_m,
-        orientation_xyzw,
-    } = within.pose;
+    let Pose { position_m, orientation_xyzw } = within.pose;
     let off = rotation_of(orientation_xyzw).transpose() * (position - Vector3::from(position_m));
     let names = ["x in the box", "y in the box", "z in the box"];
     let sides = names.into_iter().zip(&off).zip(within.size_m);
@@ -122,25 +108,12 @@ fn angle(goal: &Goal, rotation: &Matrix3<f64>) -> Option<Measure> {
     let (name, value) = if goal.orientation_xyzw.is_some() {
         let turn = rotation_of(goal.orientation_xyzw).transpose() * rotation;
         // Twice the sine and cosine of the angle, which is accurate near zero as well as near half a turn.
-        let sines = Vector3::new(
-            turn[(2, 1)] - turn[(1, 2)],
-            turn[(0, 2)] - turn[(2, 0)],
-            turn[(1, 0)] - turn[(0, 1)],
-        );
+        let sines = Vector3::new(turn[(2, 1)] - turn[(1, 2)], turn[(0, 2)] - turn[(2, 0)], turn[(1, 0)] - turn[(0, 1)]);
         ("angle", sines.norm().atan2(turn.trace() - 1.0))
     } else {
-        let AxisDirection {
-            of_frame,
-            direction,
-        } = goal.axis.as_ref()?;
-        let (axis, to) = (
-            rotation * Vector3::from(*of_frame),
-            Vector3::from(*direction),
-        );
-        (
-            "angle of the axis",
-            axis.cross(&to).norm().atan2(axis.dot(&to)),
-        )
+        let AxisDirection { of_frame, direction } = goal.axis.as_ref()?;
+        let (axis, to) = (rotation * Vector3::from(*of_frame), Vector3::from(*direction));
+        ("angle of the axis", axis.cross(&to).norm().atan2(axis.dot(&to)))
     };
     Some(Measure {
         name,
@@ -160,12 +133,7 @@ fn rotation_of(xyzw: Option<[f64; 4]>) -> Matrix3<f64> {
 }
 
 /// The row of a goal at the last configuration, of the set that it misses least; `None` if the goal is none.
-pub(super) fn goal_row(
-    scenario: &Scenario,
-    q: &[f64],
-    at_s: f64,
-    tolerance: f64,
-) -> Result<Option<Row>> {
+pub(super) fn goal_row(scenario: &Scenario, q: &[f64], at_s: f64, tolerance: f64) -> Result<Option<Row>> {
     let model = &scenario.model;
     let mut placements = vec![Placement::identity(); model.dof()];
     forward_kinematics(model, q, &mut placements)?;
@@ -229,10 +197,7 @@ fn kept_poses(
         };
         proof.cover(k, part, |proof, part| {
             let middle = 0.5 * (part[0] + part[1]);
-            let ways: Vec<_> = joints
-                .iter()
-                .map(|joint| joint.way_from_middle(part))
-                .collect();
+            let ways: Vec<_> = joints.iter().map(|joint| joint.way_from_middle(part)).collect();
             reach.place(&intervals.at(0, k, middle))?;
             let (origin, measures) = poses.at(reach.placements())?;
             let way = reach.way(&origin, &path, &ways);
@@ -240,9 +205,7 @@ fn kept_poses(
             let mut proved = true;
             for measure in measures {
                 let at_s = intervals.time(k, middle);
-                proof
-                    .row
-                    .take(measure.worst(at_s), || place_of(goal, &measure));
+                proof.row.take(measure.worst(at_s), || place_of(goal, &measure));
                 let by = if measure.turns { turn } else { way };
                 proved &= measure.excess() + by <= proof.row.tolerance;
             }
@@ -253,12 +216,7 @@ fn kept_poses(
 }
 
 /// Proves a bound on the speed of a point.
-fn kept_speed(
-    proof: &mut Proof<'_>,
-    scenario: &Scenario,
-    kept: &Kept,
-    bound: &PointSpeed,
-) -> Result<()> {
+fn kept_speed(proof: &mut Proof<'_>, scenario: &Scenario, kept: &Kept, bound: &PointSpeed) -> Result<()> {
     let model = &scenario.model;
     let frame = frame_of(model, &bound.frame)?;
     let path = carriers(model, frame.body);

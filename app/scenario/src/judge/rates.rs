@@ -34,9 +34,8 @@ impl Rates {
             found
         });
         let windows = all.saturating_sub(NEIGHBOURS - 1);
-        let amplitudes: Vec<f64> = (0..windows)
-            .map(|k| amplitude(&times[k..k + NEIGHBOURS], &samples[k..k + NEIGHBOURS]))
-            .collect();
+        let amplitudes: Vec<f64> =
+            (0..windows).map(|k| amplitude(&times[k..k + NEIGHBOURS], &samples[k..k + NEIGHBOURS])).collect();
         let uncertain = (0..all - 1).map(|k| {
             // The windows with sample k or k + 1, and all samples in them.
             let from = (k + 1).saturating_sub(NEIGHBOURS);
@@ -46,10 +45,7 @@ impl Rates {
             let largest = own.iter().copied().reduce(f64::max);
             [largest.unwrap_or(f64::INFINITY), 2.0 / shortest]
         });
-        Self {
-            derivatives: derivatives.collect(),
-            uncertain: uncertain.collect(),
-        }
+        Self { derivatives: derivatives.collect(), uncertain: uncertain.collect() }
     }
 
     /// The uncertainty of the derivative of this order on interval `k`.
@@ -85,11 +81,7 @@ pub(super) fn means(times: &[f64], samples: &[f64], order: usize) -> Vec<f64> {
         }
         means.pop();
     }
-    if order < times.len() {
-        means
-    } else {
-        Vec::new()
-    }
+    if order < times.len() { means } else { Vec::new() }
 }
 
 /// The weights of the values at `times` in the first and second derivatives of the polynomial through them at time `k`.
@@ -97,17 +89,13 @@ fn derivative_weights(times: &[f64], k: usize) -> Vec<[f64; 2]> {
     let others = |j: usize| (0..times.len()).filter(move |m| *m != j);
     let own: f64 = others(k).map(|m| (times[k] - times[m]).recip()).sum();
     let weight = |j: usize| {
-        let product: f64 = others(j)
-            .filter(|m| *m != k)
-            .map(|m| (times[k] - times[m]) / (times[j] - times[m]))
-            .product();
+        let product: f64 =
+            others(j).filter(|m| *m != k).map(|m| (times[k] - times[m]) / (times[j] - times[m])).product();
         let first = product / (times[j] - times[k]);
         // Welfert, Generation of pseudospectral differentiation matrices I, 1997, eq. 5.
         [first, 2.0 * first * (own - (times[k] - times[j]).recip())]
     };
-    let mut weights: Vec<[f64; 2]> = (0..times.len())
-        .map(|j| if j == k { [own, 0.0] } else { weight(j) })
-        .collect();
+    let mut weights: Vec<[f64; 2]> = (0..times.len()).map(|j| if j == k { [own, 0.0] } else { weight(j) }).collect();
     weights[k][1] = -weights.iter().map(|weight| weight[1]).sum::<f64>();
     weights
 }

@@ -30,11 +30,7 @@ impl<'m> Reach<'m> {
     /// Allocates a robot without a configuration.
     #[must_use]
     pub fn new(model: &'m Model) -> Self {
-        Self {
-            model,
-            placements: vec![Placement::identity(); model.dof()],
-            axes: vec![Vector3::zeros(); model.dof()],
-        }
+        Self { model, placements: vec![Placement::identity(); model.dof()], axes: vec![Vector3::zeros(); model.dof()] }
     }
 
     /// Places the robot in configuration `q`, `N` entries. Cost O(N).
@@ -53,9 +49,7 @@ impl<'m> Reach<'m> {
     #[must_use]
     pub fn centre(&self, ball: &CollisionSphere) -> Vector3<f64> {
         match ball.body {
-            Some(body) => {
-                self.placements[body].rotation * ball.centre + self.placements[body].translation
-            }
+            Some(body) => self.placements[body].rotation * ball.centre + self.placements[body].translation,
             None => ball.centre,
         }
     }

@@ -40,10 +40,7 @@ pub fn sufficient_samples(scenario: &Scenario, curve: &Curve) -> Result<usize> {
 /// The number of checks joint by joint and of a standing foot that a curve fails with this number of intervals.
 fn failures(scenario: &Scenario, curve: &Curve, intervals: usize) -> Result<usize> {
     let trajectory = Trajectory::of_samples(sample(&scenario.model, curve, intervals)?);
-    let (intervals, tolerance) = (
-        Intervals::new(&trajectory, jumps(scenario)),
-        Tolerances::default().tolerance,
-    );
+    let (intervals, tolerance) = (Intervals::new(&trajectory, jumps(scenario)), Tolerances::default().tolerance);
     let mut rows = checks::by_joint(scenario, &trajectory, &intervals, tolerance)?;
     rows.extend(standing(scenario, &intervals, tolerance)?);
     Ok(rows.iter().filter(|row| !row.outcome.is_good()).count())

@@ -19,9 +19,7 @@ pub(super) fn torques(
 ) -> Result<Vec<Row>> {
     let mut largest = 0.0_f64;
     at_places(scenario, intervals, |torques, _, _| {
-        largest = torques
-            .iter()
-            .fold(largest, |largest, torque| largest.max(torque.abs()));
+        largest = torques.iter().fold(largest, |largest, torque| largest.max(torque.abs()));
     })?;
     let tolerance = share * largest;
     Ok(vec![
@@ -32,11 +30,7 @@ pub(super) fn torques(
 }
 
 /// Passes the torques at the ends and in the middle of every interval on, with the interval and the fraction of it.
-fn at_places(
-    scenario: &Scenario,
-    intervals: &Intervals,
-    mut take: impl FnMut(&[f64], usize, f64),
-) -> Result<()> {
+fn at_places(scenario: &Scenario, intervals: &Intervals, mut take: impl FnMut(&[f64], usize, f64)) -> Result<()> {
     let model = &scenario.model;
     let (mut data, mut torques) = (Data::new(model), vec![0.0; model.dof()]);
     for k in 0..intervals.joints.len() {
@@ -75,12 +69,7 @@ fn dynamics(scenario: &Scenario, trajectory: &Trajectory, tolerance: f64) -> Res
 }
 
 /// Compares the torques of passive joints with zero.
-fn passive(
-    scenario: &Scenario,
-    trajectory: &Trajectory,
-    intervals: &Intervals,
-    tolerance: f64,
-) -> Result<Row> {
+fn passive(scenario: &Scenario, trajectory: &Trajectory, intervals: &Intervals, tolerance: f64) -> Result<Row> {
     let mut row = Row::new(Check::PassiveJoints, tolerance);
     let (joints, passive) = (scenario.model.joints(), scenario.passive());
     if passive.is_empty() {
@@ -96,9 +85,7 @@ fn passive(
     for (t, u) in trajectory.times.iter().zip(trajectory.u.iter().flatten()) {
         take(u, t - trajectory.times[0]);
     }
-    at_places(scenario, intervals, |torques, k, s| {
-        take(torques, intervals.time(k, s))
-    })?;
+    at_places(scenario, intervals, |torques, k, s| take(torques, intervals.time(k, s)))?;
     row.note = Some("at the samples and halfway between them".to_owned());
     if intervals.is_derived() {
         row.outcome = Outcome::NotChecked;
@@ -108,18 +95,11 @@ fn passive(
 }
 
 /// Checks the limits of the torques of the table and of inverse dynamics at all times.
-fn limits(
-    scenario: &Scenario,
-    trajectory: &Trajectory,
-    intervals: &Intervals,
-    tolerance: f64,
-) -> Result<Row> {
+fn limits(scenario: &Scenario, trajectory: &Trajectory, intervals: &Intervals, tolerance: f64) -> Result<Row> {
     let mut row = Row::new(Check::TorqueLimits, tolerance);
     let (model, passive) = (&scenario.model, scenario.passive());
     let limited = |i: &usize| {
-        let bounds = scenario
-            .bound(Limit::Torque, *i)
-            .filter(|_| !passive.contains(i));
+        let bounds = scenario.bound(Limit::Torque, *i).filter(|_| !passive.contains(i));
         bounds.map(|bounds| (*i, bounds))
     };
     let limited: Vec<(usize, [f64; 2])> = (0..model.dof()).filter_map(|i| limited(&i)).collect();

@@ -38,9 +38,7 @@ impl Trajectory {
     pub fn load(path: &Path, model: &Model) -> Result<Self> {
         let (text, file) = (read_text(path)?, path.display().to_string());
         match path.extension().and_then(OsStr::to_str) {
-            Some("yaml" | "yml" | "json") => {
-                Self::of_message(&JointTrajectory::parse(&text, &file)?, &file, model)
-            }
+            Some("yaml" | "yml" | "json") => Self::of_message(&JointTrajectory::parse(&text, &file)?, &file, model),
             _ => Self::parse(&text, &file, model),
         }
     }
@@ -54,37 +52,26 @@ impl Trajectory {
     /// A column is unknown, duplicate or missing; a line has another number of fields than the header; a field is not a
     /// finite number; the times do not ascend; or there are fewer than two samples. The error names line and column.
     pub fn parse(text: &str, file: &str, model: &Model) -> Result<Self> {
-        let mut reader = ReaderBuilder::new()
-            .comment(Some(b'#'))
-            .trim(Trim::All)
-            .flexible(true)
-            .from_reader(text.as_bytes());
+        let mut reader =
+            ReaderBuilder::new().comment(Some(b'#')).trim(Trim::All).flexible(true).from_reader(text.as_bytes());
         let of_csv = |error: csv::Error| {
             let line = error.position().map_or(1, csv::Position::line);
             Error::input(file, format!("line {line}"), error.to_string())
         };
         let header = reader.headers().map_err(of_csv)?.clone();
         let line = header.position().map_or(1, csv::Position::line);
-        let columns = Columns::new(&header, model).map_err(|(element, condition)| {
-            Error::input(file, format!("line {line}: {element}"), condition)
-        })?;
+        let columns = Columns::new(&header, model)
+            .map_err(|(element, condition)| Error::input(file, format!("line {line}: {element}"), condition))?;
         let mut times: Vec<f64> = Vec::new();
-        let mut tables: [Option<Vec<Vec<f64>>>; 4] = columns
-            .of_joints
-            .each_ref()
-            .map(|c| c.as_ref().map(|_| Vec::new()));
+        let mut tables: [Option<Vec<Vec<f64>>>; 4] =
+            columns.of_joints.each_ref().map(|c| c.as_ref().map(|_| Vec::new()));
         for record in reader.records() {
             let record = record.map_err(of_csv)?;
             let line = record.position().map_or(0, csv::Position::line);
-            let error = |element: &str, condition: String| {
-                Error::input(file, format!("line {line}{element}"), condition)
-            };
+            let error =
+                |element: &str, condition: String| Error::input(file, format!("line {line}{element}"), condition);
             if record.len() != header.len() {
-                let condition = format!(
-                    "it has {} fields, the header has {}",
-                    record.len(),
-                    header.len()
-                );
+                let condition = format!("it has {} fields, the header has {}", record.len(), header.len());
                 return Err(error("", condition));
             }
             let number = |column: usize| match record[column].parse::<f64>() {
@@ -150,11 +137,7 @@ impl Trajectory {
     }
 
     /// The motion of a `file` with these `q, v, a, u` at the times; refuses accelerations without velocities.
-    pub(super) fn of_tables(
-        file: &str,
-        times: Vec<f64>,
-        [q, v, a, u]: [Option<Vec<Vec<f64>>>; 4],
-    ) -> Result<Self> {
+    pub(super) fn of_tables(file: &str, times: Vec<f64>, [q, v, a, u]: [Option<Vec<Vec<f64>>>; 4]) -> Result<Self> {
         if a.is_some() && v.is_none() {
             let condition = "velocities are needed with them";
             return Err(Error::input(file, "accelerations", condition));
@@ -217,8 +200,7 @@ impl Columns {
                 return Err((format!("column '{name}'"), "it is there twice".to_owned()));
             }
         }
-        let missing =
-            |name: String, condition: &str| Err((format!("column '{name}'"), condition.to_owned()));
+        let missing = |name: String, condition: &str| Err((format!("column '{name}'"), condition.to_owned()));
         let Some(time) = time else {
             return missing("t".to_owned(), "it is missing");
         };

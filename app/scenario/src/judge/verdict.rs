@@ -16,10 +16,7 @@ pub struct Tolerances {
 impl Default for Tolerances {
     /// One thousandth, about the tracking accuracy of a good arm; and a tenth of a millimetre.
     fn default() -> Self {
-        Self {
-            tolerance: 1e-3,
-            overlap_m: 1e-4,
-        }
+        Self { tolerance: 1e-3, overlap_m: 1e-4 }
     }
 }
 
@@ -119,12 +116,7 @@ pub struct Worst {
 
 impl Worst {
     /// A value between two bounds, each of which may be infinite.
-    pub(super) fn between(
-        value: f64,
-        [least, most]: [f64; 2],
-        unit: &'static str,
-        at_s: f64,
-    ) -> Self {
+    pub(super) fn between(value: f64, [least, most]: [f64; 2], unit: &'static str, at_s: f64) -> Self {
         Self {
             value,
             at_least: least.is_finite().then_some(least),
@@ -141,11 +133,7 @@ impl Worst {
         let above = self.at_most.map(|most| self.value - most);
         let excess = [below, above].into_iter().flatten();
         let excess = excess.fold(f64::NEG_INFINITY, f64::max);
-        if self.value.is_nan() {
-            f64::INFINITY
-        } else {
-            excess
-        }
+        if self.value.is_nan() { f64::INFINITY } else { excess }
     }
 }
 
@@ -264,28 +252,12 @@ impl Row {
 
     /// A check without a value yet.
     pub(super) fn new(check: Check, tolerance: f64) -> Self {
-        Self {
-            check,
-            outcome: Outcome::NotApplicable,
-            worst: None,
-            tolerance,
-            proved_at_least: None,
-            note: None,
-        }
+        Self { check, outcome: Outcome::NotApplicable, worst: None, tolerance, proved_at_least: None, note: None }
     }
 
     /// A check without a value, with the reason.
-    pub(super) fn without_value(
-        check: Check,
-        tolerance: f64,
-        outcome: Outcome,
-        note: &str,
-    ) -> Self {
-        Self {
-            outcome,
-            note: Some(note.to_owned()),
-            ..Self::new(check, tolerance)
-        }
+    pub(super) fn without_value(check: Check, tolerance: f64, outcome: Outcome, note: &str) -> Self {
+        Self { outcome, note: Some(note.to_owned()), ..Self::new(check, tolerance) }
     }
 
     /// The worst excess as a multiple of the tolerance.
@@ -310,10 +282,7 @@ impl Row {
         let less_severe = !fails && self.outcome == Outcome::Fail;
         let worse = |worst: &Worst| excess > worst.excess() && !less_severe;
         if more_severe || self.worst.as_ref().is_none_or(worse) {
-            self.worst = Some(Worst {
-                place: Some(place()),
-                ..found
-            });
+            self.worst = Some(Worst { place: Some(place()), ..found });
         }
         self.outcome = self.outcome.max(outcome);
     }
@@ -321,10 +290,7 @@ impl Row {
     /// Notes that nothing is proved at a time after the start, which is due to derived rates or to the limit of work.
     pub(super) fn leave(&mut self, derived: bool, at_s: f64) {
         let (outcome, note) = match derived {
-            true => (
-                Outcome::NotChecked,
-                format!("the positions alone do not determine it at {at_s:.4} s"),
-            ),
+            true => (Outcome::NotChecked, format!("the positions alone do not determine it at {at_s:.4} s")),
             false => (Outcome::Undecided, format!("not proved at {at_s:.4} s")),
         };
         if outcome > self.outcome {

@@ -27,22 +27,14 @@ impl Passages<'_> {
     /// The deviation at a time after the start.
     fn at(&mut self, point: &PointOnTheWay, at_s: f64) -> Result<Passage> {
         let model = &self.scenario.model;
-        let after = self
-            .intervals
-            .times
-            .partition_point(|[begin, _]| *begin <= at_s);
+        let after = self.intervals.times.partition_point(|[begin, _]| *begin <= at_s);
         let k = after.saturating_sub(1);
         let [begin, interval] = self.intervals.times[k];
         let s = (at_s - begin) / interval;
         let q = self.intervals.at(0, k, s);
         let mut all = Vec::new();
         let mut add = |excess: f64, worst: Worst, place: String| all.push((excess, worst, place));
-        let exactly = |value: f64, aim: f64, unit| {
-            (
-                (value - aim).abs(),
-                Worst::between(value, [aim; 2], unit, at_s),
-            )
-        };
+        let exactly = |value: f64, aim: f64, unit| ((value - aim).abs(), Worst::between(value, [aim; 2], unit, at_s));
         let joints = || model.joints().iter().enumerate();
         for (i, joint) in joints().filter(|_| point.q.is_some()) {
             let aim = point.q.as_ref().map_or(f64::NAN, |q| q[i]);
@@ -53,11 +45,7 @@ impl Passages<'_> {
             forward_kinematics(model, &q, &mut self.placements)?;
             let (_, measures) = Poses::new(poses, model)?.at(&self.placements)?;
             for measure in measures {
-                add(
-                    measure.excess(),
-                    measure.worst(at_s),
-                    place_of(poses, &measure),
-                );
+                add(measure.excess(), measure.worst(at_s), place_of(poses, &measure));
             }
         }
         let v = self.intervals.at(1, k, s);
@@ -66,17 +54,8 @@ impl Passages<'_> {
             add(excess, worst, super::joint_name(joint));
         }
         let worst = all.into_iter().max_by(|(a, ..), (b, ..)| a.total_cmp(b));
-        let none = || {
-            (
-                f64::INFINITY,
-                Worst::between(f64::NAN, [0.0; 2], "", at_s),
-                String::new(),
-            )
-        };
-        Ok(Passage {
-            at_s,
-            worst: worst.unwrap_or_else(none),
-        })
+        let none = || (f64::INFINITY, Worst::between(f64::NAN, [0.0; 2], "", at_s), String::new());
+        Ok(Passage { at_s, worst: worst.unwrap_or_else(none) })
     }
 
     /// The first time from `from_s` on at which the deviation is within the tolerance, otherwise the time of the least
@@ -85,14 +64,8 @@ impl Passages<'_> {
         if let Some(time) = point.time_s {
             return self.at(point, time.min(self.intervals.duration()));
         }
-        let ends = self
-            .intervals
-            .times
-            .iter()
-            .map(|[begin, interval]| begin + interval);
-        let times: Vec<_> = std::iter::once(from_s)
-            .chain(ends.filter(|end| *end > from_s))
-            .collect();
+        let ends = self.intervals.times.iter().map(|[begin, interval]| begin + interval);
+        let times: Vec<_> = std::iter::once(from_s).chain(ends.filter(|end| *end > from_s)).collect();
         let mut least = self.at(point, from_s)?;
         let mut here = [f64::INFINITY, least.worst.0];
         for i in 0..times.len() {
@@ -101,10 +74,7 @@ impl Passages<'_> {
                 None => f64::INFINITY,
             };
             if here[1] <= here[0] && here[1] <= next {
-                let around = [
-                    times[i.saturating_sub(1)],
-                    times[(i + 1).min(times.len() - 1)],
-                ];
+                let around = [times[i.saturating_sub(1)], times[(i + 1).min(times.len() - 1)]];
                 let found = self.nearest(point, around)?;
                 if found.worst.0 < least.worst.0 {
                     least = found;
@@ -135,21 +105,13 @@ impl Passages<'_> {
 }
 
 /// The row of the waypoints: the first passage of each after that of the one before.
-pub(super) fn passed(
-    scenario: &Scenario,
-    intervals: &Intervals,
-    tolerance: f64,
-) -> Result<Option<Row>> {
+pub(super) fn passed(scenario: &Scenario, intervals: &Intervals, tolerance: f64) -> Result<Option<Row>> {
     let points = &scenario.file.waypoints;
     if points.is_empty() {
         return Ok(None);
     }
     let placements = vec![Placement::identity(); scenario.model.dof()];
-    let mut passages = Passages {
-        scenario,
-        intervals,
-        placements,
-    };
+    let mut passages = Passages { scenario, intervals, placements };
     let (mut row, mut from_s) = (Row::new(Check::Waypoints, tolerance), 0.0);
     for (i, point) in points.iter().enumerate() {
         if let Some(time) = point.time_s {

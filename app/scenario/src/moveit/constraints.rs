@@ -35,16 +35,12 @@ impl Target {
             let key = format!("{goals}[{i}]");
             let refuse = |condition: &str| Err(Error::input(file, &key, condition));
             if !goal.joint_constraints.is_empty() {
-                return refuse(
-                    "a goal by pose has no positions of joints, and one of several is by pose",
-                );
+                return refuse("a goal by pose has no positions of joints, and one of several is by pose");
             }
             let mut sets = poses(goal, model, file, &key)?;
             match (sets.pop(), sets.pop()) {
                 (Some(only), None) => Ok(only),
-                (Some(orientation), Some(position))
-                    if sets.is_empty() && both_fit(&position, &orientation) =>
-                {
+                (Some(orientation), Some(position)) if sets.is_empty() && both_fit(&position, &orientation) => {
                     Ok(Goal {
                         orientation_xyzw: orientation.orientation_xyzw,
                         axis: orientation.axis,
@@ -68,11 +64,7 @@ pub(super) fn kept(request: &Request, model: &Model, file: &str) -> Result<Vec<K
     let key = "path_constraints";
     if !constraints.joint_constraints.is_empty() {
         let condition = "positions of joints on the way are not read";
-        return Err(Error::input(
-            file,
-            format!("{key}.joint_constraints"),
-            condition,
-        ));
+        return Err(Error::input(file, format!("{key}.joint_constraints"), condition));
     }
     let sets = poses(constraints, model, file, key)?.into_iter();
     let kept = sets.map(|poses| throughout(Some(poses), None));
@@ -81,10 +73,7 @@ pub(super) fn kept(request: &Request, model: &Model, file: &str) -> Result<Vec<K
 
 /// The speed of a link that a request limits.
 pub(super) fn kept_speed(request: &Request, model: &Model, file: &str) -> Result<Option<Kept>> {
-    let (most_m_s, link) = (
-        request.max_cartesian_speed,
-        &request.cartesian_speed_limited_link,
-    );
+    let (most_m_s, link) = (request.max_cartesian_speed, &request.cartesian_speed_limited_link);
     if most_m_s <= 0.0 {
         return Ok(None);
     }
@@ -93,27 +82,14 @@ pub(super) fn kept_speed(request: &Request, model: &Model, file: &str) -> Result
             "" => "it is needed with a max_cartesian_speed".to_owned(),
             _ => format!("the robot has no link '{link}'"),
         };
-        return Err(Error::input(
-            file,
-            "cartesian_speed_limited_link",
-            condition,
-        ));
+        return Err(Error::input(file, "cartesian_speed_limited_link", condition));
     }
-    let speed = PointSpeed {
-        frame: link.clone(),
-        point_m: [0.0; 3],
-        most_m_s,
-    };
+    let speed = PointSpeed { frame: link.clone(), point_m: [0.0; 3], most_m_s };
     Ok(Some(throughout(None, Some(speed))))
 }
 
 fn throughout(poses: Option<Goal>, speed: Option<PointSpeed>) -> Kept {
-    Kept {
-        poses,
-        speed,
-        from_s: None,
-        to_s: None,
-    }
+    Kept { poses, speed, from_s: None, to_s: None }
 }
 
 /// Returns true if a position and an orientation are those of one link in one frame.
@@ -128,11 +104,9 @@ fn both_fit(position: &Goal, orientation: &Goal) -> bool {
 /// The sets of poses of constraints at `key`: those of positions, then those of orientations.
 fn poses(constraints: &Constraints, model: &Model, file: &str, key: &str) -> Result<Vec<Goal>> {
     let positions = constraints.position_constraints.iter().enumerate();
-    let positions =
-        positions.map(|(i, of)| of.set(model, file, &format!("{key}.position_constraints[{i}]")));
+    let positions = positions.map(|(i, of)| of.set(model, file, &format!("{key}.position_constraints[{i}]")));
     let orientations = constraints.orientation_constraints.iter().enumerate();
-    let orientations = orientations
-        .map(|(i, of)| of.set(model, file, &format!("{key}.orientation_constraints[{i}]")));
+    let orientations = orientations.map(|(i, of)| of.set(model, file, &format!("{key}.orientation_constraints[{i}]")));
     positions.chain(orientations).collect()
 }
 
@@ -147,11 +121,7 @@ fn any_pose(link: &str, frame: &str, model: &Model, file: &str, key: &str) -> Re
     let of_robot = model.frames().iter().any(|known| known.name == frame);
     if !is_base(frame, model) && !of_robot {
         let condition = format!("the frame '{frame}' is neither the base nor a link of the robot");
-        return Err(Error::input(
-            file,
-            format!("{key}.header.frame_id"),
-            condition,
-        ));
+        return Err(Error::input(file, format!("{key}.header.frame_id"), condition));
     }
     Ok(Goal {
         frame: link.to_owned(),
@@ -167,49 +137,33 @@ fn any_pose(link: &str, frame: &str, model: &Model, file: &str, key: &str) -> Re
 
 impl PositionConstraint {
     fn set(&self, model: &Model, file: &str, key: &str) -> Result<Goal> {
-        let refuse = |element: &str, condition: String| {
-            Err(Error::input(file, format!("{key}.{element}"), condition))
-        };
+        let refuse = |element: &str, condition: String| Err(Error::input(file, format!("{key}.{element}"), condition));
         let any = any_pose(&self.link_name, &self.header.frame_id, model, file, key)?;
-        let offset: Vector3<f64> = self
-            .target_point_offset
-            .map_or_else(Vector3::zeros, Vector3::from);
+        let offset: Vector3<f64> = self.target_point_offset.map_or_else(Vector3::zeros, Vector3::from);
         if offset != Vector3::zeros() {
             let condition = "the origin of the link is meant, without an offset".to_owned();
             return refuse("target_point_offset", condition);
         }
         let region = &self.constraint_region;
         let element = "constraint_region";
-        let ([primitive], [pose]) = (
-            region.primitives.as_slice(),
-            region.primitive_poses.as_slice(),
-        ) else {
+        let ([primitive], [pose]) = (region.primitives.as_slice(), region.primitive_poses.as_slice()) else {
             return refuse(element, "one primitive with its pose is read".to_owned());
         };
         let position_m: [f64; 3] = Vector3::from(pose.position).into();
-        match (
-            primitive.kind.name().as_str(),
-            primitive.dimensions.as_slice(),
-        ) {
-            ("sphere", [radius]) => Ok(Goal {
-                position_m: Some(position_m),
-                tolerance_m: (*radius != 0.0).then_some(*radius),
-                ..any
-            }),
+        match (primitive.kind.name().as_str(), primitive.dimensions.as_slice()) {
+            ("sphere", [radius]) => {
+                Ok(Goal { position_m: Some(position_m), tolerance_m: (*radius != 0.0).then_some(*radius), ..any })
+            }
             ("box", [x, y, z]) => Ok(Goal {
                 within: Some(PositionBox {
                     size_m: [*x, *y, *z].map(Some),
-                    pose: PoseOfKey {
-                        position_m,
-                        orientation_xyzw: Some(pose.orientation.into()),
-                    },
+                    pose: PoseOfKey { position_m, orientation_xyzw: Some(pose.orientation.into()) },
                 }),
                 ..any
             }),
             (kind, dimensions) => {
                 let count = dimensions.len();
-                let condition =
-                    format!("a sphere or a box is read, not a {kind} of {count} dimensions");
+                let condition = format!("a sphere or a box is read, not a {kind} of {count} dimensions");
                 refuse(element, condition)
             }
         }
@@ -221,9 +175,7 @@ impl OrientationConstraint {
     /// turns freely, so that the axis keeps its direction.
     fn set(&self, model: &Model, file: &str, key: &str) -> Result<Goal> {
         let any = any_pose(&self.link_name, &self.header.frame_id, model, file, key)?;
-        let refuse = |element: &str, condition: String| {
-            Err(Error::input(file, format!("{key}.{element}"), condition))
-        };
+        let refuse = |element: &str, condition: String| Err(Error::input(file, format!("{key}.{element}"), condition));
         let by_axis = [
             ("absolute_x_axis_tolerance", self.absolute_x_axis_tolerance),
             ("absolute_y_axis_tolerance", self.absolute_y_axis_tolerance),
@@ -237,23 +189,15 @@ impl OrientationConstraint {
         let most = u8::from(by_axis.iter().all(|(_, by)| *by < PI));
         if self.parameterization > most {
             let number = self.parameterization;
-            let condition =
-                format!("it is {number}; 0 is read, and 1 where no tolerance is half a turn");
+            let condition = format!("it is {number}; 0 is read, and 1 where no tolerance is half a turn");
             return refuse("parameterization", condition);
         }
         let free: Vec<usize> = (0..3).filter(|i| by_axis[*i].1 >= PI).collect();
-        let least = by_axis
-            .iter()
-            .map(|(_, by)| *by)
-            .fold(f64::INFINITY, f64::min);
+        let least = by_axis.iter().map(|(_, by)| *by).fold(f64::INFINITY, f64::min);
         let tolerance_rad = (least > 0.0).then_some(least);
         let orientation: [f64; 4] = self.orientation.into();
         match free.as_slice() {
-            [] => Ok(Goal {
-                orientation_xyzw: Some(orientation),
-                tolerance_rad,
-                ..any
-            }),
+            [] => Ok(Goal { orientation_xyzw: Some(orientation), tolerance_rad, ..any }),
             [axis] => {
                 let rotation = match unit_quaternion(orientation) {
                     Ok(rotation) => rotation,
@@ -261,10 +205,7 @@ impl OrientationConstraint {
                 };
                 let of_frame = Vector3::ith(*axis, 1.0);
                 Ok(Goal {
-                    axis: Some(AxisDirection {
-                        of_frame: of_frame.into(),
-                        direction: (rotation * of_frame).into(),
-                    }),
+                    axis: Some(AxisDirection { of_frame: of_frame.into(), direction: (rotation * of_frame).into() }),
                     tolerance_rad,
                     ..any
                 })
@@ -275,15 +216,9 @@ impl OrientationConstraint {
 }
 
 /// The positions of joints at the goal.
-fn positions(
-    goal: &Constraints,
-    model: &Model,
-    file: &str,
-    key: &str,
-) -> Result<BTreeMap<String, f64>> {
+fn positions(goal: &Constraints, model: &Model, file: &str, key: &str) -> Result<BTreeMap<String, f64>> {
     if goal.joint_constraints.is_empty() {
-        let condition =
-            "it has no joint_constraints, position_constraints or orientation_constraints";
+        let condition = "it has no joint_constraints, position_constraints or orientation_constraints";
         return Err(Error::input(file, key, condition));
     }
     let mut positions = BTreeMap::new();
@@ -294,11 +229,7 @@ fn positions(
             return Err(Error::input(file, key, model.no_moving_joint(name)));
         }
         if positions.insert(name.clone(), joint.position).is_some() {
-            return Err(Error::input(
-                file,
-                key,
-                format!("joint '{name}' is named twice"),
-            ));
+            return Err(Error::input(file, key, format!("joint '{name}' is named twice")));
         }
     }
     Ok(positions)

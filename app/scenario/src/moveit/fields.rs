@@ -35,9 +35,7 @@ pub fn moveit_fields() -> String {
                 Treatment::In(inner) => ("read", format!("`{inner}`")),
                 Treatment::Accepted(reason) => ("accepted", (*reason).to_owned()),
                 Treatment::Refused(remedy) => ("refused", (*remedy).to_owned()),
-                Treatment::Only(value, remedy) => {
-                    ("refused", format!("unless `{value}`: {remedy}"))
-                }
+                Treatment::Only(value, remedy) => ("refused", format!("unless `{value}`: {remedy}")),
             };
             table += &format!("| `{message}` | `{field}` | {what} | {words} |\n");
         }
@@ -68,21 +66,12 @@ pub(crate) fn check_fields(value: &Value, message: &str, [file, at]: [&str; 2]) 
             }
             Ok(())
         }
-        _ => Err(Error::input(
-            file,
-            at,
-            format!("an object with fields of {message} is needed"),
-        )),
+        _ => Err(Error::input(file, at, format!("an object with fields of {message} is needed"))),
     }
 }
 
 /// The same for one key of a message.
-fn check_field(
-    key: &str,
-    value: &Value,
-    (message, fields): (&str, Fields),
-    place: [&str; 2],
-) -> Result<()> {
+fn check_field(key: &str, value: &Value, (message, fields): (&str, Fields), place: [&str; 2]) -> Result<()> {
     let refuse = |condition: String| Err(Error::input(place[0], place[1], condition));
     let Some((_, treatment)) = fields.iter().find(|(field, _)| *field == key) else {
         let known = instead(key, fields.iter().map(|(field, _)| *field));
@@ -91,9 +80,7 @@ fn check_field(
     match treatment {
         Treatment::Read(_) | Treatment::Accepted(_) => Ok(()),
         Treatment::In(inner) => check_fields(value, inner, place),
-        Treatment::Refused(remedy) if has_value(value) => {
-            refuse(format!("it is not read: {remedy}"))
-        }
+        Treatment::Refused(remedy) if has_value(value) => refuse(format!("it is not read: {remedy}")),
         Treatment::Only(only, remedy) if has_value(value) && !is_word(value, only) => {
             refuse(format!("{only} alone is read: {remedy}"))
         }
@@ -115,9 +102,7 @@ fn fields_of(message: &str) -> Fields {
 fn is_word(value: &Value, word: &str) -> bool {
     match value {
         Value::String(text) => text.eq_ignore_ascii_case(word),
-        other => other
-            .as_f64()
-            .is_some_and(|number| word.parse() == Ok(number)),
+        other => other.as_f64().is_some_and(|number| word.parse() == Ok(number)),
     }
 }
 
@@ -129,9 +114,9 @@ fn has_value(value: &Value) -> bool {
         Value::Number(number) => number.as_f64() != Some(0.0),
         // A byte of ROS 2 is a text of one character.
         Value::String(text) => text.chars().any(|letter| letter != '\0'),
-        Value::Array(list) => list.iter().any(|one| {
-            matches!(one, Value::String(_) | Value::Array(_) | Value::Object(_)) || has_value(one)
-        }),
+        Value::Array(list) => list
+            .iter()
+            .any(|one| matches!(one, Value::String(_) | Value::Array(_) | Value::Object(_)) || has_value(one)),
         Value::Object(object) => object.values().any(has_value),
     }
 }

@@ -63,11 +63,7 @@ pub(super) struct AllowedCollisions {
 
 /// A row of that matrix, as in the message or as a list.
 #[derive(Debug, Deserialize)]
-#[serde(
-    untagged,
-    deny_unknown_fields,
-    expecting = "a list of true and false is needed, or the key enabled with one"
-)]
+#[serde(untagged, deny_unknown_fields, expecting = "a list of true and false is needed, or the key enabled with one")]
 enum Entries {
     List(Vec<bool>),
     Message { enabled: Vec<bool> },
@@ -159,11 +155,7 @@ pub(super) struct Pose {
 
 /// A point.
 #[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(
-    untagged,
-    deny_unknown_fields,
-    expecting = "a list or the keys x y z are needed"
-)]
+#[serde(untagged, deny_unknown_fields, expecting = "a list or the keys x y z are needed")]
 pub(super) enum Position {
     List([f64; 3]),
     Keys { x: f64, y: f64, z: f64 },
@@ -180,11 +172,7 @@ impl From<Position> for Vector3<f64> {
 
 /// A quaternion.
 #[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(
-    untagged,
-    deny_unknown_fields,
-    expecting = "a list or the keys x y z w are needed"
-)]
+#[serde(untagged, deny_unknown_fields, expecting = "a list or the keys x y z w are needed")]
 pub(super) enum Orientation {
     List([f64; 4]),
     Keys { x: f64, y: f64, z: f64, w: f64 },

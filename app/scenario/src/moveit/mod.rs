@@ -14,8 +14,8 @@ pub use fields::moveit_fields;
 
 use super::load::absolute_folders;
 use super::{
-    HorizonBounds, IgnoredPair, IgnoredPairs, Objective, Preset, RobotShape, Scenario,
-    ScenarioFile, SelfCollision, cover_links,
+    HorizonBounds, IgnoredPair, IgnoredPairs, Objective, Preset, RobotShape, Scenario, ScenarioFile, SelfCollision,
+    cover_links,
 };
 use aghf::error::{Error, Result, plain};
 use aghf::model::Model;
@@ -90,8 +90,7 @@ impl MoveIt {
     /// # Errors
     /// Names the file, the element and the fault, such as a goal, an obstacle or a frame that scenarios do not support.
     pub fn scenario(&self, path: &str) -> Result<Scenario> {
-        let [scene_name, request_name] =
-            [&self.scene, &self.request].map(|path| path.display().to_string());
+        let [scene_name, request_name] = [&self.scene, &self.request].map(|path| path.display().to_string());
         let scene = Scene::load(&self.scene)?;
         let request = Request::load(&self.request)?;
         let source = RobotSource::find(&self.urdf, Path::new(""))?;
@@ -114,8 +113,7 @@ impl MoveIt {
             &mut notes,
         )?;
         keep.extend(speed);
-        let (horizon_s, free_horizon) =
-            self.horizon_to(&target, &joints, &scaled, &request_name)?;
+        let (horizon_s, free_horizon) = self.horizon_to(&target, &joints, &scaled, &request_name)?;
         let allowed = scene.allowed_collision_matrix.pairs(&scene_name)?;
         let ignored = self.ignored_pairs(&model, &source, allowed)?.ignored_pairs;
         let ignored = ignored.into_iter().map(|pair| pair.links).collect();
@@ -137,9 +135,7 @@ impl MoveIt {
             }),
             free_horizon,
             obstacles: obstacles_of(&scene, &model, &scene_name)?,
-            robot_shape: Some(RobotShape::Collision {
-                excess_m: Some(self.excess),
-            }),
+            robot_shape: Some(RobotShape::Collision { excess_m: Some(self.excess) }),
             self_collision: Some(SelfCollision::IgnoredPairs(ignored)),
             enforced_limits: scaled.enforced,
             ..ScenarioFile::new(source.absolute()?, horizon_s, from, to)
@@ -157,34 +153,23 @@ impl MoveIt {
         target: &Target,
         notes: &mut LoadReport,
     ) -> Result<Joints<'a>> {
-        let [scene_name, request_name] =
-            [&self.scene, &self.request].map(|path| path.display().to_string());
+        let [scene_name, request_name] = [&self.scene, &self.request].map(|path| path.display().to_string());
         let fixed = &scene.fixed_frame_transforms;
         if let Some(i) = fixed.iter().position(|of| !of.transform.is_identity()) {
             let condition = "it moves a frame; poses in the base frame are needed";
             let element = format!("fixed_frame_transforms[{i}].transform");
             return Err(Error::input(scene_name, element, condition));
         }
-        let places = [
-            [scene_name.as_str(), "robot_state"],
-            [&request_name, "start_state"],
-        ];
+        let places = [[scene_name.as_str(), "robot_state"], [&request_name, "start_state"]];
         let scene_state = States::of(&scene.robot_state, model, places[0], notes)?;
         let start = States::of(&request.start_state, model, places[1], notes)?;
         let planned = self.planned(request, target, &start, model)?;
         let joints = Joints::of(model, &planned, [&start, &scene_state], target, notes);
-        joints
-            .map_err(|condition| Error::input(&request_name, "start_state.joint_state", condition))
+        joints.map_err(|condition| Error::input(&request_name, "start_state.joint_state", condition))
     }
 
     /// The names of the joints that are planned.
-    fn planned(
-        &self,
-        request: &Request,
-        target: &Target,
-        start: &States,
-        model: &Model,
-    ) -> Result<BTreeSet<String>> {
+    fn planned(&self, request: &Request, target: &Target, start: &States, model: &Model) -> Result<BTreeSet<String>> {
         if let Target::Joints(goal) = target {
             return Ok(goal.keys().cloned().collect());
         }
@@ -199,25 +184,16 @@ impl MoveIt {
     }
 
     /// The pairs of links that may overlap, those that the scene allows among them.
-    fn ignored_pairs(
-        &self,
-        model: &Model,
-        source: &RobotSource,
-        allowed: Vec<[String; 2]>,
-    ) -> Result<IgnoredPairs> {
+    fn ignored_pairs(&self, model: &Model, source: &RobotSource, allowed: Vec<[String; 2]>) -> Result<IgnoredPairs> {
         let links = cover_links(model, source.folder(), self.excess)?;
         let mut found = match &self.srdf {
-            Some(path) => {
-                IgnoredPairs::of_srdf(model, &Srdf::load(path, model)?).joined(model, &links)?
-            }
+            Some(path) => IgnoredPairs::of_srdf(model, &Srdf::load(path, model)?).joined(model, &links)?,
             None => IgnoredPairs::by_sampling(model, &links)?,
         };
         for [a, b] in allowed {
             let same = |pair: &IgnoredPair| pair.links.contains(&a) && pair.links.contains(&b);
             // Objects and links without a shape are named there too.
-            if [&a, &b].iter().all(|name| links.links.contains(name))
-                && !found.ignored_pairs.iter().any(same)
-            {
+            if [&a, &b].iter().all(|name| links.links.contains(name)) && !found.ignored_pairs.iter().any(same) {
                 let reason = "allowed by the scene".to_owned();
                 let links = [a, b];
                 found.ignored_pairs.push(IgnoredPair { links, reason });
@@ -238,10 +214,7 @@ impl MoveIt {
         let (horizon_s, free) = self.horizon(scaled.times(target, joints), by_pose);
         let longest = free.map_or(horizon_s, |free| free.longest_s);
         if self.horizon == MoveItHorizon::Free && Problem::check_horizon(longest).is_err() {
-            let condition = format!(
-                "so far from the start that it would take up to {} s",
-                plain(longest)
-            );
+            let condition = format!("so far from the start that it would take up to {} s", plain(longest));
             return Err(Error::input(file, "goal_constraints", condition));
         }
         Ok((horizon_s, free))
@@ -252,10 +225,7 @@ impl MoveIt {
     fn horizon(&self, [least, usual]: [f64; 2], by_pose: bool) -> (f64, Option<HorizonBounds>) {
         let [least, usual] = [least, usual].map(|time| time.max(SHORTEST));
         let free = |shortest_s: f64, longest_s: f64| {
-            let bounds = HorizonBounds {
-                shortest_s,
-                longest_s,
-            };
+            let bounds = HorizonBounds { shortest_s, longest_s };
             // Invalid bounds are refused like those of any scenario.
             let first = (FIRST * usual).min(longest_s).max(shortest_s);
             (first, Some(bounds))

@@ -14,16 +14,10 @@ pub(super) fn obstacles_of(scene: &Scene, model: &Model, file: &str) -> Result<V
     for (i, object) in scene.world.collision_objects.iter().enumerate() {
         let element = format!("world.collision_objects[{i}] '{}'", object.id);
         let refuse = |element: String, condition: &str| Err(Error::input(file, element, condition));
-        let CollisionObject {
-            primitives,
-            primitive_poses,
-            ..
-        } = object;
+        let CollisionObject { primitives, primitive_poses, .. } = object;
         let frame = &object.header.frame_id;
         if !is_base(frame, model) {
-            let condition = format!(
-                "the frame '{frame}' is not the base, in which the pose of an object is needed"
-            );
+            let condition = format!("the frame '{frame}' is not the base, in which the pose of an object is needed");
             return refuse(format!("{element}.header.frame_id"), &condition);
         }
         if primitives.is_empty() {
@@ -82,9 +76,7 @@ fn obstacle(
     let shape = match kind.as_str() {
         "box" => {
             let size = dimensions.try_into();
-            ObstacleShape::Box {
-                size_m: size.map_err(|_| numbers("its three lengths"))?,
-            }
+            ObstacleShape::Box { size_m: size.map_err(|_| numbers("its three lengths"))? }
         }
         "cylinder" => {
             let size = dimensions.try_into();
@@ -97,17 +89,10 @@ fn obstacle(
             ObstacleShape::Sphere { radius_m }
         }
         other => {
-            return Err(format!(
-                "type is '{other}'; boxes, cylinders and spheres alone are read"
-            ));
+            return Err(format!("type is '{other}'; boxes, cylinders and spheres alone are read"));
         }
     };
-    let obstacle = Obstacle {
-        name: Some(name),
-        shape,
-        pose,
-        clearance_m: None,
-    };
+    let obstacle = Obstacle { name: Some(name), shape, pose, clearance_m: None };
     obstacle.solid()?;
     Ok(obstacle)
 }

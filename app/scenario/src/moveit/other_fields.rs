@@ -11,11 +11,7 @@ const SOFT: &str = "a part of the soft limits, which are refused";
 pub(super) const OF_OTHERS: &[(&str, Fields)] = &[
     (
         "octomap_msgs/OctomapWithPose",
-        &[
-            ("header", Accepted(NO_CELLS)),
-            ("origin", Accepted(NO_CELLS)),
-            ("octomap", In("octomap_msgs/Octomap")),
-        ],
+        &[("header", Accepted(NO_CELLS)), ("origin", Accepted(NO_CELLS)), ("octomap", In("octomap_msgs/Octomap"))],
     ),
     (
         "octomap_msgs/Octomap",
@@ -36,28 +32,13 @@ pub(super) const OF_OTHERS: &[(&str, Fields)] = &[
         ],
     ),
     ("geometry_msgs/Polygon", &[("points", Refused(SHAPES))]),
-    (
-        "geometry_msgs/Pose",
-        &[
-            ("position", Read("`position_m`")),
-            ("orientation", Read("`orientation_xyzw`")),
-        ],
-    ),
-    (
-        "geometry_msgs/Transform",
-        &[("translation", Read("zero")), ("rotation", Read("none"))],
-    ),
+    ("geometry_msgs/Pose", &[("position", Read("`position_m`")), ("orientation", Read("`orientation_xyzw`"))]),
+    ("geometry_msgs/Transform", &[("translation", Read("zero")), ("rotation", Read("none"))]),
     (
         "geometry_msgs/TransformStamped",
         &[
-            (
-                "header",
-                Accepted("a transform that is not the identity is refused"),
-            ),
-            (
-                "child_frame_id",
-                Accepted("a transform that is not the identity is refused"),
-            ),
+            ("header", Accepted("a transform that is not the identity is refused")),
+            ("child_frame_id", Accepted("a transform that is not the identity is refused")),
             ("transform", In("geometry_msgs/Transform")),
         ],
     ),
@@ -66,19 +47,13 @@ pub(super) const OF_OTHERS: &[(&str, Fields)] = &[
         &[
             ("seq", Accepted("a counter of ROS 1")),
             ("stamp", Accepted("a time of sending")),
-            (
-                "frame_id",
-                Read("the base, empty or `world`; of a constraint `relative_to` a link"),
-            ),
+            ("frame_id", Read("the base, empty or `world`; of a constraint `relative_to` a link")),
         ],
     ),
     (
         "trajectory_msgs/JointTrajectory",
         &[
-            (
-                "header",
-                Read("by `aghf judge` and others that take motions"),
-            ),
+            ("header", Read("by `aghf judge` and others that take motions")),
             ("joint_names", Read("the same")),
             ("points", Read("`trajectory_msgs/JointTrajectoryPoint`")),
         ],
@@ -105,10 +80,7 @@ pub(super) const OF_OTHERS: &[(&str, Fields)] = &[
                 Read("a factor of all limits of acceleration, unless a request has its own"),
             ),
             ("joint_limits", Read("limits by the names of joints")),
-            (
-                "cartesian_limits",
-                Refused("`keep` of the scenario has speeds of points"),
-            ),
+            ("cartesian_limits", Refused("`keep` of the scenario has speeds of points")),
         ],
     ),
     (
@@ -116,56 +88,20 @@ pub(super) const OF_OTHERS: &[(&str, Fields)] = &[
         &[
             ("joint_name", Accepted("the joint is that of the key")),
             ("has_position_limits", Read("whether positions are limited")),
-            (
-                "min_position",
-                Read("refused above that of the URDF by more than 1e-5, which alone is enforced"),
-            ),
-            (
-                "max_position",
-                Read("refused below that of the URDF by more than 1e-5, which alone is enforced"),
-            ),
-            (
-                "has_velocity_limits",
-                Read("whether max_velocity holds; by default if it is there"),
-            ),
+            ("min_position", Read("refused above that of the URDF by more than 1e-5, which alone is enforced")),
+            ("max_position", Read("refused below that of the URDF by more than 1e-5, which alone is enforced")),
+            ("has_velocity_limits", Read("whether max_velocity holds; by default if it is there")),
             ("max_velocity", Read("`enforced_limits.max_velocity`")),
-            (
-                "has_acceleration_limits",
-                Read("whether max_acceleration holds; by default if it is there"),
-            ),
-            (
-                "max_acceleration",
-                Read("`enforced_limits.acceleration`, in both directions"),
-            ),
-            (
-                "has_deceleration_limits",
-                Read("whether max_deceleration holds; by default if it is there"),
-            ),
-            (
-                "max_deceleration",
-                Read("of either sign; the smaller one of both holds, with a note if they differ"),
-            ),
-            (
-                "has_jerk_limits",
-                Read("whether max_jerk holds; by default if it is there"),
-            ),
+            ("has_acceleration_limits", Read("whether max_acceleration holds; by default if it is there")),
+            ("max_acceleration", Read("`enforced_limits.acceleration`, in both directions")),
+            ("has_deceleration_limits", Read("whether max_deceleration holds; by default if it is there")),
+            ("max_deceleration", Read("of either sign; the smaller one of both holds, with a note if they differ")),
+            ("has_jerk_limits", Read("whether max_jerk holds; by default if it is there")),
             ("max_jerk", Read("`enforced_limits.jerk`")),
-            (
-                "has_effort_limits",
-                Read("whether max_effort holds; by default if it is there"),
-            ),
-            (
-                "max_effort",
-                Read("refused below that of the URDF, which alone is enforced"),
-            ),
-            (
-                "angle_wraparound",
-                Accepted("the URDF says which joints are continuous"),
-            ),
-            (
-                "has_soft_limits",
-                Refused("write narrower limits of position into the URDF"),
-            ),
+            ("has_effort_limits", Read("whether max_effort holds; by default if it is there")),
+            ("max_effort", Read("refused below that of the URDF, which alone is enforced")),
+            ("angle_wraparound", Accepted("the URDF says which joints are continuous")),
+            ("has_soft_limits", Refused("write narrower limits of position into the URDF")),
             ("soft_lower_limit", Accepted(SOFT)),
             ("soft_upper_limit", Accepted(SOFT)),
             ("k_position", Accepted(SOFT)),

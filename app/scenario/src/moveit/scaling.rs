@@ -27,20 +27,12 @@ fn factor_of(factor: f64, key: &str, file: &str) -> Result<Option<f64>> {
     if (0.0..=1.0).contains(&factor) {
         return Ok((factor > 0.0).then_some(factor));
     }
-    let condition = format!(
-        "it is {}, a factor is above 0 and at most 1; 0 or none means 1",
-        plain(factor)
-    );
+    let condition = format!("it is {}, a factor is above 0 and at most 1; 0 or none means 1", plain(factor));
     Err(Error::input(file, key, condition))
 }
 
 /// Refuses a factor of a request if a joint has no limit to which it could apply. The place is the file and the key.
-fn check_known(
-    factor: Option<f64>,
-    limits: &[f64],
-    joints: &Joints<'_>,
-    [file, key]: [&str; 2],
-) -> Result<()> {
+fn check_known(factor: Option<f64>, limits: &[f64], joints: &Joints<'_>, [file, key]: [&str; 2]) -> Result<()> {
     let without = limits.iter().position(|most| most.is_infinite());
     let (Some(factor), Some(joint)) = (factor.filter(|factor| *factor < 1.0), without) else {
         return Ok(());
@@ -63,10 +55,7 @@ impl Scaled {
         kept: Option<&Kept>,
         notes: &mut LoadReport,
     ) -> Result<Self> {
-        let keys = [
-            "max_velocity_scaling_factor",
-            "max_acceleration_scaling_factor",
-        ];
+        let keys = ["max_velocity_scaling_factor", "max_acceleration_scaling_factor"];
         let velocity = factor_of(request.max_velocity_scaling_factor, keys[0], file)?;
         let acceleration = factor_of(request.max_acceleration_scaling_factor, keys[1], file)?;
         let limits = limits.map(|path| JointLimitsFile::load(path, &joints.moving));
@@ -84,9 +73,7 @@ impl Scaled {
         let or_none = |most: &Option<f64>| most.unwrap_or(f64::INFINITY);
         let of_robot = joints.moving.iter().map(|joint| joint.limits().velocity);
         let both = of_robot.zip(&velocities);
-        let fastest: Vec<_> = both
-            .map(|(of_robot, most)| (share * of_robot).min(or_none(most)))
-            .collect();
+        let fastest: Vec<_> = both.map(|(of_robot, most)| (share * of_robot).min(or_none(most))).collect();
         let hardest: Vec<_> = accelerations.iter().map(or_none).collect();
         check_known(velocity, &fastest, joints, [file, keys[0]])?;
         check_known(acceleration, &hardest, joints, [file, keys[1]])?;
@@ -95,10 +82,7 @@ impl Scaled {
             acceleration: hardest,
             slowness: slowness(joints, model, kept),
             enforced: EnforcedLimits {
-                velocity: Enforced::Share {
-                    share,
-                    joints: None,
-                },
+                velocity: Enforced::Share { share, joints: None },
                 max_velocity: each(velocities),
                 acceleration: each(accelerations),
                 jerk: each(jerks),
@@ -116,10 +100,7 @@ impl Scaled {
             Target::Poses(_) => (&vec![0.0; n], &vec![PI; n]),
         };
         let least = slowest(start, goal, |i| self.velocity[i]).map_or(0.0, |(_, time)| time);
-        let ways = start
-            .iter()
-            .zip(goal)
-            .map(|(start, goal)| (goal - start).abs());
+        let ways = start.iter().zip(goal).map(|(start, goal)| (goal - start).abs());
         let (mut of_link, mut to_and_from_rest) = (0.0, 0.0_f64);
         for (i, way) in ways.enumerate() {
             of_link += way * self.slowness[i];
@@ -140,21 +121,14 @@ fn slowness(joints: &Joints<'_>, model: &Model, kept: Option<&Kept>) -> Vec<f64>
     let Some(speed) = kept.and_then(|kept| kept.speed.as_ref()) else {
         return vec![0.0; joints.moving.len()];
     };
-    let frame = model
-        .frames()
-        .iter()
-        .find(|frame| frame.name == speed.frame);
+    let frame = model.frames().iter().find(|frame| frame.name == speed.frame);
     let lengths = model.joints().iter().map(|joint| {
         let slides = joint.kind() == JointKind::Prismatic;
         let ends = [joint.limits().lower, joint.limits().upper].map(f64::abs);
-        let farthest = ends
-            .into_iter()
-            .filter(|_| slides)
-            .filter(|end| end.is_finite());
+        let farthest = ends.into_iter().filter(|_| slides).filter(|end| end.is_finite());
         joint.origin().translation.norm() + farthest.fold(0.0, f64::max)
     });
-    let reach =
-        lengths.sum::<f64>() + frame.map_or(0.0, |frame| frame.placement.translation.norm());
+    let reach = lengths.sum::<f64>() + frame.map_or(0.0, |frame| frame.placement.translation.norm());
     let of = |joint: &&aghf::model::Joint<f64>| match joint.kind() {
         JointKind::Prismatic => 1.0 / speed.most_m_s,
         JointKind::Revolute | JointKind::Continuous => reach / speed.most_m_s,

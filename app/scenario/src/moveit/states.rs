@@ -45,9 +45,7 @@ impl<'a> Joints<'a> {
         for joint in model.joints() {
             let name = joint.name();
             let Some([q, v]) = states.iter().find_map(|state| state.0.get(name)) else {
-                return Err(format!(
-                    "joint '{name}' of the robot is neither there nor in the scene"
-                ));
+                return Err(format!("joint '{name}' of the robot is neither there nor in the scene"));
             };
             if !planned.contains(name) {
                 if *v != 0.0 {
@@ -78,15 +76,8 @@ pub(super) struct States(pub BTreeMap<String, [f64; 2]>);
 impl States {
     /// Reads a state. Joints that the robot lacks, such as the wheels of its base, are noted. `key` is the position of
     /// the state in `file`.
-    pub fn of(
-        state: &RobotState,
-        model: &Model,
-        [file, key]: [&str; 2],
-        notes: &mut LoadReport,
-    ) -> Result<Self> {
-        let refuse = |what: &str, condition: String| {
-            Err(Error::input(file, format!("{key}.{what}"), condition))
-        };
+    pub fn of(state: &RobotState, model: &Model, [file, key]: [&str; 2], notes: &mut LoadReport) -> Result<Self> {
+        let refuse = |what: &str, condition: String| Err(Error::input(file, format!("{key}.{what}"), condition));
         let joints = &state.joint_state;
         let count = joints.name.len();
         if count != joints.position.len() {
@@ -111,9 +102,7 @@ impl States {
         let values = joints.position.iter().zip(velocities);
         for (i, (name, (q, v))) in joints.name.iter().zip(values).enumerate() {
             if !has_joint(model, name) {
-                let note = LoadNote::Missing {
-                    joint: name.clone(),
-                };
+                let note = LoadNote::Missing { joint: name.clone() };
                 if !notes.contains(&note) {
                     notes.push(note);
                 }
@@ -135,15 +124,8 @@ fn goal_near(joint: &Joint<f64>, goal: f64, start: f64, notes: &mut LoadReport) 
     let near = nearest_turn(goal, start, [f64::NEG_INFINITY, f64::INFINITY]);
     if near != goal {
         let turns = plain(((near - goal) / TAU).round());
-        let unit = if ["1", "-1"].contains(&turns.as_str()) {
-            "turn"
-        } else {
-            "turns"
-        };
-        notes.push(LoadNote::Turned {
-            joint: joint.name().to_owned(),
-            by: format!("{turns} {unit}"),
-        });
+        let unit = if ["1", "-1"].contains(&turns.as_str()) { "turn" } else { "turns" };
+        notes.push(LoadNote::Turned { joint: joint.name().to_owned(), by: format!("{turns} {unit}") });
     }
     near
 }
@@ -156,10 +138,7 @@ fn within_limits(joint: &Joint<f64>, position: f64, notes: &mut LoadReport) -> f
     if by == 0.0 || by > ROUNDING {
         return position;
     }
-    notes.push(LoadNote::AtLimit {
-        joint: joint.name().to_owned(),
-        by: format!("{by:.1e}"),
-    });
+    notes.push(LoadNote::AtLimit { joint: joint.name().to_owned(), by: format!("{by:.1e}") });
     inside
 }
 

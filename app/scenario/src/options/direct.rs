@@ -69,10 +69,7 @@ impl DirectOptions {
             default.starts = PASSIVE_STARTS;
             default.iterations = PASSIVE_ITERATIONS;
             default.start_amplitude = DirectSettings::default().start_amplitude;
-        } else if !scenario.limits_are_enforced()
-            && !scenario.keeps_links_clear()
-            && scenario.foot().is_none()
-        {
+        } else if !scenario.limits_are_enforced() && !scenario.keeps_links_clear() && scenario.foot().is_none() {
             // With limits, links that keep clear of each other, or a foot there are few minima; without them there are
             // many.
             default.starts = starts_of(scenario.model.dof());
@@ -94,10 +91,7 @@ impl DirectOptions {
             // A straight line through an obstacle rarely leads around it within equalities.
             default.planned_starts = PlannedStarts::First;
         }
-        let compares_ends = matches!(
-            scenario.file.objective.preset(),
-            Some(Preset::LeastTime | Preset::Balanced)
-        );
+        let compares_ends = matches!(scenario.file.objective.preset(), Some(Preset::LeastTime | Preset::Balanced));
         if scenario.goal.is_some() && !compares_ends {
             default.starts = default.starts.max(GOAL_STARTS);
         }
@@ -107,10 +101,7 @@ impl DirectOptions {
             degree_tolerance: self.degree_tolerance,
             tolerance: self.tolerance.unwrap_or(default.tolerance),
             starts: self.starts.unwrap_or(default.starts),
-            search: SearchOptions {
-                reserve: self.reserve.unwrap_or(RESERVE),
-                ..default.search.clone()
-            },
+            search: SearchOptions { reserve: self.reserve.unwrap_or(RESERVE), ..default.search.clone() },
             seed: self.seed.unwrap_or(default.seed),
             planned_starts: self.planned_starts.unwrap_or(default.planned_starts),
             time_limit: time_limit(self.time_limit_s)?,

@@ -101,9 +101,7 @@ impl SolveOptions {
         let value = match self {
             Self::Direct(options) => serde_json::to_value(options),
             Self::Flow(options) => serde_json::to_value(options),
-            Self::Rest(options) | Self::Duals(options) | Self::TwoPhases(options) => {
-                serde_json::to_value(options)
-            }
+            Self::Rest(options) | Self::Duals(options) | Self::TwoPhases(options) => serde_json::to_value(options),
         };
         match value {
             Ok(Value::Object(keys)) => Ok(keys.into_iter().filter(|(_, v)| !v.is_null()).collect()),
@@ -135,9 +133,7 @@ impl SolveOptions {
             Self::Flow(options) => Self::Flow(options.in_full(scenario)?),
             Self::Rest(options) => Self::Rest(options.in_full(scenario, Method::Rest)?),
             Self::Duals(options) => Self::Duals(options.in_full(scenario, Method::Duals)?),
-            Self::TwoPhases(options) => {
-                Self::TwoPhases(options.in_full(scenario, Method::TwoPhases)?)
-            }
+            Self::TwoPhases(options) => Self::TwoPhases(options.in_full(scenario, Method::TwoPhases)?),
         })
     }
 
@@ -212,10 +208,7 @@ fn time_limit(seconds: Option<f64>) -> Result<Option<Duration>> {
     let longest = SolveOptions::LONGEST_TIME_LIMIT_S;
     match seconds {
         Some(s) if !(0.0..=longest).contains(&s) => {
-            let condition = format!(
-                "it is {}, at least 0 and at most {longest} s is needed",
-                plain(s)
-            );
+            let condition = format!("it is {}, at least 0 and at most {longest} s is needed", plain(s));
             Err(Error::input("options", "time_limit_s", condition))
         }
         seconds => Ok(seconds.map(Duration::from_secs_f64)),

@@ -40,11 +40,7 @@ impl RestOptions {
         } else {
             (PASSIVE_BASIS, PASSIVE_STARTS)
         };
-        let tolerance = if scenario.is_free() {
-            default.tolerance
-        } else {
-            DirectSettings::constrained().tolerance
-        };
+        let tolerance = if scenario.is_free() { default.tolerance } else { DirectSettings::constrained().tolerance };
         Ok(RestSettings {
             degree: self.degree.unwrap_or(basis.0),
             segments: self.segments.unwrap_or(basis.1),

@@ -63,10 +63,7 @@ fn motion(degree: usize, segments: usize, rng: &mut impl Rng) -> Curve {
     let at = move |i: usize, t: f64| {
         let way = TO[i] - FROM[i];
         let rise = t.powi(3) * (10.0 - 15.0 * t + 6.0 * t * t);
-        let (bump, rate) = (
-            (t * (1.0 - t)).powi(3),
-            3.0 * (t * (1.0 - t)).powi(2) * (1.0 - 2.0 * t),
-        );
+        let (bump, rate) = ((t * (1.0 - t)).powi(3), 3.0 * (t * (1.0 - t)).powi(2) * (1.0 - 2.0 * t));
         let v = way * 30.0 * (t * (1.0 - t)).powi(2) + bumps[i] * rate;
         [FROM[i] + way * rise + bumps[i] * bump, v]
     };
@@ -127,8 +124,7 @@ fn case(scenario: &Scenario, curve: &Curve) -> Option<Case> {
         scenario: serde_json::to_value(&scenario.file).expect("it is JSON"),
         run: run(&written(scenario, curve)),
         certificate: serde_json::to_value(found.certificate?).expect("it is JSON"),
-        folder: Path::new(env!("CARGO_TARGET_TMPDIR"))
-            .join(format!("attacks_{}", std::process::id())),
+        folder: Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("attacks_{}", std::process::id())),
     })
 }
 
@@ -175,10 +171,8 @@ fn numbers<'a>(value: &'a mut Value, into: &mut Vec<&'a mut Value>) {
 /// Changes a number of the scenario, or a key.
 fn attack_scenario(scenario: &mut Value, rng: &mut impl Rng) {
     let keys = scenario.as_object().expect("an object").keys();
-    let keys: Vec<String> = keys
-        .filter(|key| !["flow", "feedback", "robot"].contains(&key.as_str()))
-        .cloned()
-        .collect();
+    let keys: Vec<String> =
+        keys.filter(|key| !["flow", "feedback", "robot"].contains(&key.as_str())).cloned().collect();
     let key = keys.choose(rng).expect("there are some").clone();
     match rng.random_range(0..8) {
         0 if key != "horizon_s" => drop(scenario.as_object_mut().map(|all| all.remove(&key))),
@@ -187,9 +181,7 @@ fn attack_scenario(scenario: &mut Value, rng: &mut impl Rng) {
             "from_s": rng.random_range(0.0..0.9) }])
         }
         2 => scenario["enforced_limits"]["jerk"] = json!(rng.random_range(20.0..90.0)),
-        3 => {
-            scenario["payload"] = json!({ "link": "fore", "mass_kg": rng.random_range(1.0..90.0) })
-        }
+        3 => scenario["payload"] = json!({ "link": "fore", "mass_kg": rng.random_range(1.0..90.0) }),
         _ => {
             let mut all = Vec::new();
             numbers(&mut scenario[&key], &mut all);
@@ -210,10 +202,7 @@ fn attack_robot(robot: &mut String, rng: &mut impl Rng) {
         ("radius=\"0.01\"", "radius=\"0.3\""),
         ("<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 1 0\"/>"),
         ("<origin xyz=\"0.5 0 0\"/>", "<origin xyz=\"0.5 0 0.2\"/>"),
-        (
-            "<child link=\"fore\"/>",
-            "<child link=\"fore\"/><mimic joint=\"shoulder\"/>",
-        ),
+        ("<child link=\"fore\"/>", "<child link=\"fore\"/><mimic joint=\"shoulder\"/>"),
         ("type=\"prismatic\"", "type=\"revolute\""),
         ("izz=\"0.02\"", "izz=\"20\""),
     ][rng.random_range(0..10)];
@@ -244,11 +233,7 @@ fn attack_motion(run: &mut Value, rng: &mut impl Rng) {
     rates[0] *= 0.5;
     for (k, c) in bump.iter().enumerate() {
         rows[i][k] = json!(rows[i][k].as_f64().unwrap_or_default() + size * c);
-        let rate = if slips {
-            0.0
-        } else {
-            size * rates[k] * 2.0 * segments as f64 / horizon
-        };
+        let rate = if slips { 0.0 } else { size * rates[k] * 2.0 * segments as f64 / horizon };
         rows[3 + i][k] = json!(rows[3 + i][k].as_f64().unwrap_or_default() + rate);
     }
 }
@@ -256,11 +241,7 @@ fn attack_motion(run: &mut Value, rng: &mut impl Rng) {
 /// The promises of a scenario in the order of the format.
 fn promises(scenario: &Scenario) -> Vec<&'static str> {
     let joints = 0..scenario.model.dof();
-    let is_limited = |limit| {
-        joints
-            .clone()
-            .any(|joint| scenario.bound(limit, joint).is_some())
-    };
+    let is_limited = |limit| joints.clone().any(|joint| scenario.bound(limit, joint).is_some());
     let file = &scenario.file;
     let pairs = scenario.scene.robot().tree_pairs(&[]).len();
     let all = [
@@ -274,10 +255,7 @@ fn promises(scenario: &Scenario) -> Vec<&'static str> {
         ("obstacles", !file.obstacles.is_empty()),
         ("self_collision", scenario.keeps_links_clear() && pairs > 0),
     ];
-    all.into_iter()
-        .filter(|(_, is_promised)| *is_promised)
-        .map(|(name, _)| name)
-        .collect()
+    all.into_iter().filter(|(_, is_promised)| *is_promised).map(|(name, _)| name).collect()
 }
 
 /// Claims that fit anything, of the promises and the keys of a scenario.
@@ -288,9 +266,7 @@ fn attack_certificate(case: &mut Case, scenario: &Scenario, rng: &mut impl Rng) 
     let claims = vec![claim; promises.len()];
     certificate["promises"] = json!(promises);
     if rng.random_range(0..2) == 0 {
-        let segments = case.run["curve"]["coefficients"]
-            .as_array()
-            .map_or(0, Vec::len);
+        let segments = case.run["curve"]["coefficients"].as_array().map_or(0, Vec::len);
         let halves = 1 << rng.random_range(2..5);
         let interval = |e: usize, k: usize| {
             let [from, to] = [k, k + 1].map(|k| -1.0 + 2.0 * k as f64 / f64::from(halves));
@@ -314,36 +290,16 @@ fn attack_certificate(case: &mut Case, scenario: &Scenario, rng: &mut impl Rng) 
     let listed = certificate["keys"].as_object_mut().expect("an object");
     let by_default = ["continuity", "enforced_limits", "self_collision"];
     listed.retain(|key, _| keys.get(key).is_some() || by_default.contains(&key.as_str()));
-    for key in ["keep", "payload"]
-        .into_iter()
-        .filter(|key| keys.get(*key).is_some())
-    {
-        listed.insert(
-            key.to_owned(),
-            json!(if key == "keep" { "proved" } else { "assumed" }),
-        );
+    for key in ["keep", "payload"].into_iter().filter(|key| keys.get(*key).is_some()) {
+        listed.insert(key.to_owned(), json!(if key == "keep" { "proved" } else { "assumed" }));
     }
     let [shortest, longest] = scenario.file.horizon_bounds();
-    listed.insert(
-        "horizon_s".to_owned(),
-        json!(if shortest < longest {
-            "no promise"
-        } else {
-            "proved"
-        }),
-    );
+    listed.insert("horizon_s".to_owned(), json!(if shortest < longest { "no promise" } else { "proved" }));
     let asked = |is_asked: bool| json!(if is_asked { "proved" } else { "no promise" });
-    listed.insert(
-        "self_collision".to_owned(),
-        asked(scenario.keeps_links_clear()),
-    );
+    listed.insert("self_collision".to_owned(), asked(scenario.keeps_links_clear()));
     if rng.random_range(0..10) == 0 {
-        let key =
-            ["self_collision", "enforced_limits", "obstacles", "q_goal"][rng.random_range(0..4)];
-        listed.insert(
-            key.to_owned(),
-            json!(["no promise", "proved", "assumed"][rng.random_range(0..3)]),
-        );
+        let key = ["self_collision", "enforced_limits", "obstacles", "q_goal"][rng.random_range(0..4)];
+        listed.insert(key.to_owned(), json!(["no promise", "proved", "assumed"][rng.random_range(0..3)]));
     }
 }
 
@@ -389,12 +345,6 @@ fn motions_that_break_a_promise_are_not_certified() {
     }
     let proofs = reasons.get("not proved").copied().unwrap_or_default();
     // Most attacks break a promise, and most of these are refused because a bound is not proved, not for their form.
-    assert!(
-        3 * broken > count,
-        "{broken} of {count} attacks break a promise"
-    );
-    assert!(
-        2 * proofs > broken as usize,
-        "{proofs} of {broken}: {reasons:?}"
-    );
+    assert!(3 * broken > count, "{broken} of {count} attacks break a promise");
+    assert!(2 * proofs > broken as usize, "{proofs} of {broken}: {reasons:?}");
 }

@@ -49,9 +49,7 @@ impl Case {
         let curve = smooth();
         let times = vec![0.5; scenario.waypoints.len()];
         let certification = certified(scenario, &curve, &times, tube).expect("it is of this robot");
-        let certificate = certification
-            .certificate
-            .unwrap_or_else(|| panic!("{:?}", certification.failures));
+        let certificate = certification.certificate.unwrap_or_else(|| panic!("{:?}", certification.failures));
         Self {
             robot: scenario.source.text.to_string(),
             scenario: serde_json::to_value(&scenario.file).expect("it is JSON"),
@@ -83,10 +81,7 @@ fn certificates_are_accepted() {
         Ok("horizon, ends, position, velocity, acceleration, jerk, torque, keep, stand, obstacles, self_collision"
             .to_owned())
     );
-    for shape in [
-        json!("joint_frames"),
-        json!({ "swept_links": { "radius_m": 0.004, "spacing_m": 0.05 } }),
-    ] {
+    for shape in [json!("joint_frames"), json!({ "swept_links": { "radius_m": 0.004, "spacing_m": 0.05 } })] {
         let keys = json!({ "robot_shape": shape, "self_collision": "off", "passive": ["shoulder"],
             "enforced_limits": {},
             "obstacles": [{ "shape": { "capsule": { "radius_m": 0.1, "length_m": 0.3 } },
@@ -94,12 +89,7 @@ fn certificates_are_accepted() {
                 { "shape": { "cylinder": { "radius_m": 0.1, "length_m": 0.3 } },
                 "pose": { "position_m": [0.0, -0.3, 0.3] } }] });
         let case = Case::new("accepted by points", keys);
-        assert!(
-            case.check()
-                .is_ok_and(|report| report.contains("not certified: passive")),
-            "{:?}",
-            case.check()
-        );
+        assert!(case.check().is_ok_and(|report| report.contains("not certified: passive")), "{:?}", case.check());
     }
 }
 
@@ -125,19 +115,11 @@ fn tubes_are_checked() {
         "length_m": 0.3 } }, "pose": { "position_m": [0.0, 0.3, 0.3] } }] });
     let case = Case::in_tube(&scenario("tubes", keys), 1e-3);
     let report = case.check();
-    assert!(
-        report
-            .as_ref()
-            .is_ok_and(|report| report.contains("within 0.001")),
-        "{report:?}"
-    );
+    assert!(report.as_ref().is_ok_and(|report| report.contains("within 0.001")), "{report:?}");
     for wrong in [json!(null), json!("x"), json!(-1e-3), json!(10)] {
         let mut certificate = case.certificate.clone();
         certificate["tracking_error"] = wrong.clone();
-        assert!(
-            case.check_text(&certificate.to_string()).is_err(),
-            "{wrong}"
-        );
+        assert!(case.check_text(&certificate.to_string()).is_err(), "{wrong}");
     }
 }
 
@@ -150,10 +132,7 @@ fn other_robots_scenarios_and_runs_are_refused() {
         assert!(found.contains(why), "{found}");
     };
     let text = good().certificate.to_string();
-    for (i, why) in ["another robot", "another scenario", "another motion"]
-        .iter()
-        .enumerate()
-    {
+    for (i, why) in ["another robot", "another scenario", "another motion"].iter().enumerate() {
         let mut case = good();
         match i {
             0 => case.robot.push('\n'),
@@ -164,16 +143,13 @@ fn other_robots_scenarios_and_runs_are_refused() {
         assert!(found.contains(why), "{found}");
     }
     // With its own hash the torques are not what is claimed.
-    let keys =
-        json!({ "payload": { "link": "fore", "mass_kg": 0.05, "center_m": [0.4, 0.0, 0.1] } });
+    let keys = json!({ "payload": { "link": "fore", "mass_kg": 0.05, "center_m": [0.4, 0.0, 0.1] } });
     let (mut case, lighter) = (good(), Case::new("lighter", keys));
     case.certificate = lighter.certificate;
     refused(case, "torque of joint");
-    for (key, value) in [
-        ("q_goal", json!([0.5, -0.3, 1.400_001])),
-        ("horizon_s", json!(1.1)),
-        ("goal", json!([{ "frame": "fore" }])),
-    ] {
+    for (key, value) in
+        [("q_goal", json!([0.5, -0.3, 1.400_001])), ("horizon_s", json!(1.1)), ("goal", json!([{ "frame": "fore" }]))]
+    {
         let mut case = good();
         case.scenario[key] = value;
         assert!(case.check().is_err(), "{key}");
@@ -200,15 +176,7 @@ fn change(value: &mut Value, by: impl FnOnce(f64) -> f64) {
 }
 
 /// Keys with one right value each.
-const KEYS: [&str; 7] = [
-    "robot_sha256",
-    "complete",
-    "format",
-    "scenario_sha256",
-    "run_sha256",
-    "keys",
-    "meshes",
-];
+const KEYS: [&str; 7] = ["robot_sha256", "complete", "format", "scenario_sha256", "run_sha256", "keys", "meshes"];
 
 /// Changes one thing of a certificate to something wrong.
 fn spoil(certificate: &mut Value, rng: &mut impl Rng) -> String {
@@ -260,9 +228,7 @@ fn spoil(certificate: &mut Value, rng: &mut impl Rng) -> String {
         }
         10 => {
             let key = KEYS[rng.random_range(0..KEYS.len())];
-            certificate[key] = [json!(null), json!(1e-8), json!("x"), json!(["x"])]
-                [rng.random_range(0..4)]
-            .clone();
+            certificate[key] = [json!(null), json!(1e-8), json!("x"), json!(["x"])][rng.random_range(0..4)].clone();
         }
         _ => certificate["intervals"][i][3][rng.random_range(0..9)] = json!(null),
     }
@@ -285,11 +251,8 @@ fn wrong_certificates_are_refused() {
         let end = rng.random_range(0..text.len());
         assert!(case.check_text(&text[..end]).is_err(), "cut at {end}");
     }
-    for wrong in [
-        text.replacen("1.0", "NaN", 1),
-        text.replacen("-1.0", "-1e999", 1),
-        text.replacen("[0,", "[true,", 1),
-    ] {
+    for wrong in [text.replacen("1.0", "NaN", 1), text.replacen("-1.0", "-1e999", 1), text.replacen("[0,", "[true,", 1)]
+    {
         assert!(wrong != text && case.check_text(&wrong).is_err());
     }
 }
@@ -297,11 +260,7 @@ fn wrong_certificates_are_refused() {
 /// A reserve that overflows beside a bound proves nothing. The last two reserves are those of clearances.
 #[test]
 fn huge_reserves_are_refused() {
-    for (huge, why) in [
-        (f64::MAX, "reserve"),
-        (1.1, "reserve"),
-        (1.0, "position of joint"),
-    ] {
+    for (huge, why) in [(f64::MAX, "reserve"), (1.1, "reserve"), (1.0, "position of joint")] {
         let mut case = Case::new("huge", json!({}));
         assert!(case.check().is_ok());
         for interval in entries(&mut case.certificate["intervals"]) {

@@ -49,26 +49,16 @@ fn run(curve: &CurveFile) -> Value {
 }
 
 /// The certification of a curve that passes waypoints at these times, in a tube.
-fn certified(
-    scenario: &Scenario,
-    curve: &Curve,
-    times: &[f64],
-    tube: f64,
-) -> aghf::error::Result<Certification> {
+fn certified(scenario: &Scenario, curve: &Curve, times: &[f64], tube: f64) -> aghf::error::Result<Certification> {
     let curve = written(scenario, curve);
     let full = serde_json::to_string(&scenario.file).expect("it is JSON");
-    let texts = Texts {
-        scenario: &[&full],
-        run: &run(&curve).to_string(),
-    };
+    let texts = Texts { scenario: &[&full], run: &run(&curve).to_string() };
     certify(scenario, &curve, texts, times, tube)
 }
 
 /// A scenario of the gantry with a box, a cylinder and a capsule, a load, and these obstacles.
 fn shaped(test: &str, obstacles: Value) -> Scenario {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("certify")
-        .join(test);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("certify").join(test);
     std::fs::create_dir_all(&folder).expect("the folder is writable");
     let keys = json!({ "self_collision": { "ignored_pairs": [] },
         "payload": { "link": "fore", "mass_kg": 0.1, "shape": { "cylinder": { "radius_m": 0.01, "length_m": 0.04 } },
@@ -84,11 +74,7 @@ fn shaped(test: &str, obstacles: Value) -> Scenario {
            </collision>"#
     );
     let urdf = (balls.source.text)
-        .replacen(
-            r#"<sphere radius="0.01"/>"#,
-            r#"<box size="0.1 0.06 0.04"/>"#,
-            1,
-        )
+        .replacen(r#"<sphere radius="0.01"/>"#, r#"<box size="0.1 0.06 0.04"/>"#, 1)
         .replace(r#"<link name="upper">"#, &cylinder)
         .replace(r#"<link name="fore">"#, &capsule);
     std::fs::write(folder.join("gantry.urdf"), urdf).expect("the folder is writable");

@@ -15,26 +15,16 @@ fn accelerations_at_rest_and_slipping_velocities_are_refused() {
     for (continuity, failures) in [("acceleration", 2), ("velocity", 0)] {
         let keys = json!({ "continuity": continuity });
         let found = certified(&scenario("rest", keys), &pushed, &[], 0.0).expect("three joints");
-        let rests = found
-            .failures
-            .iter()
-            .filter(|f| f.promise.starts_with("rest at"));
+        let rests = found.failures.iter().filter(|f| f.promise.starts_with("rest at"));
         assert_eq!((found.failures.len(), rests.count()), (failures, failures));
     }
     let slipping = curve(3, 8, 1.0, |i, t| {
         let (way, rise) = (TO[i] - FROM[i], t.powi(3) * (10.0 - 15.0 * t + 6.0 * t * t));
-        [
-            FROM[i] + way * rise,
-            way * 30.0 * (t * (1.0 - t)).powi(2) + 1e-8 * (t * (1.0 - t)),
-        ]
+        [FROM[i] + way * rise, way * 30.0 * (t * (1.0 - t)).powi(2) + 1e-8 * (t * (1.0 - t))]
     });
     let scenario = scenario("slip", json!({}));
     let found = certified(&scenario, &slipping, &[], 0.0).expect("three joints");
-    assert!(
-        found.failures[0].promise.contains("rate of the position"),
-        "{:?}",
-        found.failures
-    );
+    assert!(found.failures[0].promise.contains("rate of the position"), "{:?}", found.failures);
 }
 
 /// A window of time that no time of the motion is in promises nothing.
@@ -43,12 +33,5 @@ fn windows_after_the_motion_are_refused() {
     let keep = json!([{ "speed": { "frame": "carriage", "most_m_s": 1e-3 }, "from_s": 2.0 }]);
     let keys = json!({ "keep": keep, "free_horizon": { "shortest_s": 0.5, "longest_s": 5.0 } });
     let found = certified(&scenario("window", keys), &smooth(), &[], 0.0).expect("three joints");
-    assert!(
-        found
-            .failures
-            .iter()
-            .any(|f| f.promise.starts_with("keep[0]")),
-        "{:?}",
-        found.failures
-    );
+    assert!(found.failures.iter().any(|f| f.promise.starts_with("keep[0]")), "{:?}", found.failures);
 }

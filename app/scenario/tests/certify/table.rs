@@ -19,8 +19,7 @@ fn table() -> Trajectory {
 
 fn differences(table: &Trajectory) -> Vec<TableDifference> {
     let scenario = scenario("table", json!({}));
-    table_differences(&scenario, &written(&scenario, &smooth()), table)
-        .expect("it is of this robot")
+    table_differences(&scenario, &written(&scenario, &smooth()), table).expect("it is of this robot")
 }
 
 /// The motion is of degree five, so that quintics have no error, and cubics one of $h^4 \max |q^{(4)}| / 384$, straight
@@ -31,21 +30,13 @@ fn errors_of_interpolation_are_those_of_the_book() {
         panic!("there are three");
     };
     assert_eq!([line.degree, cubic.degree, quintic.degree], [1, 3, 5]);
-    assert!(
-        quintic.position < 1e-12 && quintic.velocity < 1e-9,
-        "{quintic:?}"
-    );
-    let way = FROM
-        .iter()
-        .zip(TO)
-        .map(|(from, to)| (to - from).abs())
-        .fold(0.0, f64::max);
+    assert!(quintic.position < 1e-12 && quintic.velocity < 1e-9, "{quintic:?}");
+    let way = FROM.iter().zip(TO).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max);
     let h = 1.0 / INTERVALS as f64;
     // Of 10 t^3 - 15 t^4 + 6 t^5: the fourth derivative at an end, the second one at 0.2113.
-    for (found, most) in [
-        (cubic.position, h.powi(4) / 384.0 * 360.0 * way),
-        (line.position, h.powi(2) / 8.0 * 5.7735 * way),
-    ] {
+    for (found, most) in
+        [(cubic.position, h.powi(4) / 384.0 * 360.0 * way), (line.position, h.powi(2) / 8.0 * 5.7735 * way)]
+    {
         assert!(found < most && found > 0.8 * most, "{found} of {most}");
     }
 }
@@ -60,14 +51,8 @@ fn moved_samples_are_seen() {
         let by = 10.0_f64.powf(rng.random_range(-6.0..1.0));
         table.q[rng.random_range(0..=INTERVALS)][rng.random_range(0..3)] += by;
         for (found, exact) in differences(&table).iter().zip(&exact) {
-            assert!(
-                found.position >= by - exact.position - 1e-12,
-                "{found:?} by {by}"
-            );
-            assert!(
-                found.position <= 1.1 * by + exact.position,
-                "{found:?} by {by}"
-            );
+            assert!(found.position >= by - exact.position - 1e-12, "{found:?} by {by}");
+            assert!(found.position <= 1.1 * by + exact.position, "{found:?} by {by}");
         }
     }
     let mut longer = table();
@@ -80,10 +65,7 @@ fn moved_samples_are_seen() {
 #[test]
 fn tables_name_their_run() {
     let hash = "ab".repeat(32);
-    assert_eq!(
-        named_run(&format!("# {NAME}{hash}\nt,q\n")),
-        Some(hash.as_str())
-    );
+    assert_eq!(named_run(&format!("# {NAME}{hash}\nt,q\n")), Some(hash.as_str()));
     assert_eq!(named_run(&format!("# {NAME}xyz\nt,q\n")), None);
     assert_eq!(named_run("t,q\n"), None);
 }

@@ -6,8 +6,7 @@ use aghf::dynamics::{Data, bias, crba};
 use aghf::model::Model;
 use aghf::urdf::Mimic;
 use aghf_scenario::{
-    EnforcedLimits, LoadOptions, Objective, ObjectiveWeights, PerJoint, Scenario, Units, generate,
-    generate_for,
+    EnforcedLimits, LoadOptions, Objective, ObjectiveWeights, PerJoint, Scenario, Units, generate, generate_for,
 };
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
@@ -36,11 +35,7 @@ fn motion(scenario: &Scenario, bend: &[f64]) -> Vec<State> {
             sum(&|t, k| t.powi(k)),
             sum(&|t, k| if k > 0 { real(k) * t.powi(k - 1) } else { 0.0 }),
             sum(&|t, k| {
-                if k > 1 {
-                    real(k * (k - 1)) * t.powi(k - 2)
-                } else {
-                    0.0
-                }
+                if k > 1 { real(k * (k - 1)) * t.powi(k - 2) } else { 0.0 }
             }),
         ]
     };
@@ -76,10 +71,7 @@ fn shares(model: &Model, motion: &[State]) -> [f64; 2] {
             let torque = (inertial + rest[i]).abs() / limits.effort;
             let inside = (limits.lower..=limits.upper).contains(&q[i]);
             let speed = if inside { v[i].abs() } else { f64::INFINITY };
-            shares = [
-                shares[0].max(speed / limits.velocity),
-                shares[1].max(torque),
-            ];
+            shares = [shares[0].max(speed / limits.velocity), shares[1].max(torque)];
         }
     }
     shares
@@ -101,19 +93,15 @@ fn every_horizon_is_the_least_and_some_more() {
         for seed in 1..=SEEDS {
             let Scenario { file, model, .. } = load(family, seed);
             let ways = file.q_start.iter().zip(&file.q_goal).zip(model.joints());
-            let least = ways
-                .map(|((start, goal), joint)| (goal - start).abs() / joint.limits().velocity)
-                .fold(0.0, f64::max);
+            let least =
+                ways.map(|((start, goal), joint)| (goal - start).abs() / joint.limits().velocity).fold(0.0, f64::max);
             let longer = file.horizon_s - (1.3 * least).max(0.5);
             assert!((-1e-12..=1e-3).contains(&longer), "{family} {seed}");
             let rest = vec![0.0; model.dof()];
             assert_eq!([&file.v_start, &file.v_goal], [&rest; 2]);
             assert_eq!(file.enforced_limits, EnforcedLimits::default());
-            let weights = ObjectiveWeights {
-                units: Units::Si,
-                acceleration: PerJoint::Same(0.1),
-                ..ObjectiveWeights::default()
-            };
+            let weights =
+                ObjectiveWeights { units: Units::Si, acceleration: PerJoint::Same(0.1), ..ObjectiveWeights::default() };
             assert_eq!(file.objective, Objective::Weights(weights));
         }
     }
@@ -152,9 +140,8 @@ fn around_an_obstacle_there_is_a_motion_within_all_limits() {
         // A bend of the line, found anew.
         let rng = &mut ChaCha8Rng::seed_from_u64(seed);
         let found = (0..20_000).any(|_| {
-            let bend: Vec<f64> = (0..n)
-                .map(|_| rng.random_range(-0.9..0.9) * f64::from(rng.random_range(0..4)) / 3.0)
-                .collect();
+            let bend: Vec<f64> =
+                (0..n).map(|_| rng.random_range(-0.9..0.9) * f64::from(rng.random_range(0..4)) / 3.0).collect();
             let bent = motion(&scenario, &bend);
             let coarse: Vec<State> = bent.iter().step_by(20).cloned().collect();
             let good = |motion: &[State]| {
@@ -189,9 +176,7 @@ fn the_families_of_kinova_leave_time_for_the_velocity_limits() {
 #[test]
 fn a_seed_and_a_robot_decide() {
     let robot = |name: &str, robot: &str| {
-        generate_for(name, Some(robot), Mimic::Refuse)
-            .expect("there is such a family")
-            .expect("it can be generated")
+        generate_for(name, Some(robot), Mimic::Refuse).expect("there is such a family").expect("it can be generated")
     };
     let json = |name: &str| {
         let file = generate(name).expect("there is such a family");
@@ -201,15 +186,9 @@ fn a_seed_and_a_robot_decide() {
         assert_eq!(json(&format!("{family}_3")), json(&format!("{family}_03")));
         assert_ne!(json(&format!("{family}_03")), json(&format!("{family}_04")));
     }
-    assert_eq!(
-        Some(robot("limits_03", "kinova_gen3")),
-        generate("limits_03").and_then(Result::ok)
-    );
+    assert_eq!(Some(robot("limits_03", "kinova_gen3")), generate("limits_03").and_then(Result::ok));
     let pendulum = robot("limits_obstacle_01", "pendulum_3");
-    assert_eq!(
-        (&*pendulum.robot, pendulum.q_start.len()),
-        ("pendulum_3", 3)
-    );
+    assert_eq!((&*pendulum.robot, pendulum.q_start.len()), ("pendulum_3", 3));
     assert_eq!(pendulum.obstacles.len(), 1);
     // Without velocity limits, joints are taken to do 3 rad/s.
     let ways = pendulum.q_start.iter().zip(&pendulum.q_goal);
@@ -241,10 +220,7 @@ const LEVER: &str = r#"<robot name="lever"><link name="base"/>
 
 /// For the robot at this path.
 fn for_robot(path: &Path) -> LoadOptions {
-    LoadOptions {
-        robot: Some(path.display().to_string()),
-        ..LoadOptions::default()
-    }
+    LoadOptions { robot: Some(path.display().to_string()), ..LoadOptions::default() }
 }
 
 #[test]
@@ -262,9 +238,7 @@ fn scarce_torques_suffice_on_the_line_and_at_its_ends() {
     }
     // It has no frame but that of its joint.
     let short = generate_for("limits_obstacle_01", urdf.to_str(), Mimic::Refuse);
-    let short = short
-        .expect("there is such a family")
-        .expect_err("it has no link");
+    let short = short.expect("there is such a family").expect_err("it has no link");
     assert!(short.to_string().contains("no link reach"), "{short}");
     assert!(most > 0.8, "the torques are not scarce: {most}");
 }
@@ -286,8 +260,7 @@ fn mimic_joints_move_by_themselves_where_a_scenario_says_so() {
     let urdf = folder.join("crank.urdf");
     std::fs::write(&urdf, MIMIC).expect("the folder is writable");
     let urdf = urdf.to_str().expect("it is text");
-    let made =
-        |mimic| generate_for("limits_02", Some(urdf), mimic).expect("there is such a family");
+    let made = |mimic| generate_for("limits_02", Some(urdf), mimic).expect("there is such a family");
     let refused = made(Mimic::Refuse).expect_err("a joint mimics another");
     assert!(refused.to_string().contains("mimics joint 'crank'"));
     let file = made(Mimic::Independent).expect("it can be generated");
@@ -308,10 +281,7 @@ fn mimic_joints_move_by_themselves_where_a_scenario_says_so() {
     write(&json);
     let error = Scenario::load(path).expect_err("it is refused");
     assert!(error.to_string().contains("mimics joint 'crank'"));
-    let independent = LoadOptions {
-        mimic: Some(Mimic::Independent),
-        ..LoadOptions::default()
-    };
+    let independent = LoadOptions { mimic: Some(Mimic::Independent), ..LoadOptions::default() };
     let forced = Scenario::load_for(path, &independent);
     assert_eq!(forced.expect("it is asked for").file, file);
     json["mimic"] = "sometimes".into();
@@ -327,21 +297,12 @@ fn what_cannot_be_is_refused_by_name() {
         made.expect_err("it cannot be").to_string()
     };
     let own = error("kinova_gap_01", "pendulum_3");
-    assert!(
-        own.contains("kinova_gap") && own.contains("kinova_gen3 alone"),
-        "{own}"
-    );
+    assert!(own.contains("kinova_gap") && own.contains("kinova_gen3 alone"), "{own}");
     let missing = error("limits_01", "nowhere.urdf");
-    assert!(
-        missing.contains("limits_01") && missing.contains("nowhere.urdf"),
-        "{missing}"
-    );
+    assert!(missing.contains("limits_01") && missing.contains("nowhere.urdf"), "{missing}");
     // The torques of Digit's file do not hold it.
     let weak = error("limits_07", "digit_v3_pinned");
-    assert!(
-        weak.contains("seed 7") && weak.contains("hold it at rest"),
-        "{weak}"
-    );
+    assert!(weak.contains("seed 7") && weak.contains("hold it at rest"), "{weak}");
     let named = Scenario::load_for("kinova_free_01", &for_robot(Path::new("pendulum_3")));
     let named = named.expect_err("it names its robot").to_string();
     assert!(named.contains("names its robot"), "{named}");

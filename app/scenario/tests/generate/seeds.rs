@@ -21,9 +21,7 @@ pub static LISTED: LazyLock<Vec<(String, Scenario)>> = LazyLock::new(|| {
 fn clearance(scenario: &Scenario, configurations: &[Vec<f64>]) -> f64 {
     let configurations = configurations.iter().map(Vec::as_slice);
     let smallest = scenario.smallest_clearance(configurations);
-    smallest
-        .expect("it is the robot's")
-        .expect("there are obstacles")
+    smallest.expect("it is the robot's").expect("there are obstacles")
 }
 
 #[test]
@@ -34,25 +32,16 @@ fn every_line_hits_something_between_free_ends() {
         number.is_some_and(|n| n.parse::<u64>().is_ok())
     };
     for (name, scenario) in LISTED.iter().filter(|(name, _)| !without(name)) {
-        let ScenarioFile {
-            q_start, q_goal, ..
-        } = &scenario.file;
+        let ScenarioFile { q_start, q_goal, .. } = &scenario.file;
         let at = |t: f64| -> Vec<f64> {
             let both = q_start.iter().zip(q_goal);
-            both.map(|(start, goal)| start + (goal - start) * t)
-                .collect()
+            both.map(|(start, goal)| start + (goal - start) * t).collect()
         };
         let line: Vec<_> = (0..=100).map(|i| at(f64::from(i) / 100.0)).collect();
         // The generator asks for 2 cm on a coarser grid.
-        assert!(
-            clearance(scenario, &line) < -0.02,
-            "{name}: the line hits nothing"
-        );
+        assert!(clearance(scenario, &line) < -0.02, "{name}: the line hits nothing");
         let ends = [q_start.clone(), q_goal.clone()];
-        assert!(
-            clearance(scenario, &ends) > 0.029,
-            "{name}: an end is not free"
-        );
+        assert!(clearance(scenario, &ends) > 0.029, "{name}: an end is not free");
         assert_eq!(scenario.outside_limits(), Vec::<String>::new(), "{name}");
         names += 1;
     }
@@ -69,11 +58,7 @@ fn the_balls_of_a_scenario_cover_its_links() {
         let [AnyConstraint::Spheres(SphereClearance { balls, .. }), ..] = &constraints[..] else {
             panic!("{name}: {constraints:?}");
         };
-        let Some(RobotShape::SweptLinks {
-            radius_m,
-            spacing_m,
-        }) = scenario.file.robot_shape
-        else {
+        let Some(RobotShape::SweptLinks { radius_m, spacing_m }) = scenario.file.robot_shape else {
             panic!("{name}: the whole robot is meant");
         };
         let mut shared = 0;
@@ -97,14 +82,7 @@ fn the_name_decides() {
     assert_eq!(file("kinova_gap_07"), file("kinova_gap_7"));
     assert_ne!(file("kinova_gap_07"), file("kinova_gap_08"));
     assert!(file("kinova_gap_123456").is_some());
-    for unknown in [
-        "kinova_gap",
-        "kinova_gap_x",
-        "kinova_gap_-1",
-        "kinova_free_01",
-        "_1",
-        "",
-    ] {
+    for unknown in ["kinova_gap", "kinova_gap_x", "kinova_gap_-1", "kinova_free_01", "_1", ""] {
         assert_eq!(file(unknown), None, "{unknown}");
     }
 }

@@ -29,9 +29,7 @@ fn a_thin_obstacle_between_two_samples_is_seen() {
         let worst = row.worst.as_ref().expect("it fails");
         let place = worst.place.as_deref().unwrap_or_default();
         assert!(
-            ["sheet", "wire", "grain"]
-                .iter()
-                .any(|name| place == format!("link 'carriage' and '{name}'")),
+            ["sheet", "wire", "grain"].iter().any(|name| place == format!("link 'carriage' and '{name}'")),
             "{place}"
         );
         // At x = 0.1, 0.6 of the way, 10 s^3 - 15 s^4 + 6 s^5 = 0.6; it is as deep as the middle of the ball is beyond
@@ -53,27 +51,17 @@ fn a_fold_through_itself_is_seen() {
     let row_of = row(&judgement, Check::SelfCollision);
     assert_eq!(row_of.outcome, Outcome::Fail);
     let worst = row_of.worst.as_ref().expect("it fails");
-    assert_eq!(
-        worst.place.as_deref(),
-        Some("link 'carriage' and link 'fore'")
-    );
+    assert_eq!(worst.place.as_deref(), Some("link 'carriage' and link 'fore'"));
     assert!((worst.value + 0.02).abs() < 1.1e-3, "{worst:?}");
     let keys = json!({ "self_collision": { "ignored_pairs": [["fore", "carriage"]] } });
     let scenario = scenario_of("folded", keys);
-    assert_eq!(
-        row(&verdict(&scenario, &motion), Check::SelfCollision).outcome,
-        Outcome::NotApplicable
-    );
+    assert_eq!(row(&verdict(&scenario, &motion), Check::SelfCollision).outcome, Outcome::NotApplicable);
 }
 
 /// A floor that the carriage slides along, just above it, at the accepted depth, and deeper.
 #[test]
 fn grazing_is_decided() {
-    for (offset, wanted) in [
-        (-0.01, Outcome::Pass),
-        (-0.00995, Outcome::Pass),
-        (-0.0098, Outcome::Fail),
-    ] {
+    for (offset, wanted) in [(-0.01, Outcome::Pass), (-0.00995, Outcome::Pass), (-0.0098, Outcome::Fail)] {
         let keys = json!({ "obstacles": [{ "shape": { "half_space": {} },
             "pose": { "position_m": [0.0, 0.0, offset] } }] });
         let scenario = scenario(&format!("grazing_{offset}"), keys);
@@ -95,11 +83,7 @@ fn what_cannot_be_proved_is_undecided() {
     assert!(!judgement.valid);
     let row = row(&judgement, Check::Obstacles);
     assert_eq!(row.outcome, Outcome::Undecided);
-    assert!(
-        row.note
-            .as_ref()
-            .is_some_and(|note| note.starts_with("within "))
-    );
+    assert!(row.note.as_ref().is_some_and(|note| note.starts_with("within ")));
 }
 
 /// The least clearance of the quintics at many times.

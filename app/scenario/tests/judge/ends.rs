@@ -86,18 +86,10 @@ fn added_constraints_are_listed() {
     assert!(verdict(&scenario, &motion).valid);
     scenario.add_constraint(Slow);
     let judgement = verdict(&scenario, &motion);
-    assert_eq!(
-        (judgement.verdict, judgement.valid),
-        (Verdict::ValidInPart, false)
-    );
+    assert_eq!((judgement.verdict, judgement.valid), (Verdict::ValidInPart, false));
     let added = row(&judgement, Check::AddedConstraints);
     assert_eq!(added.outcome, Outcome::NotChecked);
-    assert!(
-        added
-            .note
-            .as_ref()
-            .is_some_and(|note| note.starts_with("1 of a program"))
-    );
+    assert!(added.note.as_ref().is_some_and(|note| note.starts_with("1 of a program")));
 }
 
 /// An acceleration at rest is not continuous, unless accelerations may jump.
@@ -106,10 +98,7 @@ fn rest_is_at_rest() {
     for (keys, wanted) in [
         (json!({}), Outcome::Fail),
         (json!({ "continuity": "velocity" }), Outcome::Pass),
-        (
-            json!({ "v_start": [0.1, 0.0, 0.0], "v_goal": [0.1, 0.0, 0.0] }),
-            Outcome::Pass,
-        ),
+        (json!({ "v_start": [0.1, 0.0, 0.0], "v_goal": [0.1, 0.0, 0.0] }), Outcome::Pass),
         (json!({ "v_start": [0.1, 0.0, 0.0] }), Outcome::Fail),
         (json!({ "v_goal": [0.1, 0.0, 0.0] }), Outcome::Fail),
     ] {
@@ -123,10 +112,7 @@ fn rest_is_at_rest() {
             motion.a.as_mut().expect("given")[k][1] += bump(32.0 * (1.0 - 6.0 * t * (1.0 - t)));
         }
         motion.u = None;
-        assert_eq!(
-            row(&verdict(&scenario, &motion), Check::Continuity).outcome,
-            wanted
-        );
+        assert_eq!(row(&verdict(&scenario, &motion), Check::Continuity).outcome, wanted);
     }
 }
 
@@ -135,10 +121,7 @@ fn rest_is_at_rest() {
 fn the_horizon_is_that_of_a_certificate() {
     for (keys, wanted) in [
         (json!({ "horizon_s": 0.4 }), Outcome::Fail),
-        (
-            json!({ "horizon_s": 0.01, "objective": "least-time" }),
-            Outcome::Pass,
-        ),
+        (json!({ "horizon_s": 0.01, "objective": "least-time" }), Outcome::Pass),
         (
             json!({ "horizon_s": 0.4, "objective": "least-time",
                 "free_horizon": { "shortest_s": 0.1, "longest_s": 0.9 } }),
@@ -147,9 +130,6 @@ fn the_horizon_is_that_of_a_certificate() {
     ] {
         let scenario = scenario("horizon", keys);
         let motion = good(&scenario.model, FROM, TO, 101);
-        assert_eq!(
-            row(&verdict(&scenario, &motion), Check::Horizon).outcome,
-            wanted
-        );
+        assert_eq!(row(&verdict(&scenario, &motion), Check::Horizon).outcome, wanted);
     }
 }

@@ -5,8 +5,7 @@ use aghf_scenario::judge::Check;
 use serde_json::{Value, json};
 
 fn stand(keys: Value) -> Value {
-    let mut stand =
-        json!({ "frame": "rail", "half_length_m": 9.0, "half_width_m": 9.0, "friction": 9.0 });
+    let mut stand = json!({ "frame": "rail", "half_length_m": 9.0, "half_width_m": 9.0, "friction": 9.0 });
     for (key, value) in keys.as_object().expect("an object") {
         stand[key] = value.clone();
     }
@@ -26,20 +25,11 @@ fn the_force_of_the_ground_is_the_wrench_of_the_root() {
         plain.contact(z).expect("its joints").expect("it stands")
     });
     let contacts: Vec<_> = contacts.collect();
-    let largest = |of: &dyn Fn(&aghf::constraint::FootContact) -> f64| {
-        contacts.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
-    };
+    let largest =
+        |of: &dyn Fn(&aghf::constraint::FootContact) -> f64| contacts.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
     for (key, place, largest) in [
-        (
-            "half_length_m",
-            "centre of pressure along",
-            largest(&|c| c.centre_of_pressure[0].abs()),
-        ),
-        (
-            "half_width_m",
-            "centre of pressure across",
-            largest(&|c| c.centre_of_pressure[1].abs()),
-        ),
+        ("half_length_m", "centre of pressure along", largest(&|c| c.centre_of_pressure[0].abs())),
+        ("half_width_m", "centre of pressure across", largest(&|c| c.centre_of_pressure[1].abs())),
         ("friction", "friction", largest(&|c| c.friction)),
         ("torsion", "torsion", largest(&|c| c.torsion.abs())),
     ] {
@@ -48,14 +38,8 @@ fn the_force_of_the_ground_is_the_wrench_of_the_root() {
         let tight = scenario(key, stand(small));
         let judgement = verdict(&tight, &motion);
         assert_eq!(failed(&judgement), [Check::Foot]);
-        let worst = row(&judgement, Check::Foot)
-            .worst
-            .clone()
-            .expect("it was checked");
-        assert_eq!(
-            worst.place.as_deref(),
-            Some(&*format!("{place} of foot 'rail'"))
-        );
+        let worst = row(&judgement, Check::Foot).worst.clone().expect("it was checked");
+        assert_eq!(worst.place.as_deref(), Some(&*format!("{place} of foot 'rail'")));
         let off = (worst.value.abs() - largest).abs();
         assert!(off < 1e-3 * largest, "{key}: {} {largest}", worst.value);
     }

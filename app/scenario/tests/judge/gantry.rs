@@ -36,9 +36,7 @@ pub const TO: [f64; 3] = [0.5, -0.3, 1.4];
 
 /// The scenario of [`good`], with these keys beside.
 pub fn scenario(test: &str, keys: Value) -> Scenario {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("judge")
-        .join(test);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("judge").join(test);
     std::fs::create_dir_all(&folder).expect("the folder is writable");
     std::fs::write(folder.join("gantry.urdf"), URDF).expect("the folder is writable");
     let mut file = json!({

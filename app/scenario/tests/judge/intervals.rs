@@ -14,20 +14,9 @@ pub type Curve<'a> = &'a dyn Fn(f64) -> [[f64; 3]; 3];
 /// A table with some of these columns at a rate, Hz, over a second.
 pub fn table(curve: Curve<'_>, rate: f64, columns: usize) -> Trajectory {
     let times: Vec<f64> = (0..=rate as usize).map(|k| k as f64 / rate).collect();
-    let all = |i: usize| {
-        times
-            .iter()
-            .map(|t| curve(*t)[i].to_vec())
-            .collect::<Vec<_>>()
-    };
+    let all = |i: usize| times.iter().map(|t| curve(*t)[i].to_vec()).collect::<Vec<_>>();
     let [v, a] = [1, 2].map(|i| (columns > i).then(|| all(i)));
-    Trajectory {
-        q: all(0),
-        v,
-        a,
-        u: None,
-        times,
-    }
+    Trajectory { q: all(0), v, a, u: None, times }
 }
 
 /// The limits of the joints of the scenario below: velocities, accelerations, jerks.
@@ -36,8 +25,7 @@ const LIMITS: [f64; 3] = [3.0, 12.0, 150.0];
 pub fn limited(test: &str) -> Scenario {
     let [velocity, acceleration, jerk] = LIMITS.map(|limit| [limit; 3]);
     let limits = json!({ "max_velocity": velocity, "acceleration": acceleration, "jerk": jerk });
-    let keys =
-        json!({ "q_start": [0.0, 0.0, 0.0], "q_goal": [1.0, 1.0, 1.0], "enforced_limits": limits });
+    let keys = json!({ "q_start": [0.0, 0.0, 0.0], "q_goal": [1.0, 1.0, 1.0], "enforced_limits": limits });
     scenario(test, keys)
 }
 
@@ -48,16 +36,9 @@ fn polynomials(table: &Trajectory) -> Vec<Vec<Hermite>> {
         let ends = [k, k + 1];
         let a = ends.map(|k| table.a.as_ref().map(|a| a[k][i]));
         let interval = table.times[k + 1] - table.times[k];
-        Hermite::new(
-            ends.map(|k| table.q[k][i]),
-            ends.map(|k| v[k][i]),
-            a,
-            interval,
-        )
+        Hermite::new(ends.map(|k| table.q[k][i]), ends.map(|k| v[k][i]), a, interval)
     };
-    (0..table.times.len() - 1)
-        .map(|k| (0..3).map(|i| joint(k, i)).collect())
-        .collect()
+    (0..table.times.len() - 1).map(|k| (0..3).map(|i| joint(k, i)).collect()).collect()
 }
 
 /// The largest excess over the bounds of velocities, accelerations, jerks and torques by many evaluations.
@@ -66,20 +47,11 @@ fn dense(model: &Model, table: &Trajectory, bounds: [f64; 4]) -> [f64; 4] {
     for joints in polynomials(table) {
         for step in 0..=40 {
             let s = f64::from(step) / 40.0;
-            let [q, v, a, jerk] = [0, 1, 2, 3].map(|order| {
-                joints
-                    .iter()
-                    .map(|joint| joint.at(order, s))
-                    .collect::<Vec<_>>()
-            });
+            let [q, v, a, jerk] =
+                [0, 1, 2, 3].map(|order| joints.iter().map(|joint| joint.at(order, s)).collect::<Vec<_>>());
             rnea(model, &mut data, &q, &v, &a, &mut tau).expect("three joints");
-            for (worst, (all, bound)) in worst
-                .iter_mut()
-                .zip([&v, &a, &jerk, &tau].into_iter().zip(bounds))
-            {
-                *worst = all
-                    .iter()
-                    .fold(*worst, |worst, x| worst.max(x.abs() - bound));
+            for (worst, (all, bound)) in worst.iter_mut().zip([&v, &a, &jerk, &tau].into_iter().zip(bounds)) {
+                *worst = all.iter().fold(*worst, |worst, x| worst.max(x.abs() - bound));
             }
         }
     }
@@ -97,10 +69,7 @@ fn smooth(t: f64) -> [[f64; 3]; 3] {
 
 /// Checks of limits and torques that do not pass.
 fn left(judgement: &Judgement) -> Vec<(Check, Outcome)> {
-    let rows = judgement
-        .checks
-        .iter()
-        .filter(|row| row.outcome > Outcome::Pass);
+    let rows = judgement.checks.iter().filter(|row| row.outcome > Outcome::Pass);
     rows.map(|row| (row.check, row.outcome)).collect()
 }
 
@@ -112,11 +81,7 @@ fn wiggled(columns: usize, rate: f64, period: usize, by: [f64; 3], joint: usize)
     for (of, by) in all.into_iter().zip(by) {
         let Some(of) = of else { continue };
         for (k, row) in of.iter_mut().enumerate().take(count - 1).skip(1) {
-            row[joint] += if (k / period).is_multiple_of(2) {
-                by
-            } else {
-                -by
-            };
+            row[joint] += if (k / period).is_multiple_of(2) { by } else { -by };
         }
     }
     table
@@ -171,16 +136,8 @@ proptest! {
 fn jumps_at_samples_are_jumps() {
     let bang = |t: f64| {
         let (early, late) = (t < 0.5, 1.0 - t);
-        let q = if early {
-            2.0 * t * t
-        } else {
-            1.0 - 2.0 * late * late
-        };
-        [
-            [q; 3],
-            [if early { 4.0 * t } else { 4.0 * late }; 3],
-            [if early { 4.0 } else { -4.0 }; 3],
-        ]
+        let q = if early { 2.0 * t * t } else { 1.0 - 2.0 * late * late };
+        [[q; 3], [if early { 4.0 * t } else { 4.0 * late }; 3], [if early { 4.0 } else { -4.0 }; 3]]
     };
     let keys = json!({ "q_start": [0.0, 0.0, 0.0], "q_goal": [1.0, 1.0, 1.0], "continuity": "velocity",
         "enforced_limits": { "max_velocity": [2.0, 2.0, 2.0], "acceleration": [4.0, 4.0, 4.0] } });
@@ -190,21 +147,14 @@ fn jumps_at_samples_are_jumps() {
         motion.a.as_mut().expect("given")[50] = vec![4.0 * sign; 3];
         let judgement = verdict(&jumping, &motion);
         assert!(judgement.valid, "{:?}", judgement.worst());
-        assert!(
-            judgement.between_samples.contains("3 intervals of a joint"),
-            "{}",
-            judgement.between_samples
-        );
+        assert!(judgement.between_samples.contains("3 intervals of a joint"), "{}", judgement.between_samples);
         motion.a = None;
         assert!(verdict(&jumping, &motion).valid);
     }
     let mut keys = keys;
     keys["continuity"] = json!("acceleration");
     let judgement = verdict(&scenario("continuous", keys), &table(&bang, 100.0, 3));
-    assert_eq!(
-        row(&judgement, Check::AccelerationLimits).outcome,
-        Outcome::Fail
-    );
+    assert_eq!(row(&judgement, Check::AccelerationLimits).outcome, Outcome::Fail);
     assert_eq!(row(&judgement, Check::Continuity).outcome, Outcome::Fail);
 }
 
@@ -232,12 +182,7 @@ fn jumps_between_cubics_are_jerks() {
     for k in 50..late.times.len() {
         let t = late.times[k] - 0.5;
         late.q[k].iter_mut().for_each(|q| *q -= t * t);
-        late.v.as_mut().expect("given")[k]
-            .iter_mut()
-            .for_each(|v| *v -= 2.0 * t);
+        late.v.as_mut().expect("given")[k].iter_mut().for_each(|v| *v -= 2.0 * t);
     }
-    assert_eq!(
-        row(&verdict(&scenario, &late), Check::JerkLimits).outcome,
-        Outcome::Fail
-    );
+    assert_eq!(row(&verdict(&scenario, &late), Check::JerkLimits).outcome, Outcome::Fail);
 }

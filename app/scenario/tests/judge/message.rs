@@ -29,31 +29,13 @@ type Wrong = (fn(&mut Value), &'static str);
 fn errors_name_the_point() {
     let scenario = scenario("message_errors", json!({}));
     let cases: [Wrong; 7] = [
-        (
-            |m| m["joint_names"][0] = json!("wrist"),
-            "m.yaml: joint_names: they are not",
-        ),
-        (
-            |m| m["joint_names"] = json!(["elbow", "slide"]),
-            "joint_names: they are not",
-        ),
-        (
-            |m| m["points"][1]["velocities"] = json!([1, 2]),
-            "points[0].velocities: it has 0 numbers",
-        ),
-        (
-            |m| m["points"][1]["positions"] = json!([1]),
-            "points[1].positions: it has 1 numbers",
-        ),
-        (
-            |m| m["points"][1]["time_from_start"]["sec"] = json!(0),
-            "points[1].time_from_start",
-        ),
+        (|m| m["joint_names"][0] = json!("wrist"), "m.yaml: joint_names: they are not"),
+        (|m| m["joint_names"] = json!(["elbow", "slide"]), "joint_names: they are not"),
+        (|m| m["points"][1]["velocities"] = json!([1, 2]), "points[0].velocities: it has 0 numbers"),
+        (|m| m["points"][1]["positions"] = json!([1]), "points[1].positions: it has 1 numbers"),
+        (|m| m["points"][1]["time_from_start"]["sec"] = json!(0), "points[1].time_from_start"),
         (|m| m["points"] = json!([]), "points: 0 are given"),
-        (
-            |m| m["points"][0]["speed"] = json!(1),
-            "points[0].speed: unknown field",
-        ),
+        (|m| m["points"][0]["speed"] = json!(1), "points[0].speed: unknown field"),
     ];
     for (change, words) in cases {
         let mut wrong = message();
@@ -84,17 +66,7 @@ fn a_motion_survives_a_message() {
     assert_eq!(Trajectory::of_samples(samples.clone()), whole);
     let message = JointTrajectory::of_samples(&scenario.model, samples);
     let back = Trajectory::of_message(&message, "it", &scenario.model).expect("it is good");
-    let off = back
-        .times
-        .iter()
-        .zip(&whole.times)
-        .map(|(a, b)| (a - b).abs());
+    let off = back.times.iter().zip(&whole.times).map(|(a, b)| (a - b).abs());
     assert!(off.fold(0.0, f64::max) <= 0.5e-9);
-    assert_eq!(
-        Trajectory {
-            times: whole.times.clone(),
-            ..back
-        },
-        whole
-    );
+    assert_eq!(Trajectory { times: whole.times.clone(), ..back }, whole);
 }

@@ -8,10 +8,7 @@ const NONE: [Check; 0] = [];
 
 /// The elbow, which is the origin of the fore link, and the direction of that link.
 fn elbow([slide, shoulder, elbow]: [f64; 3]) -> ([f64; 3], f64) {
-    (
-        [slide + 0.5 * shoulder.cos(), 0.5 * shoulder.sin(), 0.0],
-        shoulder + elbow,
-    )
+    ([slide + 0.5 * shoulder.cos(), 0.5 * shoulder.sin(), 0.0], shoulder + elbow)
 }
 
 fn goal(position: [f64; 3], angle: f64) -> Value {
@@ -23,10 +20,7 @@ fn goal(position: [f64; 3], angle: f64) -> Value {
 fn judged(test: &str, keys: Value, check: Check) -> (Vec<Check>, f64, String) {
     let scenario = scenario(test, keys);
     let judgement = verdict(&scenario, &good(&scenario.model, FROM, TO, 101));
-    let worst = row(&judgement, check)
-        .worst
-        .clone()
-        .expect("it was checked");
+    let worst = row(&judgement, check).worst.clone().expect("it was checked");
     let place = format!("{} {}", worst.unit, worst.place.unwrap_or_default());
     (failed(&judgement), worst.value, place)
 }
@@ -34,30 +28,16 @@ fn judged(test: &str, keys: Value, check: Check) -> (Vec<Check>, f64, String) {
 #[test]
 fn the_last_pose_is_that_of_the_goal() {
     let (at, angle) = elbow(TO);
-    let (bad, worst, _) = judged(
-        "pose",
-        json!({ "goal": goal(at, angle) }),
-        Check::GoalPosition,
-    );
+    let (bad, worst, _) = judged("pose", json!({ "goal": goal(at, angle) }), Check::GoalPosition);
     assert_eq!(bad, NONE);
     assert!(worst < 1e-12, "{worst}");
     let off = json!({ "goal": goal([at[0] + 2e-3, at[1], at[2]], angle) });
     let (bad, worst, place) = judged("off", off, Check::GoalPosition);
-    assert_eq!(
-        (bad, &*place),
-        (vec![Check::GoalPosition], "m distance of frame 'fore'")
-    );
+    assert_eq!((bad, &*place), (vec![Check::GoalPosition], "m distance of frame 'fore'"));
     assert!((worst - 2e-3).abs() < 1e-12);
     for turned in [angle + 0.01, angle + std::f64::consts::PI] {
-        let (bad, worst, place) = judged(
-            "turned",
-            json!({ "goal": goal(at, turned) }),
-            Check::GoalPosition,
-        );
-        assert_eq!(
-            (bad, &*place),
-            (vec![Check::GoalPosition], "rad angle of frame 'fore'")
-        );
+        let (bad, worst, place) = judged("turned", json!({ "goal": goal(at, turned) }), Check::GoalPosition);
+        assert_eq!((bad, &*place), (vec![Check::GoalPosition], "rad angle of frame 'fore'"));
         assert!((worst - (turned - angle)).abs() < 1e-9, "{worst}");
     }
     // Of two goals the one that is missed least.
@@ -76,14 +56,8 @@ fn tolerances_boxes_and_axes() {
         judged("sets", json!({ "goal": goal }), Check::GoalPosition).0
     };
     let near = [at[0] + 0.03, at[1], at[2]];
-    assert_eq!(
-        with(json!({ "position_m": near, "tolerance_m": 0.031 })),
-        NONE
-    );
-    assert_ne!(
-        with(json!({ "position_m": near, "tolerance_m": 0.028 })),
-        NONE
-    );
+    assert_eq!(with(json!({ "position_m": near, "tolerance_m": 0.031 })), NONE);
+    assert_ne!(with(json!({ "position_m": near, "tolerance_m": 0.028 })), NONE);
     // A box that is turned by a right angle about z: its long edge is along y of the base.
     let turned = |centre: [f64; 3]| {
         let half = 0.5_f64.sqrt();
@@ -113,10 +87,7 @@ fn poses_relative_to_a_link_on_the_way() {
     let (bad, worst, place) = judged("elbow", kept(FROM[2], TO[2]), Check::Kept);
     assert_eq!((bad, &*place), (NONE.to_vec(), "rad angle of frame 'fore'"));
     assert!((worst - 0.5 * (TO[2] - FROM[2])).abs() < 1e-3, "{worst}");
-    assert_eq!(
-        judged("bent", kept(FROM[2], TO[2] - 0.01), Check::Kept).0,
-        [Check::Kept]
-    );
+    assert_eq!(judged("bent", kept(FROM[2], TO[2] - 0.01), Check::Kept).0, [Check::Kept]);
 }
 
 /// A condition counts between its times alone, and between the samples.
@@ -141,22 +112,13 @@ fn conditions_are_kept_between_their_times() {
 /// The carriage is fastest, at 15/8 m/s, halfway.
 #[test]
 fn speeds_are_those_of_the_point() {
-    let kept =
-        |most: f64| json!({ "keep": [{ "speed": { "frame": "carriage", "most_m_s": most } }] });
+    let kept = |most: f64| json!({ "keep": [{ "speed": { "frame": "carriage", "most_m_s": most } }] });
     let (bad, fastest, place) = judged("speed", kept(1.876), Check::Kept);
-    assert_eq!(
-        (bad, &*place),
-        (NONE.to_vec(), "m/s speed of frame 'carriage'")
-    );
+    assert_eq!((bad, &*place), (NONE.to_vec(), "m/s speed of frame 'carriage'"));
     // To the error of polynomials of degree two.
     assert!((fastest - 1.875).abs() < 1e-6, "{fastest}");
     assert_eq!(judged("fast", kept(1.87), Check::Kept).0, [Check::Kept]);
     let scenario = scenario("none", json!({}));
     let judgement = verdict(&scenario, &good(&scenario.model, FROM, TO, 101));
-    assert!(
-        judgement
-            .checks
-            .iter()
-            .all(|row| row.check != Check::Kept || row.outcome == Outcome::Pass)
-    );
+    assert!(judgement.checks.iter().all(|row| row.check != Check::Kept || row.outcome == Outcome::Pass));
 }

@@ -39,17 +39,11 @@ impl Switched {
 }
 
 fn switched(order: i32, largest: f64) -> impl Strategy<Value = Switched> {
-    let part = (
-        0.0..1.0f64,
-        prop_oneof![Just(-1.0), Just(0.0), Just(1.0), -1.0..1.0f64],
-    );
+    let part = (0.0..1.0f64, prop_oneof![Just(-1.0), Just(0.0), Just(1.0), -1.0..1.0f64]);
     prop::collection::vec(part, 1..6).prop_map(move |mut parts| {
         parts.sort_by(|a, b| a.0.total_cmp(&b.0));
         parts[0].0 = 0.0;
-        let parts = parts
-            .into_iter()
-            .map(|(t, value)| (t, largest * value))
-            .collect();
+        let parts = parts.into_iter().map(|(t, value)| (t, largest * value)).collect();
         Switched { parts, order }
     })
 }
@@ -113,37 +107,16 @@ fn rates_at_the_ends_are_known_as_far_as_samples_determine_them() {
     let times = [0.0, 0.1, 0.3, 0.35, 0.7, 0.8, 1.0];
     let cubic = |t: f64| t * (0.5 + t * (0.2 - 0.1 * t));
     let q = times.map(|t| vec![cubic(t); 3]).to_vec();
-    let motion = Trajectory {
-        times: times.to_vec(),
-        q,
-        v: None,
-        a: None,
-        u: None,
-    };
-    for (start, wanted) in [
-        (0.5, Outcome::Pass),
-        (0.49, Outcome::NotChecked),
-        (0.0, Outcome::Fail),
-    ] {
+    let motion = Trajectory { times: times.to_vec(), q, v: None, a: None, u: None };
+    for (start, wanted) in [(0.5, Outcome::Pass), (0.49, Outcome::NotChecked), (0.0, Outcome::Fail)] {
         let keys = json!({ "q_start": [0.0, 0.0, 0.0], "q_goal": [0.6, 0.6, 0.6], "v_start": [start, start, start],
             "v_goal": [0.6, 0.6, 0.6] });
         let judgement = verdict(&scenario("ends", keys), &motion);
-        assert_eq!(
-            row(&judgement, Check::StartVelocity).outcome,
-            wanted,
-            "{start}"
-        );
+        assert_eq!(row(&judgement, Check::StartVelocity).outcome, wanted, "{start}");
         assert_eq!(row(&judgement, Check::GoalVelocity).outcome, Outcome::Pass);
     }
     let limits = limited("few");
-    let few = Trajectory {
-        times: times[..3].to_vec(),
-        q: motion.q[..3].to_vec(),
-        ..motion
-    };
+    let few = Trajectory { times: times[..3].to_vec(), q: motion.q[..3].to_vec(), ..motion };
     let judgement = verdict(&limits, &few);
-    assert_eq!(
-        row(&judgement, Check::AccelerationLimits).outcome,
-        Outcome::NotChecked
-    );
+    assert_eq!(row(&judgement, Check::AccelerationLimits).outcome, Outcome::NotChecked);
 }

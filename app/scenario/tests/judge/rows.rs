@@ -9,10 +9,7 @@ use aghf_scenario::{DirectOptions, Scenario, Solve};
 #[test]
 fn a_swift_motion_has_more_samples() {
     let scenario = Scenario::load("acrobot_swingup").expect("built in");
-    let options = DirectOptions {
-        starts: Some(1),
-        ..DirectOptions::default()
-    };
+    let options = DirectOptions { starts: Some(1), ..DirectOptions::default() };
     let report = Solve::new(&scenario).options(options).run();
     let report = report.expect("it is good");
     let samples = sufficient_samples(&scenario, &report.curve).expect("same robot");
@@ -31,10 +28,7 @@ fn a_swift_motion_has_more_samples() {
 #[test]
 fn a_motion_that_is_not_valid_has_the_fewest() {
     let mut scenario = Scenario::load("pendulum_1_swingup").expect("built in");
-    let options = DirectOptions {
-        starts: Some(1),
-        ..DirectOptions::default()
-    };
+    let options = DirectOptions { starts: Some(1), ..DirectOptions::default() };
     let report = Solve::new(&scenario).options(options).run();
     let report = report.expect("it is good");
     scenario.file.q_goal[0] += 1.0;

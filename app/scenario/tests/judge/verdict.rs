@@ -15,10 +15,7 @@ fn a_good_motion_passes() {
     let whole = good(&scenario.model, FROM, TO, 101);
     let judgement = verdict(&scenario, &whole);
     assert_eq!(failed(&judgement), []);
-    let checked = judgement
-        .checks
-        .iter()
-        .filter(|row| row.outcome == Outcome::Pass);
+    let checked = judgement.checks.iter().filter(|row| row.outcome == Outcome::Pass);
     // All but passive joints and limits of accelerations and jerks.
     assert_eq!(checked.count(), 14);
     let clearance = row(&judgement, Check::Obstacles);
@@ -37,11 +34,7 @@ fn each_table_means_a_motion() {
     let mut judged = |words: &str, left_out: &[Check]| {
         let judgement = verdict(&scenario, &table);
         assert_eq!(failed(&judgement), []);
-        assert!(
-            judgement.between_samples.contains(words),
-            "{}",
-            judgement.between_samples
-        );
+        assert!(judgement.between_samples.contains(words), "{}", judgement.between_samples);
         let dynamics = row(&judgement, Check::Dynamics);
         assert_eq!(dynamics.outcome, Outcome::NotApplicable);
         let rows = judgement.checks.iter();
@@ -54,20 +47,11 @@ fn each_table_means_a_motion() {
     judged("quintics through q, v and a", &[]);
     judged("cubics through q and v", &[Check::Continuity]);
     // The accelerations at the ends are known to 8e-3 rad/s^2.
-    judged(
-        "rates of q by five neighbouring samples",
-        &[Check::Continuity],
-    );
+    judged("rates of q by five neighbouring samples", &[Check::Continuity]);
 }
 
 /// Asserts that a motion that `change` spoils fails these checks of a scenario with these keys, at this place.
-fn assert_found(
-    name: &str,
-    keys: Value,
-    change: fn(&Model, &mut Trajectory),
-    wanted: &[Check],
-    place: &str,
-) {
+fn assert_found(name: &str, keys: Value, change: fn(&Model, &mut Trajectory), wanted: &[Check], place: &str) {
     let scenario = scenario(name, keys);
     let mut motion = good(&scenario.model, FROM, TO, 101);
     change(&scenario.model, &mut motion);
@@ -83,42 +67,17 @@ fn assert_found(
 #[test]
 fn another_duration_and_other_ends_are_found() {
     for (name, keys, check, place) in [
-        (
-            "late",
-            json!({ "horizon_s": 0.9 }),
-            Check::Horizon,
-            "duration",
-        ),
+        ("late", json!({ "horizon_s": 0.9 }), Check::Horizon, "duration"),
         (
             "too early",
             json!({ "horizon_s": 1.2, "free_horizon": { "shortest_s": 1.1, "longest_s": 1.5 } }),
             Check::Horizon,
             "duration",
         ),
-        (
-            "another start",
-            json!({ "q_start": [-0.5, 0.2, 0.41] }),
-            Check::StartPosition,
-            "elbow",
-        ),
-        (
-            "another goal",
-            json!({ "q_goal": [0.49, -0.3, 1.4] }),
-            Check::GoalPosition,
-            "slide",
-        ),
-        (
-            "a flying start",
-            json!({ "v_start": [0.0, 0.1, 0.0] }),
-            Check::StartVelocity,
-            "shoulder",
-        ),
-        (
-            "no stop",
-            json!({ "v_goal": [0.0, 0.0, 0.1] }),
-            Check::GoalVelocity,
-            "elbow",
-        ),
+        ("another start", json!({ "q_start": [-0.5, 0.2, 0.41] }), Check::StartPosition, "elbow"),
+        ("another goal", json!({ "q_goal": [0.49, -0.3, 1.4] }), Check::GoalPosition, "slide"),
+        ("a flying start", json!({ "v_start": [0.0, 0.1, 0.0] }), Check::StartVelocity, "shoulder"),
+        ("no stop", json!({ "v_goal": [0.0, 0.0, 0.1] }), Check::GoalVelocity, "elbow"),
     ] {
         assert_found(name, keys, |_, _| (), &[check], place);
     }
@@ -135,36 +94,11 @@ fn each_broken_limit_is_found() {
             Check::AccelerationLimits,
             "elbow",
         ),
-        (
-            "too large a jerk",
-            json!({ "enforced_limits": { "jerk": [1e4, 0.5, 1e4] } }),
-            Check::JerkLimits,
-            "shoulder",
-        ),
-        (
-            "torque limit",
-            json!({ "enforced_limits": { "torque": 0.05 } }),
-            Check::TorqueLimits,
-            "slide",
-        ),
-        (
-            "velocity limit",
-            json!({ "enforced_limits": { "velocity": 0.23 } }),
-            Check::VelocityLimits,
-            "slide",
-        ),
-        (
-            "position limit",
-            json!({ "enforced_limits": { "position": 0.2 } }),
-            Check::PositionLimits,
-            "elbow",
-        ),
-        (
-            "passive",
-            json!({ "passive": ["shoulder"] }),
-            Check::PassiveJoints,
-            "shoulder",
-        ),
+        ("too large a jerk", json!({ "enforced_limits": { "jerk": [1e4, 0.5, 1e4] } }), Check::JerkLimits, "shoulder"),
+        ("torque limit", json!({ "enforced_limits": { "torque": 0.05 } }), Check::TorqueLimits, "slide"),
+        ("velocity limit", json!({ "enforced_limits": { "velocity": 0.23 } }), Check::VelocityLimits, "slide"),
+        ("position limit", json!({ "enforced_limits": { "position": 0.2 } }), Check::PositionLimits, "elbow"),
+        ("passive", json!({ "passive": ["shoulder"] }), Check::PassiveJoints, "shoulder"),
     ] {
         assert_found(name, keys, |_, _| (), &[check], place);
     }
@@ -179,12 +113,7 @@ fn columns_that_contradict_each_other_are_found() {
     let wrong = |name, change, wanted: &[Check], place| {
         assert_found(name, json!({}), change, wanted, place);
     };
-    wrong(
-        "a wrong torque",
-        |_, t| t.u.as_mut().expect("given")[40][1] += 0.1,
-        &[Check::Dynamics],
-        "shoulder",
-    );
+    wrong("a wrong torque", |_, t| t.u.as_mut().expect("given")[40][1] += 0.1, &[Check::Dynamics], "shoulder");
     wrong(
         "torques of another acceleration",
         |model, t| {
@@ -234,26 +163,16 @@ fn extrema_between_samples_are_found() {
     // The samples of a cubic whose speed is highest between them: 3/2 of the mean one.
     let mut motion = good(&scenario.model, [0.0; 3], [0.0, 1.0, 0.0], 2);
     (motion.a, motion.u) = (None, None);
-    let velocity = row(&verdict(&scenario, &motion), Check::VelocityLimits)
-        .worst
-        .clone();
+    let velocity = row(&verdict(&scenario, &motion), Check::VelocityLimits).worst.clone();
     let worst = velocity.expect("it is limited");
-    assert!(
-        (worst.value - 1.5).abs() < 1e-12 && worst.at_s == 0.5,
-        "{worst:?}"
-    );
+    assert!((worst.value - 1.5).abs() < 1e-12 && worst.at_s == 0.5, "{worst:?}");
     // And one that swings beyond the limit of 3 and back.
     let mut motion = good(&scenario.model, [0.0, 2.9, 0.0], [0.0, 2.9, 0.0], 2);
     motion.v = Some(vec![vec![0.0, 2.0, 0.0], vec![0.0, -2.0, 0.0]]);
     motion.a = None;
-    let position = row(&verdict(&scenario, &motion), Check::PositionLimits)
-        .worst
-        .clone();
+    let position = row(&verdict(&scenario, &motion), Check::PositionLimits).worst.clone();
     let worst = position.expect("it is limited");
-    assert!(
-        (worst.value - 3.4).abs() < 1e-12 && worst.at_s == 0.5,
-        "{worst:?}"
-    );
+    assert!((worst.value - 3.4).abs() < 1e-12 && worst.at_s == 0.5, "{worst:?}");
 }
 
 /// A force that is there between the samples alone.
@@ -285,42 +204,18 @@ fn overflow_is_not_valid() {
     rates(&mut motion.v)[5][0] = 1e308;
     motion.times.iter_mut().for_each(|t| *t *= 1e3);
     let failed = failed(&verdict(&scenario, &motion));
-    assert!(
-        failed.contains(&Check::Obstacles) && failed.contains(&Check::VelocityLimits),
-        "{failed:?}"
-    );
+    assert!(failed.contains(&Check::Obstacles) && failed.contains(&Check::VelocityLimits), "{failed:?}");
 }
 
 #[test]
 fn bad_arguments_are_refused() {
     let scenario = scenario("arguments", json!({}));
     let motion = good(&scenario.model, FROM, TO, 11);
-    let refused = |motion: &Trajectory, tolerances| {
-        judge(&scenario, motion, tolerances)
-            .expect_err("it is bad")
-            .to_string()
-    };
+    let refused =
+        |motion: &Trajectory, tolerances| judge(&scenario, motion, tolerances).expect_err("it is bad").to_string();
     let all = Tolerances::default();
-    assert!(
-        refused(
-            &motion,
-            Tolerances {
-                tolerance: f64::NAN,
-                ..all
-            }
-        )
-        .contains("tolerance")
-    );
-    assert!(
-        refused(
-            &motion,
-            Tolerances {
-                overlap_m: -1.0,
-                ..all
-            }
-        )
-        .contains("overlap")
-    );
+    assert!(refused(&motion, Tolerances { tolerance: f64::NAN, ..all }).contains("tolerance"));
+    assert!(refused(&motion, Tolerances { overlap_m: -1.0, ..all }).contains("overlap"));
     let mut short = motion.clone();
     short.q[3].pop();
     assert!(refused(&short, all).contains("q: expected 3"));

@@ -20,37 +20,20 @@ fn judged(test: &str, waypoints: Value) -> Judgement {
 fn points_are_passed_in_their_order() {
     let passed = judged("passed", json!([{ "q": at(0.2) }, { "q": at(0.731) }]));
     assert!(failed(&passed).is_empty());
-    let worst = row(&passed, Check::Waypoints)
-        .worst
-        .clone()
-        .expect("it is checked");
+    let worst = row(&passed, Check::Waypoints).worst.clone().expect("it is checked");
     assert!((worst.value - worst.at_least.expect("it has a bound")).abs() < 1e-6);
     let mut beside = at(0.4);
     beside[1] += 0.02;
     let cases = [
         ("beside", json!([{ "q": beside }]), "waypoint 0"),
-        (
-            "late",
-            json!([{ "q": at(0.6) }, { "q": at(0.3) }]),
-            "waypoint 1",
-        ),
-        (
-            "stop",
-            json!([{ "q": at(0.5), "stop": true }]),
-            "waypoint 0",
-        ),
+        ("late", json!([{ "q": at(0.6) }, { "q": at(0.3) }]), "waypoint 1"),
+        ("stop", json!([{ "q": at(0.5), "stop": true }]), "waypoint 0"),
     ];
     for (test, waypoints, place) in cases {
         let judgement = judged(test, waypoints);
         assert_eq!(failed(&judgement), [Check::Waypoints], "{test}");
-        let worst = row(&judgement, Check::Waypoints)
-            .worst
-            .clone()
-            .expect("it is checked");
-        assert!(
-            worst.place.clone().is_some_and(|of| of.ends_with(place)),
-            "{worst:?}"
-        );
+        let worst = row(&judgement, Check::Waypoints).worst.clone().expect("it is checked");
+        assert!(worst.place.clone().is_some_and(|of| of.ends_with(place)), "{worst:?}");
     }
 }
 
@@ -62,10 +45,7 @@ fn a_given_time_counts() {
     assert_eq!(failed(&judged("third", half(0.35))), [Check::Waypoints]);
     // The motion is over before it, or just before it and elsewhere.
     for (time, share) in [(1.5, 1.0), (1.0 + 1e-6, 0.9)] {
-        let mut scenario = scenario(
-            "after",
-            json!({ "waypoints": [{ "q": at(share), "time_s": 0.5 }] }),
-        );
+        let mut scenario = scenario("after", json!({ "waypoints": [{ "q": at(share), "time_s": 0.5 }] }));
         scenario.file.waypoints[0].time_s = Some(time);
         let motion = good(&scenario.model, FROM, TO, 101);
         assert_eq!(failed(&verdict(&scenario, &motion)), [Check::Waypoints]);
@@ -84,11 +64,7 @@ fn poses_are_passed() {
         panic!("the gantry has three joints");
     };
     let elbow = [slide + 0.5 * shoulder.cos(), 0.5 * shoulder.sin(), 0.0];
-    let poses =
-        |x: f64| json!([{ "poses": { "frame": "fore", "position_m": [x, elbow[1], elbow[2]] } }]);
+    let poses = |x: f64| json!([{ "poses": { "frame": "fore", "position_m": [x, elbow[1], elbow[2]] } }]);
     assert!(failed(&judged("pose", poses(elbow[0]))).is_empty());
-    assert_eq!(
-        failed(&judged("off", poses(elbow[0] + 5.0))),
-        [Check::Waypoints]
-    );
+    assert_eq!(failed(&judged("off", poses(elbow[0] + 5.0))), [Check::Waypoints]);
 }

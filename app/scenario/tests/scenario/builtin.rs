@@ -9,11 +9,8 @@ const NEAR: f64 = 1.5;
 const DIGITS: f64 = 1e-5;
 
 fn known() -> Value {
-    let text = std::fs::read_to_string(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../robots/best_known.json"
-    ))
-    .expect("it is there");
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/best_known.json"))
+        .expect("it is there");
     serde_json::from_str(&text).expect("it is JSON")
 }
 
@@ -36,9 +33,6 @@ fn the_defaults_come_near_the_best_known_cost() {
         let cost = details.minima[0].cost;
         let least = known[name]["cost"].as_f64().expect("a number");
         let ratio = cost / least;
-        assert!(
-            (1.0 - DIGITS..NEAR).contains(&ratio),
-            "{name}: {cost}, {least}"
-        );
+        assert!((1.0 - DIGITS..NEAR).contains(&ratio), "{name}: {cost}, {least}");
     }
 }

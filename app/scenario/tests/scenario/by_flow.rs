@@ -1,8 +1,7 @@
 //! The flows to rest by their names: what each makes of scenarios, and the options that it knows.
 
 use aghf_scenario::{
-    Details, DirectOptions, Method, RestDetails, RestOptions, Scenario, Solve, SolveOptions,
-    SolveReport,
+    Details, DirectOptions, Method, RestDetails, RestOptions, Scenario, Solve, SolveOptions, SolveReport,
 };
 use serde_json::{Map, Value, json};
 
@@ -18,10 +17,7 @@ fn usual(method: Rest) -> SolveOptions {
 
 fn solved(name: &str, options: &SolveOptions) -> SolveReport {
     let scenario = Scenario::load(name).expect("built in");
-    Solve::new(&scenario)
-        .options(options.clone())
-        .run()
-        .expect("valid")
+    Solve::new(&scenario).options(options.clone()).run().expect("valid")
 }
 
 fn details(report: &SolveReport) -> &RestDetails {
@@ -32,19 +28,12 @@ fn details(report: &SolveReport) -> &RestDetails {
 }
 
 #[test]
-fn without_constraints_penalty_and_duals_come_to_the_effort_of_the_direct_method_from_the_same_guess()
- {
-    let direct = SolveOptions::Direct(DirectOptions {
-        starts: Some(1),
-        ..DirectOptions::default()
-    });
+fn without_constraints_penalty_and_duals_come_to_the_effort_of_the_direct_method_from_the_same_guess() {
+    let direct = SolveOptions::Direct(DirectOptions { starts: Some(1), ..DirectOptions::default() });
     let name = "pendulum_3_swingup";
     let direct = solved(name, &direct).summary.control_effort;
     for method in [SolveOptions::Rest as Rest, SolveOptions::Duals] {
-        let stiff = method(RestOptions {
-            k: Some(1e8),
-            ..RestOptions::default()
-        });
+        let stiff = method(RestOptions { k: Some(1e8), ..RestOptions::default() });
         let report = solved(name, &stiff);
         assert!(report.summary.success, "{:?}", report.summary.failure);
         let effort = report.summary.control_effort;
@@ -54,18 +43,11 @@ fn without_constraints_penalty_and_duals_come_to_the_effort_of_the_direct_method
 
 #[test]
 fn a_line_that_collides_is_bent_around_by_duals_and_in_two_phases() {
-    for (method, name) in [
-        (SolveOptions::Duals as Rest, Method::Duals),
-        (SolveOptions::TwoPhases, Method::TwoPhases),
-    ] {
+    for (method, name) in [(SolveOptions::Duals as Rest, Method::Duals), (SolveOptions::TwoPhases, Method::TwoPhases)] {
         let options = usual(method);
         for scenario in ["kinova_gap_02", "kinova_floor_04"] {
             let report = solved(scenario, &options);
-            assert!(
-                report.summary.success,
-                "{scenario}: {:?}",
-                report.summary.failure
-            );
+            assert!(report.summary.success, "{scenario}: {:?}", report.summary.failure);
             let details = details(&report);
             assert!(details.largest_violation.is_some_and(|by| by <= 1e-5));
             assert!(details.slip <= 1e-6, "{}", details.slip);
@@ -76,10 +58,7 @@ fn a_line_that_collides_is_bent_around_by_duals_and_in_two_phases() {
 
 #[test]
 fn what_a_penalty_alone_leaves_of_the_slip_goes_with_duals() {
-    let soft = RestOptions {
-        k: Some(1e4),
-        ..RestOptions::default()
-    };
+    let soft = RestOptions { k: Some(1e4), ..RestOptions::default() };
     let [alone, with_duals] = [SolveOptions::Rest as Rest, SolveOptions::Duals]
         .map(|method| solved("pendulum_2_swingup", &method(soft.clone())));
     let [alone, with_duals] = [details(&alone).slip, details(&with_duals).slip];
@@ -103,14 +82,8 @@ fn robots_without_a_motor_at_each_joint_swing_up() {
         assert!(summary.success, "{name}: {:?}", summary.failure);
         let error = summary.final_error_inf.expect("it was simulated");
         assert!(error < 0.05, "{name}: {error}");
-        let passive = summary
-            .feasibility
-            .largest_passive_torque
-            .expect("one is passive");
-        assert!(
-            passive < 1e-3 * summary.feasibility.largest_torque,
-            "{name}: {passive}"
-        );
+        let passive = summary.feasibility.largest_passive_torque.expect("one is passive");
+        assert!(passive < 1e-3 * summary.feasibility.largest_torque, "{name}: {passive}");
         let least = ipopt[name]["effort"].as_f64().expect("a number");
         // Less than the least known would be a motion that carries torque where none may be.
         let ratio = summary.control_effort / least;
@@ -131,11 +104,7 @@ fn a_flow_to_rest_knows_no_options_of_the_published_flow_and_repeats_itself() {
         let words = format!("options: {key}: unknown field `{key}`; the");
         assert!(refused.to_string().starts_with(&words), "{refused}");
     }
-    let asked = SolveOptions::Duals(RestOptions {
-        starts: Some(3),
-        seed: Some(4),
-        ..RestOptions::default()
-    });
+    let asked = SolveOptions::Duals(RestOptions { starts: Some(3), seed: Some(4), ..RestOptions::default() });
     let solve = |options| Solve::new(&scenario).options(options).run().expect("valid");
     let first = solve(asked.clone());
     let again = solve(asked.in_full(&scenario).expect("in range"));

@@ -32,29 +32,18 @@ fn motions_keep_their_clearance() {
     for clearance in [0.0, 0.01] {
         let scenario = swing(json!({ "obstacles": clearance }));
         let report = Solve::new(&scenario).run().expect("it runs");
-        let found = report
-            .summary
-            .feasibility
-            .smallest_clearance_m
-            .expect("there are obstacles");
-        assert!(
-            report.summary.success && found > clearance - 1e-6,
-            "{found} {clearance}"
-        );
+        let found = report.summary.feasibility.smallest_clearance_m.expect("there are obstacles");
+        assert!(report.summary.success && found > clearance - 1e-6, "{found} {clearance}");
         let samples = aghf::motion::sample(&scenario.model, &report.curve, 1000);
         let trajectory = Trajectory::of_samples(samples.expect("the same robot"));
         let of = |clearance: f64| {
             let scenario = swing(json!(clearance));
             let judged = judge(&scenario, &trajectory, Tolerances::default()).expect("judged");
             let mut rows = judged.checks.into_iter();
-            rows.find(|row| row.check == Check::Obstacles)
-                .expect("there is one")
+            rows.find(|row| row.check == Check::Obstacles).expect("there is one")
         };
         let (kept, asked) = (of(clearance), of(clearance + 0.005));
-        assert!(
-            kept.outcome.is_good() && !asked.outcome.is_good(),
-            "{kept:?} {asked:?}"
-        );
+        assert!(kept.outcome.is_good() && !asked.outcome.is_good(), "{kept:?} {asked:?}");
         let worst = asked.worst.expect("it fails");
         assert_eq!(worst.at_least, Some(clearance + 0.005));
         // The judge looks at the balls, which stick out of the capsules.
@@ -74,9 +63,7 @@ fn an_obstacle_has_a_distance_of_its_own() {
     let clearance = |scenario: &Scenario, trajectory: &Trajectory, outcome: bool| {
         let judged = judge(scenario, trajectory, Tolerances::default()).expect("judged");
         let mut rows = judged.checks.into_iter();
-        let row = rows
-            .find(|row| row.check == Check::Obstacles)
-            .expect("there is one");
+        let row = rows.find(|row| row.check == Check::Obstacles).expect("there is one");
         assert_eq!(row.outcome.is_good(), outcome, "{row:?}");
         row.worst.expect("there are obstacles")
     };
@@ -86,11 +73,7 @@ fn an_obstacle_has_a_distance_of_its_own() {
         let report = Solve::new(&scenario).run().expect("it runs");
         assert!(report.summary.success, "{own}");
         let least = own.as_f64().unwrap_or(0.01);
-        let smallest = report
-            .summary
-            .feasibility
-            .smallest_clearance_m
-            .expect("there are obstacles");
+        let smallest = report.summary.feasibility.smallest_clearance_m.expect("there are obstacles");
         assert!(smallest > least.min(0.01) - 1e-6, "{own}: {smallest}");
         found.push(smallest);
         let samples = aghf::motion::sample(&scenario.model, &report.curve, 1000);
@@ -101,18 +84,12 @@ fn an_obstacle_has_a_distance_of_its_own() {
         assert_eq!(worst.at_least, Some(least + 0.005), "{own}");
         assert!((worst.value - least).abs() < 1e-3, "{own}: {worst:?}");
     }
-    assert!(
-        found[0] > found[1] + 5e-3 && found[1] > found[2] + 5e-3,
-        "{found:?}"
-    );
+    assert!(found[0] > found[1] + 5e-3 && found[1] > found[2] + 5e-3, "{found:?}");
     let text = ball(json!(1.0)).expect("it is good").check_feasible();
     let text = text.expect_err("both ends are nearer").to_string();
     assert!(text.contains("'ball', its clearance_m is 1 m"), "{text}");
     let text = ball(json!(-1.0)).expect_err("it is negative").to_string();
-    assert!(
-        text.contains("obstacles[0].clearance_m: it is -1"),
-        "{text}"
-    );
+    assert!(text.contains("obstacles[0].clearance_m: it is -1"), "{text}");
 }
 
 /// Two pairs of links of a robot of balls with distances of their own.
@@ -133,44 +110,26 @@ fn pairs_of_links_have_distances_of_their_own() {
     let scene = &near.scene;
     let names = |pair: &[usize; 2]| pair.map(|i| scene.robot().link_of(&scene.trees()[i]));
     for (pair, margin) in scene.tree_pairs().iter().zip(scene.pair_margins()) {
-        let is_it = names(pair)
-            .iter()
-            .flatten()
-            .all(|link| links.contains(link));
-        assert_eq!(
-            *margin,
-            if is_it { 0.05 } else { 0.01 },
-            "{:?}",
-            names(pair)
-        );
+        let is_it = names(pair).iter().flatten().all(|link| links.contains(link));
+        assert_eq!(*margin, if is_it { 0.05 } else { 0.01 }, "{:?}", names(pair));
     }
     let rows = |margin| scene.pairs_with_margin(margin).len();
     assert!(rows(0.05) > 0 && rows(0.05) + rows(0.01) == scene.pairs().len());
     let far = with_pairs(pair(2.0)).expect("it is good").check_feasible();
     let far = far.expect_err("they are nearer").to_string();
     assert!(
-        far.contains("its clearance_m is 2 m; clearance_m.obstacles is")
-            && links.iter().all(|link| far.contains(link)),
+        far.contains("its clearance_m is 2 m; clearance_m.obstacles is") && links.iter().all(|link| far.contains(link)),
         "{far}"
     );
     let twice = [pair(0.1)[0].clone(), pair(0.2)[0].clone()];
     for (pairs, words) in [
-        (
-            json!([{ "links": ["panda_link6", "leg"], "clearance_m": 0.1 }]),
-            "no link 'leg'",
-        ),
-        (
-            json!([{ "links": ["panda_link3", "panda_link4"], "clearance_m": 0.1 }]),
-            "not kept clear",
-        ),
+        (json!([{ "links": ["panda_link6", "leg"], "clearance_m": 0.1 }]), "no link 'leg'"),
+        (json!([{ "links": ["panda_link3", "panda_link4"], "clearance_m": 0.1 }]), "not kept clear"),
         (pair(-0.1), "clearance_m.pairs[0].clearance_m: it is -0.1"),
         (json!(twice), "clearance_m.pairs[1].links: ;given twice"),
     ] {
         let error = with_pairs(pairs).expect_err(words);
-        assert!(
-            words.split(';').all(|part| error.contains(part)),
-            "{error}; {words}"
-        );
+        assert!(words.split(';').all(|part| error.contains(part)), "{error}; {words}");
     }
 }
 
@@ -196,18 +155,10 @@ fn rows_of_covers_keep_the_distance_of_their_own() {
     for _ in 0..300 {
         let q = model.random_configuration(&mut rng);
         forward_kinematics(model, &q, &mut placements).expect("lengths agree");
-        let deepest = scenario
-            .scene
-            .deepest_contact(&placements)
-            .expect("lengths agree");
+        let deepest = scenario.scene.deepest_contact(&placements).expect("lengths agree");
         let deepest = deepest.expect("there are obstacles");
         let x = [q, zeros.to_vec()].concat();
-        let at = PlacedState {
-            model,
-            x: &x,
-            placements: &placements,
-            pieces: None,
-        };
+        let at = PlacedState { model, x: &x, placements: &placements, pieces: None };
         let rows = AnyConstraint::of_scene(&scenario.scene);
         let rows = rows.iter().flat_map(|rows| {
             let mut g = vec![0.0; rows.dim()];
@@ -216,30 +167,17 @@ fn rows_of_covers_keep_the_distance_of_their_own() {
         });
         let largest = rows.fold(f64::NEG_INFINITY, f64::max);
         if deepest.distance < 0.0 {
-            assert!(
-                (largest + deepest.distance).abs() < 1e-12,
-                "{largest} {deepest:?}"
-            );
+            assert!((largest + deepest.distance).abs() < 1e-12, "{largest} {deepest:?}");
             margins.insert((1e3 * deepest.margin) as i64);
         }
     }
-    assert!(
-        [20, 50, 120, 150]
-            .iter()
-            .all(|margin| margins.contains(margin)),
-        "{margins:?}"
-    );
+    assert!([20, 50, 120, 150].iter().all(|margin| margins.contains(margin)), "{margins:?}");
 }
 
 #[test]
 fn ends_without_their_clearance_are_refused() {
     let checked = |clearance: Value| swing(clearance).check_feasible();
     assert!(checked(json!(0.05)).is_ok());
-    let text = checked(json!({ "obstacles": 1.0 }))
-        .expect_err("both ends are nearer")
-        .to_string();
-    assert!(
-        text.contains("q_start: link") && text.contains("its clearance_m is 1 m"),
-        "{text}"
-    );
+    let text = checked(json!({ "obstacles": 1.0 })).expect_err("both ends are nearer").to_string();
+    assert!(text.contains("q_start: link") && text.contains("its clearance_m is 1 m"), "{text}");
 }

@@ -63,10 +63,7 @@ fn a_start_in_the_goal_is_at_once_the_end() {
     let q = start["q_start"].clone();
     let at: Vec<f64> = serde_json::from_value(q.clone()).expect("numbers");
     for objective in ["least-time", "balanced"] {
-        let by_joints = with(
-            limited(json!([]), objective),
-            json!({ "q_goal": q, "v_goal": vec![0.0; 7] }),
-        );
+        let by_joints = with(limited(json!([]), objective), json!({ "q_goal": q, "v_goal": vec![0.0; 7] }));
         for scenario in [by_joints, limited(pose_at(&at), objective)] {
             let duration = cost("stay", &scenario);
             assert!(duration < 0.01, "{objective} {duration}");

@@ -21,19 +21,13 @@ fn an_arm_among_spheres_keeps_clear() {
 /// the best of those that did.
 #[test]
 fn what_converged_is_told_of_rather_than_what_stalled() {
-    let file = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../robots/panda/scenarios/table_under_pick_0080.json"
-    );
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda/scenarios/table_under_pick_0080.json");
     let scenario = Scenario::load(file).expect("it is there");
     let report = Solve::new(&scenario).run().expect("valid");
     let Details::Direct(details) = &report.summary.details else {
         panic!("it is a direct solve");
     };
-    assert!(
-        details.start_costs.len() > 1,
-        "the first start did not stall, find another scenario"
-    );
+    assert!(details.start_costs.len() > 1, "the first start did not stall, find another scenario");
     assert!(report.summary.success, "{:?}", report.summary);
     assert_eq!(details.minima[0].cost, details.cost);
     assert!(details.minima.is_sorted_by(|a, b| a.cost < b.cost));
@@ -42,20 +36,9 @@ fn what_converged_is_told_of_rather_than_what_stalled() {
 #[test]
 fn an_arm_keeps_clear_on_pieces() {
     let scenario = Scenario::load("kinova_obstacles_01").expect("built in");
-    let options = DirectOptions {
-        degree: Some(9),
-        segments: Some(2),
-        ..Default::default()
-    };
-    let summary = Solve::new(&scenario)
-        .options(options.clone())
-        .run()
-        .expect("valid")
-        .summary;
-    assert!(
-        summary.success && (summary.segments, summary.degree) == (2, 9),
-        "{summary:?}"
-    );
+    let options = DirectOptions { degree: Some(9), segments: Some(2), ..Default::default() };
+    let summary = Solve::new(&scenario).options(options.clone()).run().expect("valid").summary;
+    assert!(summary.success && (summary.segments, summary.degree) == (2, 9), "{summary:?}");
 }
 
 /// A longest horizon beyond a feasible one never costs more, although the motion on one horizon breaks limits on a
@@ -66,11 +49,7 @@ fn a_free_horizon_within_limits_costs_no_more_than_a_given_one() {
     let given = scenario.file.horizon_s;
     let weight = 100.0;
     let solved = |scenario: &Scenario, free_horizon| {
-        let settings = DirectSettings {
-            starts: 1,
-            free_horizon,
-            ..DirectSettings::constrained()
-        };
+        let settings = DirectSettings { starts: 1, free_horizon, ..DirectSettings::constrained() };
         let kept = scenario.constraints();
         let problem = scenario.problem().expect("valid");
         let solution = solved_within(&problem, &settings, &kept);
@@ -79,11 +58,7 @@ fn a_free_horizon_within_limits_costs_no_more_than_a_given_one() {
     };
     let at_the_given = solved(&scenario, None);
     scenario.file.horizon_s = 1.6 * given;
-    let free = FreeHorizon {
-        shortest: 0.5 * given,
-        longest: 4.0 * given,
-        weight,
-    };
+    let free = FreeHorizon { shortest: 0.5 * given, longest: 4.0 * given, weight };
     let at_the_best = solved(&scenario, Some(free));
     assert!(at_the_best <= at_the_given, "{at_the_best} {at_the_given}");
 }
@@ -117,18 +92,12 @@ fn a_motion_whose_torques_overflow_is_not_valid() {
         "enforced_limits": { "position": false, "velocity": false, "torque": false }
     });
     let scenario = load("far", &scenario).expect("it is good");
-    let options = DirectOptions {
-        starts: Some(1),
-        ..Default::default()
-    };
+    let options = DirectOptions { starts: Some(1), ..Default::default() };
     let report = Solve::new(&scenario).options(options).run();
     let summary = report.expect("a result").summary;
     assert_eq!(summary.verdict, Verdict::NotValid);
     let failure = summary.failure.expect("there are reasons");
-    assert!(
-        failure.contains("torques of the motion are no finite numbers"),
-        "{failure}"
-    );
+    assert!(failure.contains("torques of the motion are no finite numbers"), "{failure}");
 }
 
 /// The cost of a motion that breaks its limits is that of the motion, and of the iterate that it comes from.
@@ -147,18 +116,10 @@ fn the_cost_of_a_motion_that_is_not_valid_is_its_own() {
     };
     assert_eq!(summary.verdict, Verdict::NotValid);
     let apart = (details.cost / summary.control_effort - 1.0).abs();
-    assert!(
-        apart < 1e-3,
-        "{} and {}",
-        details.cost,
-        summary.control_effort
-    );
+    assert!(apart < 1e-3, "{} and {}", details.cost, summary.control_effort);
     // The excess is a speed: the point has to be faster than half a radian per second on average.
     let speed = &summary.feasibility.limit_violations[0];
-    assert!(
-        speed.unit == "m/s" && (0.2..3.0).contains(&speed.by),
-        "{speed}"
-    );
+    assert!(speed.unit == "m/s" && (0.2..3.0).contains(&speed.by), "{speed}");
 }
 
 /// A kept speed bounds the time too.

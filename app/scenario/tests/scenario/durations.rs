@@ -18,20 +18,12 @@ fn phases_last_as_long_as_is_best() {
             file["phases"][k]["longest_s"] = longest.into();
         }
         let scenario = load("durations", &file).expect("it is good");
-        let options = DirectOptions {
-            starts: Some(1),
-            ..DirectOptions::default()
-        };
-        let found = Solve::new(&scenario)
-            .options(options)
-            .run_walk()
-            .expect("it is good");
+        let options = DirectOptions { starts: Some(1), ..DirectOptions::default() };
+        let found = Solve::new(&scenario).options(options).run_walk().expect("it is good");
         assert!(found.is_valid());
         for (phase, report) in &found.phases {
             assert_eq!(report.summary.verdict, Verdict::Optimal);
-            let motion = Trajectory::of_samples(
-                sample(&phase.model, &report.curve, 2000).expect("its joints"),
-            );
+            let motion = Trajectory::of_samples(sample(&phase.model, &report.curve, 2000).expect("its joints"));
             let judged = judge(phase, &motion, Tolerances::default()).expect("its joints");
             assert!(judged.checks.iter().all(|row| row.outcome.is_good()));
         }
@@ -44,10 +36,7 @@ fn phases_last_as_long_as_is_best() {
     assert_eq!(lasted, [1.0; 2]);
     let (both, lasted) = lasting([[0.5, 1.2]; 2], 2.0);
     // To stand costs effort, so both are as short as they may be.
-    assert!(
-        lasted.iter().all(|of| (of - 0.5).abs() < 1e-5),
-        "{lasted:?}"
-    );
+    assert!(lasted.iter().all(|of| (of - 0.5).abs() < 1e-5), "{lasted:?}");
     let (best, [first, second]) = lasting([[0.25, 2.5], [0.5; 2]], 0.775);
     assert!(best < both && both < equal, "{best}, {both} and {equal}");
     assert!(first > 0.3 && (second - 0.5).abs() < 1e-12, "{first}");

@@ -2,8 +2,7 @@
 
 use aghf::curve::{Chebyshev, Curve};
 use aghf_scenario::{
-    Enforced, EnforcedLimits, Feasibility, HorizonBounds, Limit, LimitViolation, RateLimits,
-    Scenario,
+    Enforced, EnforcedLimits, Feasibility, HorizonBounds, Limit, LimitViolation, RateLimits, Scenario,
 };
 use nalgebra::DMatrix;
 
@@ -72,16 +71,10 @@ fn broken_limits_of_the_position_are_reported() {
     let limit = only(&found);
     assert_eq!(limit.limit, Limit::Position);
     assert_eq!(limit.joint.as_deref(), Some(joint.name()));
-    assert_eq!(
-        limit.name,
-        format!("upper position limit of joint '{}'", joint.name())
-    );
+    assert_eq!(limit.name, format!("upper position limit of joint '{}'", joint.name()));
     assert_eq!((limit.unit.as_str(), limit.enforced), ("rad", false));
     assert!((limit.by - 0.5).abs() < 1e-12 && (limit.at_s - 1.0003).abs() < 1e-6);
-    assert!(
-        found.holds(0.0) && found.reason(0.0).is_none(),
-        "none is enforced"
-    );
+    assert!(found.holds(0.0) && found.reason(0.0).is_none(), "none is enforced");
 }
 
 /// Too fast both ways: the error has the worse of the two.
@@ -97,19 +90,13 @@ fn broken_limits_of_the_velocity_are_reported_and_enforced_ones_matter() {
     assert_eq!(speeds.len(), 1, "{found:?}");
     let speed = speeds[0];
     assert_eq!((speed.enforced, speed.unit.as_str()), (false, "rad/s"));
-    assert_eq!(
-        speed.name,
-        format!("lower velocity limit of joint '{name}'")
-    );
+    assert_eq!(speed.name, format!("lower velocity limit of joint '{name}'"));
     let most = 1.5 * (limit + 0.0123) - limit;
     assert!((speed.by - most).abs() < 1e-12 && speed.at_s == 0.0);
     assert!(found.holds(0.0));
     let largest = found.unlimited_acceleration.expect("it is not limited");
     assert_eq!((&*largest.joint, &*largest.unit), (name, "rad/s^2"));
-    assert!(
-        (largest.value - (limit + 0.0123) / 0.8).abs() < 1e-9,
-        "{largest}"
-    );
+    assert!((largest.value - (limit + 0.0123) / 0.8).abs() < 1e-9, "{largest}");
     scenario.file.enforced_limits.acceleration = Some(RateLimits::Same(5.0));
     assert_eq!(of(&scenario, &fast).unlimited_acceleration, None);
     scenario.file.enforced_limits.acceleration = None;
@@ -130,21 +117,9 @@ fn a_slightly_broken_limit_is_reported_with_digits() {
     assert_eq!(only(&found).to_string(), words);
     assert_eq!(found.reason(1e-6), Some(format!("violated: {words}")));
     assert_eq!((found.reason(1.3e-6), found.holds(1.3e-6)), (None, true));
-    for (by, words) in [
-        (0.01234, "0.0123"),
-        (1.5, "1.50"),
-        (999.0, "999"),
-        (1234.5, "1235"),
-        (2e5, "2.00e5"),
-    ] {
-        let speed = LimitViolation {
-            by,
-            ..only(&found).clone()
-        };
-        assert!(
-            speed.to_string().contains(&format!(" by {words} rad/s")),
-            "{speed}"
-        );
+    for (by, words) in [(0.01234, "0.0123"), (1.5, "1.50"), (999.0, "999"), (1234.5, "1235"), (2e5, "2.00e5")] {
+        let speed = LimitViolation { by, ..only(&found).clone() };
+        assert!(speed.to_string().contains(&format!(" by {words} rad/s")), "{speed}");
     }
 }
 
@@ -155,11 +130,7 @@ fn a_torque_beyond_its_limit() {
     let effort = scenario.model.joints()[0].limits().effort;
     for enforced in [false, true] {
         scenario.file.enforced_limits = EnforcedLimits {
-            torque: if enforced {
-                Enforced::default()
-            } else {
-                Enforced::No
-            },
+            torque: if enforced { Enforced::default() } else { Enforced::No },
             ..EnforcedLimits::NONE
         };
         // Hard enough whatever the inertia about the vertical is.
@@ -195,39 +166,24 @@ fn a_collision_is_reported() {
     assert!(through.smallest_clearance_m.is_some_and(|m| m < -0.02) && !through.holds(1e-3));
     let nearest = through.nearest.as_ref().expect("it collides");
     let mut obstacles = scenario.scene.obstacles().iter();
-    assert!(
-        obstacles.any(|each| each.name == nearest.between[1]),
-        "{nearest}"
-    );
-    assert!(
-        nearest.at_s > 0.0 && nearest.at_s < scenario.file.horizon_s,
-        "{nearest}"
-    );
+    assert!(obstacles.any(|each| each.name == nearest.between[1]), "{nearest}");
+    assert!(nearest.at_s > 0.0 && nearest.at_s < scenario.file.horizon_s, "{nearest}");
     let hit = through.limit_violations.iter();
     let hit: Vec<_> = hit.filter(|v| v.limit == Limit::Clearance).collect();
-    assert!(
-        hit.iter()
-            .all(|v| v.enforced && v.unit == "m" && v.joint.is_none())
-    );
+    assert!(hit.iter().all(|v| v.enforced && v.unit == "m" && v.joint.is_none()));
     let mut names: Vec<_> = hit.iter().map(|v| &v.name).collect();
     assert!(names[0].starts_with("distance of link '"), "{names:?}");
     names.dedup();
     assert_eq!(names.len(), hit.len(), "one for each link and obstacle");
     let reason = through.reason(1e-3).expect("it collides");
-    assert!(
-        reason.starts_with("violated: distance of link '"),
-        "{reason}"
-    );
+    assert!(reason.starts_with("violated: distance of link '"), "{reason}");
 }
 
 /// A motion is feasible only if it takes as long as the scenario allows.
 #[test]
 fn a_horizon_beyond_its_bounds_is_a_violation() {
     let mut scenario = free();
-    scenario.file.free_horizon = Some(HorizonBounds {
-        shortest_s: 0.5,
-        longest_s: 3.0,
-    });
+    scenario.file.free_horizon = Some(HorizonBounds { shortest_s: 0.5, longest_s: 3.0 });
     let lasting = |horizon: f64| {
         let chebyshev = Chebyshev::new(4, horizon).expect("a good degree");
         let curve = Curve::new(chebyshev, DMatrix::zeros(14, 5)).expect("sizes agree");

@@ -37,19 +37,13 @@ pub fn kinova(goal: Value) -> Value {
 }
 
 fn ends(scenario: &Scenario) -> Vec<Vec<f64>> {
-    let goal = scenario
-        .goal_with_ends()
-        .expect("it is reachable")
-        .expect("a set");
+    let goal = scenario.goal_with_ends().expect("it is reachable").expect("a set");
     goal.ends.into_iter().map(|end| end.q).collect()
 }
 
 fn refusal(scenario: &Value) -> String {
     let scenario = load("refused", scenario).expect("it is good");
-    scenario
-        .goal_with_ends()
-        .expect_err("it is refused")
-        .to_string()
+    scenario.goal_with_ends().expect_err("it is refused").to_string()
 }
 
 /// The ends of a scenario that was changed are those of the changed one.
@@ -59,16 +53,8 @@ fn ends_follow_the_keys() {
     let before = ends(&scenario);
     assert_eq!(ends(&scenario), before);
     scenario.file.q_start = REACHED.to_vec();
-    let nearest = ends(&scenario).into_iter().map(|q| {
-        q.iter()
-            .zip(REACHED)
-            .map(|(a, b)| (a - b).abs())
-            .sum::<f64>()
-    });
-    assert!(
-        nearest.fold(f64::INFINITY, f64::min) < 1e-6,
-        "the start is among them"
-    );
+    let nearest = ends(&scenario).into_iter().map(|q| q.iter().zip(REACHED).map(|(a, b)| (a - b).abs()).sum::<f64>());
+    assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-6, "the start is among them");
     scenario.file.q_start = vec![0.0, 0.5, 0.0, 1.0, 0.0, 0.5, 0.0];
     assert_eq!(ends(&scenario), before);
 }
@@ -100,29 +86,20 @@ fn a_motion_ends_in_the_pose_at_least_cost() {
     let scenario = load("pose", &kinova(pose_at(&REACHED))).expect("it is good");
     let joints = json!({ "goal": [], "q_goal": REACHED, "v_goal": vec![0.0; 7] });
     let joints = load("joints", &with(kinova(json!([])), joints)).expect("it is good");
-    let [by_pose, by_joints] =
-        [&scenario, &joints].map(|of| Solve::new(of).run().expect("it is good"));
+    let [by_pose, by_joints] = [&scenario, &joints].map(|of| Solve::new(of).run().expect("it is good"));
     let Details::Direct(details) = &by_pose.summary.details else {
         panic!("by the direct method");
     };
     let end = details.end.as_ref().expect("a set");
     assert!(by_pose.summary.success && by_joints.summary.success);
     assert_eq!(end.goal, 0);
-    let (at, wanted) = (
-        pose(&scenario.model, TOOL, &end.q),
-        pose(&scenario.model, TOOL, &REACHED),
-    );
+    let (at, wanted) = (pose(&scenario.model, TOOL, &end.q), pose(&scenario.model, TOOL, &REACHED));
     assert!((at.translation - wanted.translation).norm() < 1e-6);
     assert!((at.rotation - wanted.rotation).norm() < 1e-6);
     let Details::Direct(of_joints) = &by_joints.summary.details else {
         panic!("by the direct method");
     };
-    assert!(
-        details.cost < 1.02 * of_joints.cost,
-        "{} {}",
-        details.cost,
-        of_joints.cost
-    );
+    assert!(details.cost < 1.02 * of_joints.cost, "{} {}", details.cost, of_joints.cost);
     let samples = aghf::motion::sample(&scenario.model, &by_pose.curve, 200).expect("its joints");
     let trajectory = Trajectory::of_samples(samples);
     let judged = judge(&scenario, &trajectory, Tolerances::default()).expect("its joints");
@@ -150,41 +127,26 @@ fn goals_that_no_configuration_reaches_are_refused_with_the_reason() {
     let far = json!({ "frame": TOOL, "position_m": [2.0, 0.0, 0.3] });
     let words = "goal: its position is ";
     let refused = refusal(&kinova(far.clone()));
-    assert!(
-        refused.contains(words) && refused.contains("add up to"),
-        "{refused}"
-    );
+    assert!(refused.contains(words) && refused.contains("add up to"), "{refused}");
     assert!(!refused.contains("millimetres"), "{refused}");
     let unit = json!({ "frame": TOOL, "position_m": [400.0, 0.0, 300.0] });
     let refused = refusal(&kinova(unit));
-    assert!(
-        refused.ends_with("; lengths are in metres, are these millimetres?"),
-        "{refused}"
-    );
+    assert!(refused.ends_with("; lengths are in metres, are these millimetres?"), "{refused}");
     // Below a floor.
     let floor = json!({
         "obstacles": [{ "name": "floor", "shape": { "half_space": {} }, "pose": { "position_m": [0, 0, 0] } }],
         "robot_shape": { "swept_links": { "radius_m": 0.02 } } });
     let below = json!({ "frame": TOOL, "position_m": [0.4, 0.0, -0.2] });
     let refused = refusal(&with(kinova(below), floor));
-    assert!(
-        refused.contains("is refused, the first because"),
-        "{refused}"
-    );
+    assert!(refused.contains("is refused, the first because"), "{refused}");
     assert!(refused.contains("'floor'"), "{refused}");
     // Within the sum of the links, but folded beyond the limits of the elbow.
     let inside = json!({ "frame": TOOL, "position_m": [0.0, 0.0, 0.28], "orientation_xyzw": [1.0, 0.0, 0.0, 0.0] });
     let refused = refusal(&kinova(inside));
-    assert!(
-        refused.contains("no proof that there is none; the nearest one is off by"),
-        "{refused}"
-    );
+    assert!(refused.contains("no proof that there is none; the nearest one is off by"), "{refused}");
     // Of several goals one is enough.
     let two = load("two", &kinova(json!([far, pose_at(&REACHED)]))).expect("it is good");
-    let goal = two
-        .goal_with_ends()
-        .expect("one is reachable")
-        .expect("a set");
+    let goal = two.goal_with_ends().expect("one is reachable").expect("a set");
     assert!(goal.ends.iter().all(|end| end.alternative == 1));
 }
 
@@ -194,16 +156,10 @@ fn a_horizon_that_is_fixed_and_too_short_is_named() {
     let words = "; the horizon is fixed: a horizon_s of more than 0.1 s or free_horizon may help";
     for (keys, advised) in [
         (json!({ "horizon_s": 0.1 }), true),
-        (
-            json!({ "horizon_s": 0.1, "free_horizon": { "shortest_s": 0.05, "longest_s": 0.1 } }),
-            false,
-        ),
+        (json!({ "horizon_s": 0.1, "free_horizon": { "shortest_s": 0.05, "longest_s": 0.1 } }), false),
     ] {
         let scenario = load("short", &with(short.clone(), keys)).expect("it is good");
-        let options = DirectOptions {
-            starts: Some(1),
-            ..DirectOptions::default()
-        };
+        let options = DirectOptions { starts: Some(1), ..DirectOptions::default() };
         let report = Solve::new(&scenario).options(options).run();
         let failure = report.expect("it is good").summary.failure;
         let failure = failure.expect("it is too short");

@@ -20,13 +20,10 @@ fn files() -> Value {
             <axis xyz="0 1 0"/><origin xyz="0.3 0 0"/>{more}</joint>"#
         )
     };
-    let limit = |lower: f64, upper: f64| {
-        format!(r#"<limit lower="{lower}" upper="{upper}" velocity="2" effort="90"/>"#)
-    };
+    let limit =
+        |lower: f64, upper: f64| format!(r#"<limit lower="{lower}" upper="{upper}" velocity="2" effort="90"/>"#);
     let finger = limit(0.01, 0.1) + r#"<mimic joint="first" multiplier="2" offset="0.001"/>"#;
-    let text = ["base", "upper", "lower", "left", "right"]
-        .map(|name| link(name, 1.0))
-        .concat()
+    let text = ["base", "upper", "lower", "left", "right"].map(|name| link(name, 1.0)).concat()
         + r#"<link name="camera"/>"#
         + &joint("shoulder", "revolute", ["base", "upper"], &limit(-2.0, 2.0))
         + &joint("elbow", "revolute", ["upper", "lower"], &limit(-2.0, 2.0))
@@ -41,11 +38,7 @@ fn files() -> Value {
         <group_state name="open" group="head"><joint name="pan" value="1.5"/></group_state>
         <group_state name="bad" group="hand"><joint name="third" value="0.03"/></group_state></robot>"#;
     let folder = folder();
-    std::fs::write(
-        folder.join("arm.urdf"),
-        format!("<robot name=\"arm\">{text}</robot>"),
-    )
-    .expect("it is writable");
+    std::fs::write(folder.join("arm.urdf"), format!("<robot name=\"arm\">{text}</robot>")).expect("it is writable");
     std::fs::write(folder.join("arm.srdf"), srdf).expect("it is writable");
     json!({
         "robot": "arm.urdf", "srdf": "arm.srdf", "group": "arm", "horizon_s": 2.0,
@@ -65,29 +58,15 @@ fn joints_outside_of_the_group_are_held() {
     let names: Vec<_> = scenario.model.joints().iter().map(|j| j.name()).collect();
     // By the names of the joints on each link.
     assert_eq!(names, ["shoulder", "elbow"]);
-    assert_eq!(
-        locked(&scenario),
-        [("first", 0.01), ("pan", 0.0), ("second", 0.021)]
-    );
-    assert!(
-        scenario
-            .load_notes
-            .iter()
-            .all(|note| !note.bears_on_motion())
-    );
+    assert_eq!(locked(&scenario), [("first", 0.01), ("pan", 0.0), ("second", 0.021)]);
+    assert!(scenario.load_notes.iter().all(|note| !note.bears_on_motion()));
     solved_once(&scenario);
 
     let open = load("open", &with(files(), json!({ "held_state": "open" }))).expect("it is good");
-    assert_eq!(
-        locked(&open),
-        [("first", 0.03), ("pan", 1.5), ("second", 0.061)]
-    );
+    assert_eq!(locked(&open), [("first", 0.03), ("pan", 1.5), ("second", 0.061)]);
     let keys = json!({ "held_state": "open", "locked_joints": { "second": 0.05, "pan": -1.0 } });
     let given = load("given", &with(files(), keys)).expect("it is good");
-    assert_eq!(
-        locked(&given),
-        [("first", 0.03), ("pan", -1.0), ("second", 0.05)]
-    );
+    assert_eq!(locked(&given), [("first", 0.03), ("pan", -1.0), ("second", 0.05)]);
 
     // What was read is the same without the SRDF.
     let mut written = serde_json::to_value(&open.file).expect("numbers");
@@ -104,15 +83,9 @@ fn a_group_and_its_file_may_be_given_beside_the_scenario() {
         file.as_object_mut().expect("it is one").remove(key);
     }
     let error = load("given", &file).expect_err("a joint mimics another");
-    assert!(
-        error.starts_with("robot: ") && error.contains("it mimics joint 'first'"),
-        "{error}"
-    );
-    let given = LoadOptions {
-        srdf: Some(folder().join("arm.srdf")),
-        group: Some("arm".to_owned()),
-        ..LoadOptions::default()
-    };
+    assert!(error.starts_with("robot: ") && error.contains("it mimics joint 'first'"), "{error}");
+    let given =
+        LoadOptions { srdf: Some(folder().join("arm.srdf")), group: Some("arm".to_owned()), ..LoadOptions::default() };
     let path = folder().join("given.json");
     let scenario = Scenario::load_for(path.to_str().expect("it is text"), &given);
     assert_eq!(locked(&scenario.expect("it is good")).len(), 3);
@@ -129,26 +102,17 @@ fn groups_that_cannot_be_planned_are_refused_by_key() {
         (alone, "held_state: it is given without a group"),
         (nowhere, "srdf: the group is in an SRDF, which is not given"),
         (with(files(), json!({ "srdf": "none.srdf" })), "srdf: "),
-        (
-            with(files(), json!({ "group": "leg" })),
-            "group: ; arm.srdf: group 'leg': there is no such group",
-        ),
+        (with(files(), json!({ "group": "leg" })), "group: ; arm.srdf: group 'leg': there is no such group"),
         (
             with(files(), json!({ "held_state": "shut" })),
             "held_state: ; group_state 'shut': there is no such state; there are '",
         ),
-        (
-            with(files(), json!({ "held_state": "bad" })),
-            "held_state: ; the robot has no joint 'third'",
-        ),
+        (with(files(), json!({ "held_state": "bad" })), "held_state: ; the robot has no joint 'third'"),
         (
             with(files(), json!({ "group": "hand" })),
             "group: joint 'second' mimics 'first', and they cannot move together; {\"second\": POSITION}",
         ),
-        (
-            with(files(), json!({ "group": "first" })),
-            "group: joint 'second' mimics 'first'",
-        ),
+        (with(files(), json!({ "group": "first" })), "group: joint 'second' mimics 'first'"),
         (
             with(files(), json!({ "locked_joints": { "first": 0.5 } })),
             "locked_joints: ; 'first': locked at 0.5, outside [0.01, 0.04]",
@@ -156,10 +120,7 @@ fn groups_that_cannot_be_planned_are_refused_by_key() {
     ] {
         let error = load("bad", &scenario).expect_err(words);
         let all = words.split("; ").all(|word| error.contains(word));
-        assert!(
-            all && error.starts_with(words.split("; ").next().unwrap_or_default()),
-            "{error}\n{words}"
-        );
+        assert!(all && error.starts_with(words.split("; ").next().unwrap_or_default()), "{error}\n{words}");
     }
     // The other finger is held where the file says.
     let keys = json!({
@@ -178,19 +139,12 @@ fn joints_of_several_degrees_are_held_outside_of_the_group() {
     let text = std::fs::read_to_string(&path).expect("it was written");
     let floats = r#"<link name="world"/><joint name="float" type="floating"><parent link="world"/>
         <child link="base"/><origin xyz="0 0 1"/></joint></robot>"#;
-    std::fs::write(
-        folder().join("mobile.urdf"),
-        text.replace("</robot>", floats),
-    )
-    .expect("a file");
+    std::fs::write(folder().join("mobile.urdf"), text.replace("</robot>", floats)).expect("a file");
     let srdf = r#"<robot name="arm"><group name="arm"><chain base_link="base" tip_link="lower"/></group>
         <group name="whole"><chain base_link="world" tip_link="lower"/></group>
         <disable_collisions link1="base" link2="tail"/></robot>"#;
     std::fs::write(folder().join("mobile.srdf"), srdf).expect("a file");
-    let mobile = with(
-        file,
-        json!({ "robot": "mobile.urdf", "srdf": "mobile.srdf" }),
-    );
+    let mobile = with(file, json!({ "robot": "mobile.urdf", "srdf": "mobile.srdf" }));
     let scenario = load("mobile", &mobile).expect("its base is held");
     let names: Vec<_> = scenario.model.joints().iter().map(|j| j.name()).collect();
     assert_eq!(names, ["shoulder", "elbow"]);
@@ -201,14 +155,8 @@ fn joints_of_several_degrees_are_held_outside_of_the_group() {
     ];
     assert_eq!(notes, expected);
     for (key, words) in [
-        (
-            json!({ "group": "whole" }),
-            "group: it has the joint 'float', which is floating",
-        ),
-        (
-            json!({ "group": null }),
-            "joint 'float': floating joints are not supported",
-        ),
+        (json!({ "group": "whole" }), "group: it has the joint 'float', which is floating"),
+        (json!({ "group": null }), "joint 'float': floating joints are not supported"),
     ] {
         let error = load("mobile", &with(mobile.clone(), key)).expect_err(words);
         assert!(error.contains(words), "{error}");

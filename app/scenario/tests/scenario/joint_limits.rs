@@ -46,54 +46,29 @@ fn angles_in_degrees_are_converted() {
     assert_eq!(accelerations, [Some(90.0_f64.to_radians()), None]);
     assert_eq!(of("jerk", yaml).expect("it is good"), [Some(5.0), None]);
     for (bad, words) in [
-        (
-            "{j1: {max_velocity: !grad 30}}",
-            "the tag !grad, of which !degrees and !radians alone are read, at line 1",
-        ),
+        ("{j1: {max_velocity: !grad 30}}", "the tag !grad, of which !degrees and !radians alone are read, at line 1"),
         ("{j1: !degrees {max_velocity: 30}}", "the tag !degrees"),
         ("!all {j1: {max_velocity: 30}}", "the tag !all"),
-        (
-            "{j1: {max_velocity: !degrees fast}}",
-            "the tag !degrees without a number at line 1",
-        ),
+        ("{j1: {max_velocity: !degrees fast}}", "the tag !degrees without a number at line 1"),
         ("{j1: {max_velocity: !!float 3}}", "the tag "),
     ] {
         let error = of("max_velocity", &format!("joint_limits: {bad}")).expect_err(bad);
-        assert!(
-            error.contains("joint_limits.yaml: ") && error.contains(words),
-            "{error}"
-        );
+        assert!(error.contains("joint_limits.yaml: ") && error.contains(words), "{error}");
     }
 }
 
 #[test]
 fn decelerations_have_any_sign_and_the_smaller_limit_holds() {
     for (keys, least, note) in [
-        (
-            "max_acceleration: 3, max_deceleration: -2.0",
-            2.0,
-            Some("the smaller of 3 and 2 holds"),
-        ),
-        (
-            "max_acceleration: 2, max_deceleration: 5",
-            2.0,
-            Some("the smaller of 2 and 5 holds"),
-        ),
+        ("max_acceleration: 3, max_deceleration: -2.0", 2.0, Some("the smaller of 3 and 2 holds")),
+        ("max_acceleration: 2, max_deceleration: 5", 2.0, Some("the smaller of 2 and 5 holds")),
         ("max_acceleration: 2, max_deceleration: -2", 2.0, None),
         ("max_deceleration: -4", 4.0, None),
-        (
-            "max_acceleration: 3, has_deceleration_limits: false, max_deceleration: -1",
-            3.0,
-            None,
-        ),
+        ("max_acceleration: 3, has_deceleration_limits: false, max_deceleration: -1", 3.0, None),
     ] {
         let yaml = format!("joint_limits: {{j1: {{{keys}}}}}");
         let scenario = limited("acceleration", &yaml).expect("it is good");
-        assert_eq!(
-            scenario.bound(Limit::Acceleration, 0),
-            Some([-least, least]),
-            "{keys}"
-        );
+        assert_eq!(scenario.bound(Limit::Acceleration, 0), Some([-least, least]), "{keys}");
         let notes = scenario.load_notes.iter().map(ToString::to_string);
         let notes: Vec<_> = notes.filter(|note| note.contains("deceleration")).collect();
         match note {
@@ -114,17 +89,9 @@ fn default_factors_scale_all_limits() {
     for factor in ["0", "1.01", "-0.1"] {
         for kind in ["velocity", "acceleration"] {
             let key = format!("default_{kind}_scaling_factor");
-            let error = of(
-                "jerk",
-                &format!("{key}: {factor}\njoint_limits: {{j1: {{max_jerk: 9}}}}"),
-            );
+            let error = of("jerk", &format!("{key}: {factor}\njoint_limits: {{j1: {{max_jerk: 9}}}}"));
             let error = error.expect_err(factor);
-            assert!(
-                error.contains(&format!(
-                    "joint_limits.yaml: {key}: it is {factor}, a factor is"
-                )),
-                "{error}"
-            );
+            assert!(error.contains(&format!("joint_limits.yaml: {key}: it is {factor}, a factor is")), "{error}");
         }
     }
 }
@@ -137,35 +104,16 @@ fn positions_and_efforts_within_those_of_the_urdf_are_refused() {
             "has_position_limits: true, min_position: -0.2, max_position: 0.5",
             "its positions [-0.2, 0.5] are within",
         ),
-        (
-            "j1",
-            "max_position: !degrees 90",
-            "are within those of the URDF, [-3, 6.28318]",
-        ),
+        ("j1", "max_position: !degrees 90", "are within those of the URDF, [-3, 6.28318]"),
         ("j2", "min_position: -3", "are within those of the URDF"),
-        (
-            "j1",
-            "has_position_limits: true",
-            "but no min_position and no max_position",
-        ),
-        (
-            "j1",
-            "max_effort: 30",
-            "max_effort: 30 is less than the effort of the URDF, 60",
-        ),
+        ("j1", "has_position_limits: true", "but no min_position and no max_position"),
+        ("j1", "max_effort: 30", "max_effort: 30 is less than the effort of the URDF, 60"),
         ("j1", "has_effort_limits: true", "max_effort: it is missing"),
-        (
-            "j1",
-            "has_soft_limits: true, soft_lower_limit: 0",
-            "has_soft_limits: it is not read",
-        ),
+        ("j1", "has_soft_limits: true, soft_lower_limit: 0", "has_soft_limits: it is not read"),
     ] {
         let yaml = format!("joint_limits: {{{joint}: {{max_velocity: 1, {keys}}}}}");
         let error = of("max_velocity", &yaml).expect_err(keys);
-        assert!(
-            error.contains(&format!("joint_limits.yaml: joint_limits.{joint}")),
-            "{error}"
-        );
+        assert!(error.contains(&format!("joint_limits.yaml: joint_limits.{joint}")), "{error}");
         assert!(error.contains(words), "{error}");
     }
     for keys in [
@@ -176,42 +124,23 @@ fn positions_and_efforts_within_those_of_the_urdf_are_refused() {
         "has_soft_limits: false",
     ] {
         let yaml = format!("joint_limits: {{j1: {{max_velocity: 1, {keys}}}}}");
-        assert_eq!(
-            of("max_velocity", &yaml),
-            Ok([Some(1.0), Some(2.0)]),
-            "{keys}"
-        );
+        assert_eq!(of("max_velocity", &yaml), Ok([Some(1.0), Some(2.0)]), "{keys}");
     }
 }
 
 /// A number without a flag is a limit, as in MoveIt; a key that is not known is none.
 #[test]
 fn keys_are_those_of_moveit() {
-    assert_eq!(
-        of("jerk", "joint_limits: {j1: {max_jerk: 9}}"),
-        Ok([Some(9.0), None])
-    );
+    assert_eq!(of("jerk", "joint_limits: {j1: {max_jerk: 9}}"), Ok([Some(9.0), None]));
     let off = "joint_limits: {j1: {has_jerk_limits: false, max_jerk: 9}, j2: {max_jerk: 7}}";
     assert_eq!(of("jerk", off), Ok([None, Some(7.0)]));
     let bad: [(Value, &str); 3] = [
-        (
-            json!({ "joint_limits": { "j1": { "max_jrek": 9 } } }),
-            "joint_limits.j1.max_jrek: it is no field of a joint",
-        ),
-        (
-            json!({ "joint_limits": {}, "scale": 1 }),
-            "scale: it is no field of joint_limits.yaml",
-        ),
-        (
-            json!({ "joint_limits": { "j1": 3 } }),
-            "joint_limits.j1: an object with fields of",
-        ),
+        (json!({ "joint_limits": { "j1": { "max_jrek": 9 } } }), "joint_limits.j1.max_jrek: it is no field of a joint"),
+        (json!({ "joint_limits": {}, "scale": 1 }), "scale: it is no field of joint_limits.yaml"),
+        (json!({ "joint_limits": { "j1": 3 } }), "joint_limits.j1: an object with fields of"),
     ];
     for (yaml, words) in bad {
         let error = of("jerk", &yaml.to_string()).expect_err(words);
-        assert!(
-            error.contains(&format!("joint_limits.yaml: {words}")),
-            "{error}"
-        );
+        assert!(error.contains(&format!("joint_limits.yaml: {words}")), "{error}");
     }
 }

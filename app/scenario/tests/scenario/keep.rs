@@ -61,14 +61,8 @@ fn a_tool_stays_upright() {
     assert!(tilt(&upright) < bound + 1e-6, "{} {bound}", tilt(&upright));
     let judged = |motion| judge(&kept, motion, Tolerances::default()).expect("its joints");
     assert!(judged(&upright).valid);
-    let failed = judged(&loose)
-        .checks
-        .into_iter()
-        .filter(|row| !row.outcome.is_good());
-    assert_eq!(
-        failed.map(|row| row.check).collect::<Vec<_>>(),
-        [Check::Kept]
-    );
+    let failed = judged(&loose).checks.into_iter().filter(|row| !row.outcome.is_good());
+    assert_eq!(failed.map(|row| row.check).collect::<Vec<_>>(), [Check::Kept]);
 }
 
 /// Two arms carry a bar over a post: the relative pose is that of the start at all times, by the judge and by the poses
@@ -124,16 +118,8 @@ fn a_speed_is_kept_from_a_time_on() {
     let bound = 0.7 * speed(&loose, true);
     let keep = json!([{ "speed": { "frame": TOOL, "most_m_s": bound }, "from_s": 1.5 }]);
     let slow = samples(&load("slow", &kinova(keep)).expect("it is good"));
-    assert!(
-        speed(&slow, true) < bound + 1e-4,
-        "{} {bound}",
-        speed(&slow, true)
-    );
-    assert!(
-        speed(&slow, false) > bound,
-        "{} {bound}",
-        speed(&slow, false)
-    );
+    assert!(speed(&slow, true) < bound + 1e-4, "{} {bound}", speed(&slow, true));
+    assert!(speed(&slow, false) > bound, "{} {bound}", speed(&slow, false));
 }
 
 #[test]
@@ -142,34 +128,13 @@ fn what_cannot_be_kept_is_refused() {
     let speed = json!({ "frame": TOOL, "most_m_s": 0.2 });
     let plane = json!({ "frame": TOOL, "box": { "size_m": [null, null, 0], "pose": { "position_m": [0, 0, 0.4] } } });
     for (keep, words) in [
-        (
-            json!({}),
-            "keep[0]: one of the keys poses and speed is needed",
-        ),
-        (
-            json!({ "poses": plane, "speed": speed }),
-            "keep[0]: one of the keys poses and speed is needed",
-        ),
-        (
-            json!({ "poses": plane, "to_s": 1.0 }),
-            "keep[0]: rows: equalities: position along z",
-        ),
-        (
-            json!({ "speed": speed, "from_s": 2.0, "to_s": 1.0 }),
-            "keep[0]: it is kept from 2 s to 1 s",
-        ),
-        (
-            json!({ "speed": with(speed.clone(), json!({ "most_m_s": 0 })) }),
-            "keep[0].speed.most_m_s: it is 0",
-        ),
-        (
-            json!({ "speed": with(speed.clone(), json!({ "frame": "base_link" })) }),
-            "keep[0].speed.frame: the robot",
-        ),
-        (
-            json!({ "poses": { "frame": TOOL } }),
-            "keep[0].poses: one of the keys position_m",
-        ),
+        (json!({}), "keep[0]: one of the keys poses and speed is needed"),
+        (json!({ "poses": plane, "speed": speed }), "keep[0]: one of the keys poses and speed is needed"),
+        (json!({ "poses": plane, "to_s": 1.0 }), "keep[0]: rows: equalities: position along z"),
+        (json!({ "speed": speed, "from_s": 2.0, "to_s": 1.0 }), "keep[0]: it is kept from 2 s to 1 s"),
+        (json!({ "speed": with(speed.clone(), json!({ "most_m_s": 0 })) }), "keep[0].speed.most_m_s: it is 0"),
+        (json!({ "speed": with(speed.clone(), json!({ "frame": "base_link" })) }), "keep[0].speed.frame: the robot"),
+        (json!({ "poses": { "frame": TOOL } }), "keep[0].poses: one of the keys position_m"),
         (
             json!({ "poses": with(plane.clone(), json!({ "relative_to": TOOL })) }),
             "keep[0].poses.relative_to: the robot",
@@ -181,59 +146,28 @@ fn what_cannot_be_kept_is_refused() {
     // The start is not in the plane.
     let off = load("off", &kinova(json!([{ "poses": plane }]))).expect("it is good");
     let error = off.check_feasible().expect_err("it is refused").to_string();
-    assert!(
-        error.contains("q_start: it violates position along z of frame"),
-        "{error}"
-    );
+    assert!(error.contains("q_start: it violates position along z of frame"), "{error}");
 }
 
 /// Windows for which the motion has no time, or too little, are refused with their times, whatever their order.
 #[test]
 fn empty_windows_are_refused() {
-    let speed = |window: Value| {
-        with(
-            json!({ "speed": { "frame": TOOL, "most_m_s": 0.2 } }),
-            window,
-        )
-    };
-    let load = |scenario: Value, window: Value| {
-        load(
-            "window",
-            &with(scenario, json!({ "keep": [speed(window)] })),
-        )
-    };
+    let speed = |window: Value| with(json!({ "speed": { "frame": TOOL, "most_m_s": 0.2 } }), window);
+    let load = |scenario: Value, window: Value| load("window", &with(scenario, json!({ "keep": [speed(window)] })));
     let fixed = kinova(json!([]));
     for (window, words) in [
-        (
-            json!({ "from_s": 2.0, "to_s": 1.0 }),
-            "from 2 s to 1 s, of which the motion, 3 s at most",
-        ),
+        (json!({ "from_s": 2.0, "to_s": 1.0 }), "from 2 s to 1 s, of which the motion, 3 s at most"),
         (json!({ "from_s": 1.0, "to_s": 1.0 }), "from 1 s to 1 s"),
-        (
-            json!({ "from_s": 1.0, "to_s": 1.0000001 }),
-            "from 1 s to 1.0000001 s",
-        ),
+        (json!({ "from_s": 1.0, "to_s": 1.0000001 }), "from 1 s to 1.0000001 s"),
         (json!({ "from_s": 3.0 }), "from 3 s to the end"),
-        (
-            json!({ "from_s": 2000.0, "to_s": 3000.0 }),
-            "from 2000 s to 3000 s",
-        ),
+        (json!({ "from_s": 2000.0, "to_s": 3000.0 }), "from 2000 s to 3000 s"),
         (json!({ "to_s": 0.0 }), "from the start to 0 s"),
         (json!({ "from_s": -2.0, "to_s": -1.0 }), "from -2 s to -1 s"),
-        (
-            json!({ "from_s": -2.0, "to_s": 1e-9 }),
-            "from -2 s to 1e-9 s",
-        ),
-        (
-            json!({ "from_s": 2.9999999, "to_s": 9.0 }),
-            "from 2.9999999 s to 9 s",
-        ),
+        (json!({ "from_s": -2.0, "to_s": 1e-9 }), "from -2 s to 1e-9 s"),
+        (json!({ "from_s": 2.9999999, "to_s": 9.0 }), "from 2.9999999 s to 9 s"),
     ] {
         let error = load(fixed.clone(), window).expect_err("it is refused");
-        assert!(
-            error.starts_with("keep[0]: it is kept ") && error.contains(words),
-            "{error}"
-        );
+        assert!(error.starts_with("keep[0]: it is kept ") && error.contains(words), "{error}");
     }
     load(fixed, json!({ "from_s": 2.99, "to_s": 9.0 })).expect("it is good");
 }
@@ -254,19 +188,10 @@ fn a_window_beyond_the_end_of_the_motion_is_noted() {
     let report = solved_once(&late);
     assert!(report.curve.horizon() < 3.9, "{}", report.curve.horizon());
     let note = "keep[0] is not tested: the motion ends at ";
-    assert!(
-        report
-            .summary
-            .notes
-            .iter()
-            .any(|found| found.starts_with(note))
-    );
+    assert!(report.summary.notes.iter().any(|found| found.starts_with(note)));
     let early = load(0.1).expect("it is good");
     let notes = solved_once(&early).summary.notes;
-    assert!(
-        !notes.iter().any(|found| found.starts_with(note)),
-        "{notes:?}"
-    );
+    assert!(!notes.iter().any(|found| found.starts_with(note)), "{notes:?}");
 }
 
 /// The shortest horizon of a motion with a condition in a window, if it is free, s.
@@ -295,9 +220,8 @@ impl Windowed {
                 false => ("kinova_gen3", TOOL, 7),
             };
             let rest = [0.0, 0.5, 0.0, 1.6, 0.0, 1.0, 0.0];
-            let of_end = |end: usize, range: f64| -> Vec<f64> {
-                (0..n).map(|i| rest[i] + range * ends[7 * end + i]).collect()
-            };
+            let of_end =
+                |end: usize, range: f64| -> Vec<f64> { (0..n).map(|i| rest[i] + range * ends[7 * end + i]).collect() };
             let mut scenario = json!({
                 "robot": robot, "horizon_s": 2.0, "q_start": of_end(0, 0.3), "q_goal": of_end(1, 0.7),
                 "v_start": vec![0.0; n], "v_goal": vec![0.0; n],
@@ -321,20 +245,14 @@ impl Windowed {
     /// The largest speed of the tool, or its largest distance from a place, in the window.
     fn largest(&self, model: &Model, curve: &Curve, place: &Vector3<f64>) -> f64 {
         let n = model.dof();
-        let frame = model
-            .frames()
-            .iter()
-            .find(|frame| frame.name == self.tool)
-            .expect("a link");
+        let frame = model.frames().iter().find(|frame| frame.name == self.tool).expect("a link");
         let (mut data, mut jacobian) = (Data::new(model), DMatrix::zeros(6, n));
         self.dense(curve).fold(f64::NEG_INFINITY, |most, t| {
             let (x, _) = curve.at(t);
             let (q, v) = x.as_slice().split_at(n);
             let value = if self.is_speed {
                 frame_jacobian(model, &mut data, q, frame, &mut jacobian).expect("its joints");
-                (&jacobian * DVector::from_column_slice(v))
-                    .rows(3, 3)
-                    .norm()
+                (&jacobian * DVector::from_column_slice(v)).rows(3, 3).norm()
             } else {
                 (pose_of(model, self.tool, q).translation - place).norm()
             };

@@ -20,10 +20,7 @@ fn plain(robot: &str, n: usize) -> Value {
 }
 
 fn kinova(name: &str, enforced: Value) -> Scenario {
-    let scenario = with(
-        plain("kinova_gen3", 7),
-        json!({ "enforced_limits": enforced }),
-    );
+    let scenario = with(plain("kinova_gen3", 7), json!({ "enforced_limits": enforced }));
     load(name, &scenario).expect("it is good")
 }
 
@@ -106,8 +103,7 @@ fn a_share_of_the_limits_of_some_joints() {
 
 #[test]
 fn what_is_written_is_read_again() {
-    let full =
-        |enforced: &Value| json!({ "position": enforced, "velocity": true, "torque": false });
+    let full = |enforced: &Value| json!({ "position": enforced, "velocity": true, "torque": false });
     for enforced in [
         json!(true),
         json!(false),
@@ -120,11 +116,8 @@ fn what_is_written_is_read_again() {
         assert_eq!(written, full(&enforced));
     }
     // Different words for the same.
-    for (enforced, short) in [
-        (json!(1), json!(true)),
-        (json!({}), json!(true)),
-        (json!({ "share": 0.8 }), json!(0.8)),
-    ] {
+    for (enforced, short) in [(json!(1), json!(true)), (json!({}), json!(true)), (json!({ "share": 0.8 }), json!(0.8))]
+    {
         let file = kinova("short", full(&enforced)).file;
         let written = serde_json::to_value(&file.enforced_limits).expect("numbers");
         assert_eq!(written, full(&short));
@@ -145,28 +138,16 @@ fn what_is_not_enforced_of_a_limit_breaks_no_success() {
     // Both joints may do 1.3963 rad/s.
     let most = scenario.model.joints()[0].limits().velocity;
     let speeds = |scenario: &Scenario, v: [f64; 2]| {
-        let x = DMatrix::from_fn(14, 3, |i, _| {
-            if i < 7 {
-                0.0
-            } else {
-                *v.get(i - 7).unwrap_or(&0.0)
-            }
-        });
+        let x = DMatrix::from_fn(14, 3, |i, _| if i < 7 { 0.0 } else { *v.get(i - 7).unwrap_or(&0.0) });
         let curve = Curve::new(Chebyshev::new(2, 1.0).expect("a good degree"), x);
         let found = Feasibility::of(scenario, &curve.expect("sizes agree")).expect("of this robot");
-        let all = found
-            .limit_violations
-            .iter()
-            .filter(|v| v.limit == Limit::Velocity);
+        let all = found.limit_violations.iter().filter(|v| v.limit == Limit::Velocity);
         let in_limits = |by: f64| (by / most * 1e9).round() * 1e-9;
         let told = all.map(|v| (v.joint.clone(), in_limits(v.by), v.enforced));
         (found.holds(0.0), told.collect::<Vec<_>>())
     };
     let [first, second] = ["joint_1", "joint_2"].map(|name| Some(name.to_owned()));
-    assert_eq!(
-        speeds(&scenario, [0.49 * most, 0.99 * most]),
-        (true, vec![])
-    );
+    assert_eq!(speeds(&scenario, [0.49 * most, 0.99 * most]), (true, vec![]));
     let (holds, told) = speeds(&scenario, [0.49 * most, 2.0 * most]);
     assert_eq!((holds, told), (true, vec![(second, 1.0, false)]));
     // Beyond the whole limit too, and told once.

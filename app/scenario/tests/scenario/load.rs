@@ -38,10 +38,8 @@ fn packages_are_relative_to_the_scenario_and_given_ones_hold() {
     let scenario = load("hand", &file).expect("it is good");
     assert!((middle(&scenario) - 1.0).abs() < 0.1);
     assert_eq!(scenario.file.packages["hand"], folder().join("a"));
-    let given = LoadOptions {
-        packages: BTreeMap::from([("hand".to_owned(), folder().join("b"))]),
-        ..LoadOptions::default()
-    };
+    let given =
+        LoadOptions { packages: BTreeMap::from([("hand".to_owned(), folder().join("b"))]), ..LoadOptions::default() };
     let name = path.to_str().expect("it is text");
     let scenario = Scenario::load_for(name, &given).expect("it is good");
     assert!((middle(&scenario) - 3.0).abs() < 0.1);

@@ -21,24 +21,15 @@ pub fn five() -> Value {
 fn the_joints_that_are_left_are_those_of_the_scenario() {
     let scenario = load("five", &five()).expect("it is good");
     let names: Vec<_> = scenario.model.joints().iter().map(|j| j.name()).collect();
-    assert_eq!(
-        names,
-        ["joint_1", "joint_2", "joint_4", "joint_6", "joint_7"]
-    );
+    assert_eq!(names, ["joint_1", "joint_2", "joint_4", "joint_6", "joint_7"]);
     let [_, upper] = scenario.bound(Limit::Position, 2).expect("it has one");
     assert_eq!(upper, 2.58, "that of joint 4");
     let written = serde_json::to_value(&scenario.file).expect("numbers");
     assert_eq!(written["locked_joints"], five()["locked_joints"]);
-    let options = DirectOptions {
-        starts: Some(1),
-        ..Default::default()
-    };
+    let options = DirectOptions { starts: Some(1), ..Default::default() };
     let enforced = json!({ "enforced_limits": { "velocity": false, "torque": false } });
     let scenario = load("solved", &with(five(), enforced)).expect("it is good");
-    let outcome = Solve::new(&scenario)
-        .options(options.clone())
-        .run()
-        .expect("it is good");
+    let outcome = Solve::new(&scenario).options(options.clone()).run().expect("it is good");
     assert!(outcome.summary.success, "{:?}", outcome.summary);
     assert_eq!(outcome.curve.x().nrows(), 10);
 }
@@ -96,14 +87,7 @@ fn the_shape_is_that_of_the_whole_robot() {
     let base = load("base", &base).expect("it is good");
     let moving = balls(&base, &base.file.q_start).len();
     assert!(moving > 0 && moving < expected.len(), "{moving}");
-    let error = base
-        .check_feasible()
-        .expect_err("the shoulder is in the way")
-        .to_string();
+    let error = base.check_feasible().expect_err("the shoulder is in the way").to_string();
     let words = "base: q_start: a link that is locked to the base is ";
-    assert!(
-        error.starts_with(words)
-            && error.contains("inside 'obstacles[0]'; that link does not move"),
-        "{error}"
-    );
+    assert!(error.starts_with(words) && error.contains("inside 'obstacles[0]'; that link does not move"), "{error}");
 }

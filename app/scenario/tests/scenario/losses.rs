@@ -39,17 +39,10 @@ fn losses_count_where_they_are_asked_for() {
     let rigid = torques(&without.model, 1.0, -1.0);
     let added = |scenario: &Scenario| -> Vec<f64> {
         let with = torques(&scenario.model, 1.0, -1.0);
-        with.iter()
-            .zip(&rigid)
-            .map(|(with, rigid)| with - rigid)
-            .collect()
+        with.iter().zip(&rigid).map(|(with, rigid)| with - rigid).collect()
     };
     // The damping of the file, and nearly all of its friction.
-    assert!(
-        (added(&counted)[0] - 10.5 - 0.5217).abs() < 1e-3,
-        "{:?}",
-        added(&counted)
-    );
+    assert!((added(&counted)[0] - 10.5 - 0.5217).abs() < 1e-3, "{:?}", added(&counted));
     assert_close!(&added(&given)[..2], &[1.5, 7.406484581723072 - 0.5], 1e-12);
 }
 
@@ -75,16 +68,9 @@ fn motions_count_losses() {
         assert!((told - sum).abs() < 1e-3 * sum, "{told} {sum}");
         told
     };
-    let [rigid, lossy, heavy] = [
-        json!({ "losses": false }),
-        json!({ "losses": true }),
-        json!({ "losses": { "armature": 1.0 } }),
-    ]
-    .map(effort);
-    assert!(
-        lossy > 2.0 * rigid && heavy > 2.0 * rigid,
-        "{rigid} {lossy} {heavy}"
-    );
+    let [rigid, lossy, heavy] =
+        [json!({ "losses": false }), json!({ "losses": true }), json!({ "losses": { "armature": 1.0 } })].map(effort);
+    assert!(lossy > 2.0 * rigid && heavy > 2.0 * rigid, "{rigid} {lossy} {heavy}");
 }
 
 /// The published flow and the flow to rest run with losses too.
@@ -92,16 +78,10 @@ fn motions_count_losses() {
 fn the_flow_counts_losses() {
     let keys = json!({ "losses": { "friction_velocity": 0.2, "armature": 0.1 } });
     let scenario = load("flowing", &with(arm(), keys)).expect("it is good");
-    let flows = [
-        SolveOptions::Flow(FlowOptions::default()),
-        SolveOptions::Duals(RestOptions::default()),
-    ];
+    let flows = [SolveOptions::Flow(FlowOptions::default()), SolveOptions::Duals(RestOptions::default())];
     for options in flows {
         let method = options.method();
-        let report = Solve::new(&scenario)
-            .options(options)
-            .run()
-            .expect("it is good");
+        let report = Solve::new(&scenario).options(options).run().expect("it is good");
         assert!(report.summary.success, "{method}: {:?}", report.summary);
     }
 }
@@ -124,16 +104,10 @@ fn a_joint_without_inertia_has_the_rotor_of_the_lightest_other_one() {
         "v_start": [0.0, 0.0], "q_goal": [0.4, 1.0], "v_goal": [0.0, 0.0],
     });
     let read = load("massless", &scenario).expect("the wrist has a substitute");
-    let drives: Vec<_> = read
-        .model
-        .drives()
-        .iter()
-        .map(|d| [d.damping, d.armature])
-        .collect();
+    let drives: Vec<_> = read.model.drives().iter().map(|d| [d.damping, d.armature]).collect();
     assert_close!(&drives.concat(), &[0.0, 0.0, 0.0, 2.1], 1e-12);
     let notes: Vec<_> = read.load_notes.iter().map(ToString::to_string).collect();
-    let told =
-        |note: &String| note.contains("joint 'wrist': nothing") && note.contains("2.1 kg m^2");
+    let told = |note: &String| note.contains("joint 'wrist': nothing") && note.contains("2.1 kg m^2");
     assert!(notes.iter().any(told), "{notes:?}");
     solved_once(&read);
 

@@ -34,11 +34,7 @@ fn the_page_has_a_row_for_each_field() {
     assert!(PAGE.contains(&table), "the table is now\n{table}");
     let listed: BTreeSet<_> = fields().collect();
     assert_eq!(listed.len(), fields().count(), "one is listed twice");
-    assert_eq!(
-        listed.len() + 2,
-        table.lines().count(),
-        "a row is of no field"
-    );
+    assert_eq!(listed.len() + 2, table.lines().count(), "a row is of no field");
     for (message, field) in listed {
         assert!(["read", "accepted", "refused"].contains(&treatment(message, field)));
     }
@@ -68,18 +64,9 @@ fn place(message: &str) -> Option<(usize, &'static str)> {
         "moveit_msgs/Constraints" => (1, "/path_constraints"),
         "moveit_msgs/JointConstraint" => (1, "/goal_constraints/0/joint_constraints/0"),
         "moveit_msgs/PositionConstraint" => (1, on_the_way),
-        "moveit_msgs/BoundingVolume" => (
-            1,
-            "/path_constraints/position_constraints/0/constraint_region",
-        ),
-        "shape_msgs/SolidPrimitive" => (
-            1,
-            "/path_constraints/position_constraints/0/constraint_region/primitives/0",
-        ),
-        "geometry_msgs/Pose" => (
-            1,
-            "/path_constraints/position_constraints/0/constraint_region/primitive_poses/0",
-        ),
+        "moveit_msgs/BoundingVolume" => (1, "/path_constraints/position_constraints/0/constraint_region"),
+        "shape_msgs/SolidPrimitive" => (1, "/path_constraints/position_constraints/0/constraint_region/primitives/0"),
+        "geometry_msgs/Pose" => (1, "/path_constraints/position_constraints/0/constraint_region/primitive_poses/0"),
         "std_msgs/Header" => (1, "/path_constraints/position_constraints/0/header"),
         "moveit_msgs/OrientationConstraint" => (1, "/path_constraints/orientation_constraints/0"),
         _ => return None,
@@ -93,8 +80,7 @@ fn whole() -> [Value; 2] {
         "primitive_poses": [{ "position": [0, 0, 5], "orientation": [0, 0, 0, 1] }] });
     scene["world"]["collision_objects"] = json!([object]);
     scene["world"]["octomap"] = json!({ "octomap": {} });
-    scene["allowed_collision_matrix"] =
-        json!({ "entry_names": ["post"], "entry_values": [{ "enabled": [true] }] });
+    scene["allowed_collision_matrix"] = json!({ "entry_names": ["post"], "entry_values": [{ "enabled": [true] }] });
     scene["link_padding"] = json!([{ "link_name": "hand", "padding": 0.0 }]);
     scene["link_scale"] = json!([{ "link_name": "hand", "scale": 1.0 }]);
     let still = json!({ "translation": [0, 0, 0], "rotation": [0, 0, 0, 1] });
@@ -107,8 +93,7 @@ fn whole() -> [Value; 2] {
         "primitive_poses": [{ "position": [0, 0, 0], "orientation": [0, 0, 0, 1] }] } });
     let upright = json!({ "link_name": "hand", "orientation": [0, 0, 0, 1], "absolute_x_axis_tolerance": 3,
         "absolute_y_axis_tolerance": 3, "absolute_z_axis_tolerance": 3 });
-    request["path_constraints"] =
-        json!({ "position_constraints": [near], "orientation_constraints": [upright] });
+    request["path_constraints"] = json!({ "position_constraints": [near], "orientation_constraints": [upright] });
     [scene, request]
 }
 
@@ -124,10 +109,7 @@ fn a_field_with_nonsense_is_refused_by_its_name_or_has_no_meaning() {
     for (message, field) in fields() {
         let Some((file, pointer)) = place(message) else {
             let others = ["trajectory_msgs/", "joint_limits.yaml", "a joint of"];
-            assert!(
-                others.iter().any(|other| message.starts_with(other)),
-                "{message}: it is not tried"
-            );
+            assert!(others.iter().any(|other| message.starts_with(other)), "{message}: it is not tried");
             continue;
         };
         let with = |key: &str, value: Value| {
@@ -142,24 +124,13 @@ fn a_field_with_nonsense_is_refused_by_its_name_or_has_no_meaning() {
         } else {
             let error = nonsense.expect_err(&format!("{message}.{field}"));
             // A row of the matrix has two forms, and is named as a whole.
-            let element = if field == "enabled" {
-                "entry_values"
-            } else {
-                field
-            };
-            assert!(
-                error.contains(name) && error.contains(element),
-                "{field}: {error}"
-            );
+            let element = if field == "enabled" { "entry_values" } else { field };
+            assert!(error.contains(name) && error.contains(element), "{field}: {error}");
         }
         let unknown = with("nonsense", json!(0));
         let unknown = unknown.expect_err(message);
         let is_row = message == "moveit_msgs/AllowedCollisionEntry";
-        let words = if is_row {
-            "entry_values"
-        } else {
-            "nonsense: it is no field of "
-        };
+        let words = if is_row { "entry_values" } else { "nonsense: it is no field of " };
         assert!(unknown.contains(words), "{message}: {unknown}");
     }
 }
@@ -185,10 +156,7 @@ fn defaults_of_refused_fields_are_none() {
         ("/link_scale/0/scale", json!(1.1)),
         ("/world/collision_objects/0/operation", json!("remove")),
         ("/world/collision_objects/0/operation", json!(1)),
-        (
-            "/allowed_collision_matrix/default_entry_values",
-            json!([false, true]),
-        ),
+        ("/allowed_collision_matrix/default_entry_values", json!([false, true])),
         ("/robot_state/attached_collision_objects", json!([{}])),
         ("/is_diff", json!(true)),
     ] {
@@ -204,17 +172,12 @@ fn defaults_of_refused_fields_are_none() {
 #[test]
 fn fields_of_trajectories_and_limits_with_nonsense_are_refused_by_their_names() {
     files();
-    let of =
-        |wanted: &'static str| fields().filter(move |(message, _)| message.starts_with(wanted));
+    let of = |wanted: &'static str| fields().filter(move |(message, _)| message.starts_with(wanted));
     let point = json!({ "positions": [0.0], "time_from_start": {} });
     let good = json!({ "header": {}, "joint_names": ["a"], "points": [point] });
     for (message, field) in of("trajectory_msgs/") {
         let mut bad = good.clone();
-        let place = if message.ends_with("Point") {
-            "/points/0"
-        } else {
-            ""
-        };
+        let place = if message.ends_with("Point") { "/points/0" } else { "" };
         bad.pointer_mut(place).expect(place)[field] = json!({ "nonsense": 1 });
         let error = JointTrajectory::parse(&bad.to_string(), "m.yaml").expect_err(field);
         assert!(error.to_string().contains(field), "{error}");
@@ -222,11 +185,7 @@ fn fields_of_trajectories_and_limits_with_nonsense_are_refused_by_their_names() 
     }
     let [scene, request] = whole();
     for (message, field) in of("joint_limits.yaml").chain(of("a joint of")) {
-        let place = if message.starts_with('a') {
-            "/joint_limits/shoulder"
-        } else {
-            ""
-        };
+        let place = if message.starts_with('a') { "/joint_limits/shoulder" } else { "" };
         for key in [field, "nonsense"] {
             let mut limits = json!({ "joint_limits": { "shoulder": {} } });
             limits.pointer_mut(place).expect(place)[key] = json!({ "nonsense": 1 });
@@ -236,10 +195,7 @@ fn fields_of_trajectories_and_limits_with_nonsense_are_refused_by_their_names() 
                 assert!(made.is_ok(), "{field}");
             } else {
                 let error = made.map(|_| ()).expect_err(field);
-                assert!(
-                    error.contains("limits.yaml: ") && error.contains(key),
-                    "{error}"
-                );
+                assert!(error.contains("limits.yaml: ") && error.contains(key), "{error}");
             }
         }
     }

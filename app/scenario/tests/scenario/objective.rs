@@ -29,10 +29,7 @@ fn solved(name: &str, keys: Value) -> (SolveReport, DirectDetails) {
         starts: Some(24),
         ..Default::default()
     };
-    let outcome = Solve::new(&scenario)
-        .options(options.clone())
-        .run()
-        .expect("it is good");
+    let outcome = Solve::new(&scenario).options(options.clone()).run().expect("it is good");
     let Details::Direct(details) = outcome.summary.details.clone() else {
         panic!("it is a direct solve");
     };
@@ -43,16 +40,8 @@ fn solved(name: &str, keys: Value) -> (SolveReport, DirectDetails) {
 #[test]
 fn the_horizon_is_that_of_all_pieces() {
     let scenario = load("pieces", &plain()).expect("it is good");
-    let options = DirectOptions {
-        degree: Some(6),
-        segments: Some(2),
-        starts: Some(1),
-        ..Default::default()
-    };
-    let outcome = Solve::new(&scenario)
-        .options(options.clone())
-        .run()
-        .expect("it is good");
+    let options = DirectOptions { degree: Some(6), segments: Some(2), starts: Some(1), ..Default::default() };
+    let outcome = Solve::new(&scenario).options(options.clone()).run().expect("it is good");
     let Details::Direct(details) = outcome.summary.details else {
         panic!("it is a direct solve");
     };
@@ -90,17 +79,13 @@ fn what_a_file_says_is_kept() {
 #[test]
 fn the_flow_refuses_what_it_does_not_know() {
     let flow = FlowOptions::default();
-    for keys in [
-        json!({ "free_final_velocity": true }),
-        json!({ "free_horizon": { "shortest_s": 1.0, "longest_s": 2.0 } }),
-    ] {
+    for keys in
+        [json!({ "free_final_velocity": true }), json!({ "free_horizon": { "shortest_s": 1.0, "longest_s": 2.0 } })]
+    {
         let key = keys.as_object().expect("it is one").keys().next();
         let key = key.expect("there is one").clone();
         let scenario = load("flow", &with(keys)).expect("it is good");
-        let error = Solve::new(&scenario)
-            .options(flow.clone())
-            .run()
-            .expect_err("the flow has no such key");
+        let error = Solve::new(&scenario).options(flow.clone()).run().expect_err("the flow has no such key");
         let words = format!("flow: {key}: the method 'flow' does not know it");
         assert!(error.to_string().starts_with(&words), "{error}");
     }
@@ -110,19 +95,11 @@ fn the_flow_refuses_what_it_does_not_know() {
 #[test]
 fn the_flow_minimises_the_effort_alone_with_a_note() {
     let weights = json!({ "objective": { "units": "si", "acceleration": 1.0 } });
-    let [alone, weighted] =
-        [("effort", plain()), ("weighted", with(weights))].map(|(name, file)| {
-            let flow = FlowOptions {
-                k: Some(1e5),
-                s_max: Some(10.0),
-                ..Default::default()
-            };
-            let scenario = load(name, &file).expect("it is good");
-            Solve::new(&scenario)
-                .options(flow.clone())
-                .run()
-                .expect("it is good")
-        });
+    let [alone, weighted] = [("effort", plain()), ("weighted", with(weights))].map(|(name, file)| {
+        let flow = FlowOptions { k: Some(1e5), s_max: Some(10.0), ..Default::default() };
+        let scenario = load(name, &file).expect("it is good");
+        Solve::new(&scenario).options(flow.clone()).run().expect("it is good")
+    });
     assert_eq!(weighted.curve.x(), alone.curve.x());
     let [end] = &alone.summary.notes[..] else {
         panic!("{:?}", alone.summary.notes);
@@ -130,10 +107,7 @@ fn the_flow_minimises_the_effort_alone_with_a_note() {
     assert!(end.contains("which is no minimum"), "{end}");
     let note = "objective: the published flow minimises the control effort alone";
     assert_eq!(weighted.summary.notes, [note, end]);
-    let (direct, _) = solved(
-        "direct",
-        json!({ "objective": { "units": "si", "acceleration": 1.0 } }),
-    );
+    let (direct, _) = solved("direct", json!({ "objective": { "units": "si", "acceleration": 1.0 } }));
     assert_eq!(direct.summary.notes, [""; 0], "the direct method knows it");
 }
 
@@ -159,10 +133,7 @@ fn what_was_found_is_told() {
 
     let bounds = json!({ "shortest_s": 0.4, "longest_s": 2.5 });
     let timed = json!({ "units": "si", "time": 600.0 });
-    let (found, details) = solved(
-        "horizon",
-        json!({ "free_horizon": bounds, "objective": timed }),
-    );
+    let (found, details) = solved("horizon", json!({ "free_horizon": bounds, "objective": timed }));
     let horizon = details.horizon_s;
     assert_eq!(horizon, found.curve.chebyshev(0).horizon());
     assert!(horizon > 0.4 && horizon < 1.5, "{horizon}");

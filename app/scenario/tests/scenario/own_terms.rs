@@ -5,9 +5,7 @@ use aghf::constraint::{Constraint, PlacedState, WeightedDerivatives, Weights};
 use aghf::cost::WeightedSquares;
 use aghf::scalar::AlgebraOver;
 use aghf::verify::duals::{CheckOptions, check_constraint};
-use aghf_scenario::{
-    DirectOptions, FlowOptions, RestOptions, Scenario, Solve, SolveOptions, SolveReport,
-};
+use aghf_scenario::{DirectOptions, FlowOptions, RestOptions, Scenario, Solve, SolveOptions, SolveReport};
 use nalgebra::{DMatrix, DVector};
 use std::path::Path;
 use std::sync::Arc;
@@ -20,14 +18,8 @@ fn swing() -> Scenario {
 }
 
 fn solved(scenario: &Scenario) -> SolveReport {
-    let options = DirectOptions {
-        starts: Some(1),
-        ..DirectOptions::default()
-    };
-    Solve::new(scenario)
-        .options(options.clone())
-        .run()
-        .expect("it is good")
+    let options = DirectOptions { starts: Some(1), ..DirectOptions::default() };
+    Solve::new(scenario).options(options.clone()).run().expect("it is good")
 }
 
 /// $q_1 (q_2 + v_1) \le$ a bound, with derivatives by hand that are there whole.
@@ -54,10 +46,7 @@ impl Constraint for Product {
     ) -> Result<()> {
         let (q1, other, zero) = (at.x[0], at.x[1] + at.x[2], S::zero());
         let by_x = DVector::from_vec(vec![other, q1, q1, zero]);
-        let (w, c) = (
-            weights.first_order[0],
-            weights.gauss_newton.map_or(zero, |c| c[0]),
-        );
+        let (w, c) = (weights.first_order[0], weights.gauss_newton.map_or(zero, |c| c[0]));
         let mut hessian = DMatrix::from_fn(4, 4, |i, j| c * by_x[i] * by_x[j]);
         for (i, j) in [(0, 1), (1, 0), (0, 2), (2, 0)] {
             hessian[(i, j)] += w;
@@ -71,16 +60,10 @@ fn derivatives_that_are_there_whole_agree_with_dual_numbers() {
     let scenario = swing();
     let options = CheckOptions::default();
     let product = Product { bound: 0.3 };
-    let findings =
-        check_constraint(&scenario.model, "product", &product, &options).expect("same robot");
+    let findings = check_constraint(&scenario.model, "product", &product, &options).expect("same robot");
     assert_eq!(findings.len(), 2);
     for finding in findings {
-        assert!(
-            finding.passes(),
-            "{}: {:e}",
-            finding.quantity,
-            finding.error
-        );
+        assert!(finding.passes(), "{}: {:e}", finding.quantity, finding.error);
     }
 }
 
@@ -113,36 +96,22 @@ fn a_constraint_of_ones_own_is_kept_and_judged() {
 fn a_running_cost_of_ones_own_takes_the_place_of_the_scenarios() {
     let weights = |n| WeightedSquares::new(n, vec![1.0; n], vec![3.0; n], vec![0.0; n]);
     let mut by_key = swing();
-    by_key.file.objective =
-        serde_json::from_str(r#"{"units": "si", "velocity": 3.0}"#).expect("it is good");
+    by_key.file.objective = serde_json::from_str(r#"{"units": "si", "velocity": 3.0}"#).expect("it is good");
     let mut own = swing();
     own.set_running_cost(Arc::new(weights(2).expect("in range")));
     let [expected, found] = [&by_key, &own].map(|scenario| {
-        let cost =
-            serde_json::to_value(solved(scenario).summary).expect("it is JSON")["cost"].clone();
+        let cost = serde_json::to_value(solved(scenario).summary).expect("it is JSON")["cost"].clone();
         cost.as_f64().expect("it has a cost of its own")
     });
-    assert!(
-        (found - expected).abs() < 1e-9 * expected,
-        "{found} and {expected}"
-    );
+    assert!((found - expected).abs() < 1e-9 * expected, "{found} and {expected}");
     let [expected, found] = [&by_key, &own].map(|scenario| {
         let duals = SolveOptions::Duals(RestOptions::default());
         let report = Solve::new(scenario).options(duals).run().expect("valid");
         assert!(report.summary.success, "{:?}", report.summary.failure);
         report.summary.control_effort
     });
-    assert!(
-        (found - expected).abs() < 1e-6 * expected,
-        "{found} and {expected}"
-    );
+    assert!((found - expected).abs() < 1e-6 * expected, "{found} and {expected}");
     let by_flow = FlowOptions::default();
-    let refused = Solve::new(&own)
-        .options(by_flow.clone())
-        .run()
-        .expect_err("all but the published flow can");
-    assert!(
-        refused.to_string().contains("running cost of one's own"),
-        "{refused}"
-    );
+    let refused = Solve::new(&own).options(by_flow.clone()).run().expect_err("all but the published flow can");
+    assert!(refused.to_string().contains("running cost of one's own"), "{refused}");
 }

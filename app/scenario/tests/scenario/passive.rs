@@ -6,9 +6,7 @@ use aghf::dynamics::{Data, aba};
 use aghf::model::Model;
 use aghf::motion::{Feedback, control_at, replay_error, simulate};
 use aghf::urdf::builtin_robot;
-use aghf_scenario::{
-    DirectOptions, Feasibility, FlowOptions, Limit, PASSIVE_TORQUE_SHARE, Solve, SolveReport,
-};
+use aghf_scenario::{DirectOptions, Feasibility, FlowOptions, Limit, PASSIVE_TORQUE_SHARE, Solve, SolveReport};
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -30,15 +28,8 @@ fn upright(keys: Value) -> Value {
 
 fn solved(name: &str, scenario: &Value) -> SolveReport {
     let scenario = load(name, scenario).expect("it is good");
-    let options = DirectOptions {
-        degree: Some(8),
-        starts: Some(1),
-        ..DirectOptions::default()
-    };
-    Solve::new(&scenario)
-        .options(options.clone())
-        .run()
-        .expect("it is good")
+    let options = DirectOptions { degree: Some(8), starts: Some(1), ..DirectOptions::default() };
+    Solve::new(&scenario).options(options.clone()).run().expect("it is good")
 }
 
 #[test]
@@ -49,11 +40,7 @@ fn passive_joints_have_a_torque_limit_of_zero_whatever_is_enforced() {
         let scenario = load("limits", &hanging(keys)).expect("it is good");
         assert_eq!(scenario.passive(), [1]);
         assert_eq!(scenario.torque_limits().0, [other, Some(0.0)]);
-        assert!(
-            scenario
-                .torque_limits()
-                .is_equality(scenario.torque_limits().dim() - 1)
-        );
+        assert!(scenario.torque_limits().is_equality(scenario.torque_limits().dim() - 1));
         assert_eq!(scenario.bound(Limit::Torque, 1), Some([0.0, 0.0]));
         assert!(!scenario.is_free());
         let written = serde_json::to_value(&scenario.file).expect("numbers");
@@ -81,10 +68,7 @@ fn passive_joints_have_a_torque_limit_of_zero_whatever_is_enforced() {
         "robot_shape": "joint_frames", "horizon_s": 2.0,
         "q_start": vec![0.0; 6], "v_start": vec![0.0; 6], "q_goal": vec![0.0; 6], "v_goal": vec![0.0; 6],
     });
-    assert_eq!(
-        load("wrists", &wrists).expect("it is good").passive(),
-        [3, 5]
-    );
+    assert_eq!(load("wrists", &wrists).expect("it is good").passive(), [3, 5]);
 }
 
 /// At rest gravity asks nothing of a passive joint.
@@ -96,41 +80,21 @@ fn an_end_that_a_passive_joint_cannot_hold_is_refused() {
     };
     assert_eq!(refusal(json!({})), None);
     assert_eq!(refusal(json!({ "q_goal": [0.3, PI] })), None);
-    let words =
-        "rest: q_goal: joint 'pivot' needs 0.143 N m to hold the robot at rest, it is passive";
+    let words = "rest: q_goal: joint 'pivot' needs 0.143 N m to hold the robot at rest, it is passive";
     // 0.3 kg x 9.81 m/s^2 x 0.5 m x sin 0.097
-    assert_eq!(
-        refusal(json!({ "q_goal": [0.3, 0.097] })).as_deref(),
-        Some(words)
-    );
+    assert_eq!(refusal(json!({ "q_goal": [0.3, 0.097] })).as_deref(), Some(words));
     assert!(refusal(json!({ "q_start": [0.0, -0.097] })).is_some());
-    assert_eq!(
-        refusal(json!({ "q_goal": [0.3, 0.097], "passive": [] })),
-        None
-    );
-    assert_eq!(
-        refusal(json!({ "q_goal": [0.3, 0.097], "v_goal": [0.0, 0.1] })),
-        None
-    );
-    assert_eq!(
-        refusal(json!({ "q_goal": [0.3, 0.097], "free_final_velocity": true })),
-        None
-    );
+    assert_eq!(refusal(json!({ "q_goal": [0.3, 0.097], "passive": [] })), None);
+    assert_eq!(refusal(json!({ "q_goal": [0.3, 0.097], "v_goal": [0.0, 0.1] })), None);
+    assert_eq!(refusal(json!({ "q_goal": [0.3, 0.097], "free_final_velocity": true })), None);
 }
 
 #[test]
 fn the_flow_knows_no_passive_joints() {
     let scenario = load("flow", &hanging(json!({}))).expect("it is good");
     let options = FlowOptions::default();
-    let error = Solve::new(&scenario)
-        .options(options.clone())
-        .run()
-        .expect_err("not yet")
-        .to_string();
-    assert_eq!(
-        error,
-        "flow: passive: the published flow does not know it; the methods 'duals' and 'two_phases' do"
-    );
+    let error = Solve::new(&scenario).options(options.clone()).run().expect_err("not yet").to_string();
+    assert_eq!(error, "flow: passive: the published flow does not know it; the methods 'duals' and 'two_phases' do");
 }
 
 /// A motion of the double pendulum that needs torques at both joints.
@@ -140,11 +104,7 @@ fn bent(model: &Model) -> Curve {
     let n = model.dof();
     let x = DMatrix::from_fn(2 * n, 10, |i, k| {
         let (w, t) = (1.0 + (i % n) as f64, times[k]);
-        if i < n {
-            (w * t).sin()
-        } else {
-            w * (w * t).cos()
-        }
+        if i < n { (w * t).sin() } else { w * (w * t).cos() }
     });
     Curve::new(chebyshev, x).expect("sizes agree")
 }
@@ -164,9 +124,7 @@ fn by_runge_kutta(model: &Model, curve: &Curve, gains: Feedback, driven: &[usize
         [&y[n..], &a].concat()
     };
     let h = curve.horizon() / f64::from(steps);
-    let add = |y: &[f64], s: f64, k: &[f64]| -> Vec<f64> {
-        y.iter().zip(k).map(|(y, k)| y + s * k).collect()
-    };
+    let add = |y: &[f64], s: f64, k: &[f64]| -> Vec<f64> { y.iter().zip(k).map(|(y, k)| y + s * k).collect() };
     let mut y = curve.x().column(0).as_slice().to_vec();
     for step in 0..steps {
         let t = h * f64::from(step);
@@ -187,47 +145,21 @@ fn a_passive_joint_gets_neither_torque_nor_feedback() {
     let curve = bent(&model);
     let gains = Feedback { kp: 7.0, kv: 3.0 };
     let mut ends = Vec::new();
-    for (passive, driven) in [
-        (&[][..], &[0, 1][..]),
-        (&[1], &[0]),
-        (&[0], &[1]),
-        (&[1, 0], &[]),
-    ] {
+    for (passive, driven) in [(&[][..], &[0, 1][..]), (&[1], &[0]), (&[0], &[1]), (&[1, 0], &[])] {
         let simulated = simulate(&model, &curve, gains, passive).expect("of this robot");
         assert_eq!(simulated.failure, None);
         let expected = by_runge_kutta(&model, &curve, gains, driven);
         for (a, b) in simulated.state.iter().zip(&expected) {
-            assert!(
-                (a - b).abs() < 1e-5,
-                "{passive:?}: {:?}, {expected:?}",
-                simulated.state
-            );
+            assert!((a - b).abs() < 1e-5, "{passive:?}: {:?}, {expected:?}", simulated.state);
         }
         ends.push(simulated.error_inf);
     }
-    assert!(
-        ends[0] < 1e-5 && ends[1..].iter().all(|error| *error > 0.5),
-        "{ends:?}"
-    );
+    assert!(ends[0] < 1e-5 && ends[1..].iter().all(|error| *error > 0.5), "{ends:?}");
     // Nor over one interval.
-    let replay = |passive: &[usize]| {
-        replay_error(&model, &curve, passive)
-            .expect("of this robot")
-            .expect("to the end")
-    };
-    assert!(
-        replay(&[1]) > 100.0 * replay(&[]),
-        "{} {}",
-        replay(&[1]),
-        replay(&[])
-    );
-    let error = simulate(&model, &curve, gains, &[2])
-        .expect_err("there are two")
-        .to_string();
-    assert_eq!(
-        error,
-        "pendulum_2: passive: the robot has 2 joints, there is none with index 2"
-    );
+    let replay = |passive: &[usize]| replay_error(&model, &curve, passive).expect("of this robot").expect("to the end");
+    assert!(replay(&[1]) > 100.0 * replay(&[]), "{} {}", replay(&[1]), replay(&[]));
+    let error = simulate(&model, &curve, gains, &[2]).expect_err("there are two").to_string();
+    assert_eq!(error, "pendulum_2: passive: the robot has 2 joints, there is none with index 2");
     assert!(replay_error(&model, &curve, &[0, 2]).is_err());
 }
 
@@ -260,10 +192,7 @@ fn a_passive_torque_is_judged_by_its_share_of_the_largest() {
     let [violation] = &found.limit_violations[..] else {
         panic!("{found:?}");
     };
-    assert_eq!(
-        (violation.limit, violation.unit.as_str(), violation.enforced),
-        (Limit::Passive, "N m", true)
-    );
+    assert_eq!((violation.limit, violation.unit.as_str(), violation.enforced), (Limit::Passive, "N m", true));
     let reason = found.reason(1e-6).expect("it is too much");
     assert!(
         reason.starts_with("violated: torque of the passive joint 'pivot' by 0.0900 N m at ")
@@ -292,10 +221,7 @@ fn a_motion_that_passive_joints_do_not_follow_is_no_success() {
     let words = "the forward simulation with feedback ends ";
     assert!(failure.starts_with(words), "{failure}");
     let driven = solved("driven", &upright(json!({ "passive": [] }))).summary;
-    assert!(
-        driven.success && driven.notes[0].starts_with(words),
-        "{driven:?}"
-    );
+    assert!(driven.success && driven.notes[0].starts_with(words), "{driven:?}");
 }
 
 /// The control effort is that of the motors, and the largest torques are told.
@@ -306,11 +232,7 @@ fn the_summary_tells_the_torques_apart() {
     let summary = &report.summary;
     let model = builtin_robot("cart_pole").expect("built in");
     let samples = aghf::motion::sample(&model, &report.curve, 2000).expect("of this robot");
-    let largest = |joint: usize| {
-        samples
-            .iter()
-            .fold(0.0_f64, |m, at| m.max(at.u[joint].abs()))
-    };
+    let largest = |joint: usize| samples.iter().fold(0.0_f64, |m, at| m.max(at.u[joint].abs()));
     let told = &summary.feasibility;
     let passive = told.largest_passive_torque.expect("one is passive");
     assert!((passive - largest(1)).abs() < 1e-4 * passive, "{passive}");
@@ -323,10 +245,7 @@ fn the_summary_tells_the_torques_apart() {
             0.5 * (squares(&pair[0]) + squares(&pair[1])) * (pair[1].t - pair[0].t)
         })
         .sum();
-    assert!(
-        (summary.control_effort - effort).abs() < 1e-5 * effort,
-        "{effort}"
-    );
+    assert!((summary.control_effort - effort).abs() < 1e-5 * effort, "{effort}");
     let written = serde_json::to_value(summary).expect("numbers");
     assert_eq!(written["largest_passive_torque"], json!(passive));
     assert_eq!(written["largest_torque"], json!(told.largest_torque));
@@ -349,10 +268,7 @@ fn the_effort_of_some_joints_is_the_integral_of_their_squares() -> aghf::Result<
         let effort = aghf_scenario::effort_of_joints(&model, &curve, &joints, intervals)?;
         // By Simpson's rule.
         let mut sum = 0.0;
-        for (k, at) in aghf::motion::sample(&model, &curve, intervals)?
-            .iter()
-            .enumerate()
-        {
+        for (k, at) in aghf::motion::sample(&model, &curve, intervals)?.iter().enumerate() {
             let weight = match k {
                 0 => 1.0,
                 _ if k == intervals => 1.0,
@@ -361,10 +277,7 @@ fn the_effort_of_some_joints_is_the_integral_of_their_squares() -> aghf::Result<
             sum += weight * joints.iter().map(|i| at.u[*i] * at.u[*i]).sum::<f64>();
         }
         let expected = sum * 2.0 / (3.0 * intervals as f64);
-        assert!(
-            (effort - expected).abs() <= 1e-4 * expected,
-            "{joints:?} {effort} {expected}"
-        );
+        assert!((effort - expected).abs() <= 1e-4 * expected, "{joints:?} {effort} {expected}");
         assert_eq!(effort > 0.0, !joints.is_empty());
     }
     Ok(())

@@ -23,15 +23,7 @@ fn carrying(payload: Value, keys: Value) -> Result<Scenario, String> {
 /// The torques at rest.
 fn at_rest(scenario: &Scenario) -> Vec<f64> {
     let (model, mut tau) = (&scenario.model, vec![0.0; 7]);
-    rnea(
-        model,
-        &mut Data::new(model),
-        &Q,
-        &[0.0; 7],
-        &[0.0; 7],
-        &mut tau,
-    )
-    .expect("lengths agree");
+    rnea(model, &mut Data::new(model), &Q, &[0.0; 7], &[0.0; 7], &mut tau).expect("lengths agree");
     tau
 }
 
@@ -40,9 +32,7 @@ fn energy(scenario: &Scenario, q: &[f64]) -> f64 {
     let mut bodies = vec![Placement::identity(); 7];
     forward_kinematics(&scenario.model, q, &mut bodies).expect("lengths agree");
     let mut frames = scenario.model.frames().iter();
-    let frame = frames
-        .find(|f| f.name == "end_effector_link")
-        .expect("it has one");
+    let frame = frames.find(|f| f.name == "end_effector_link").expect("it has one");
     let hand = frame_placement(frame, &bodies).expect("it has a body");
     let centre = hand.rotation * Vector3::new(0.0, 0.05, 0.1) + hand.translation;
     2.0 * 9.81 * centre.z
@@ -61,10 +51,7 @@ fn its_weight_is_that_of_a_mass_at_its_centre() {
             energy(&free, &q)
         };
         let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
-        assert!(
-            (with - without - slope).abs() < 1e-7,
-            "{i}: {with} {without} {slope}"
-        );
+        assert!((with - without - slope).abs() < 1e-7, "{i}: {with} {without} {slope}");
     }
     assert!((loaded.model.mass() - free.model.mass() - 2.0).abs() < 1e-12);
     // Its inertia about its centre is felt by the last joint as it turns.
@@ -83,10 +70,7 @@ fn its_weight_is_that_of_a_mass_at_its_centre() {
 fn its_shape_is_one_of_the_robot() {
     let wall = json!([{ "shape": { "half_space": {} }, "pose": { "position_m": [0, 0, -2] } }]);
     let ball = json!({ "shape": { "sphere": { "radius_m": 0.1 } }, "center_m": [0.0, 0.0, 0.3] });
-    for shape in [
-        json!("joint_frames"),
-        json!({ "swept_links": { "radius_m": 0.01 } }),
-    ] {
+    for shape in [json!("joint_frames"), json!({ "swept_links": { "radius_m": 0.01 } })] {
         let keys = json!({ "obstacles": wall, "robot_shape": shape });
         let loaded = carrying(ball.clone(), keys.clone()).expect("it is good");
         let free = carrying(json!({}), keys).expect("it is good");
@@ -99,8 +83,7 @@ fn its_shape_is_one_of_the_robot() {
         "shape": { "box": { "size_m": [0.1, 0.1, 0.1] } },
         "shape_pose": { "position_m": [0.0, 0.0, 0.2], "orientation_xyzw": [0.0, 0.0, 0.6, 0.8] },
     });
-    let locked =
-        json!({ "robot_shape": { "swept_links": { "radius_m": 0.01 } }, "obstacles": wall });
+    let locked = json!({ "robot_shape": { "swept_links": { "radius_m": 0.01 } }, "obstacles": wall });
     assert!(carrying(box_, locked).is_ok());
 }
 
@@ -111,10 +94,7 @@ fn motions_carry_it() {
         let keys = json!({ "enforced_limits": { "velocity": false, "torque": false } });
         let scenario = carrying(json!({ "mass_kg": mass }), keys).expect("it is good");
         let report = solved_once(&scenario);
-        assert_eq!(
-            report.summary.provenance.scenario.payload,
-            scenario.file.payload
-        );
+        assert_eq!(report.summary.provenance.scenario.payload, scenario.file.payload);
         report.summary.control_effort
     };
     assert!(effort(3.0) > 1.5 * effort(0.1));
@@ -124,38 +104,14 @@ fn motions_carry_it() {
 fn payloads_that_cannot_be_are_refused_by_key() {
     let pose = json!({ "position_m": [0.0, 0.0, 0.2] });
     for (payload, words) in [
-        (
-            json!({ "link": "hand" }),
-            "payload.link: the robot has no link 'hand' that moves",
-        ),
-        (
-            json!({ "link": "base_link" }),
-            "payload.link: the robot has no link 'base_link' that moves",
-        ),
-        (
-            json!({ "mass_kg": 0.0 }),
-            "payload.mass_kg: it is 0, a positive number",
-        ),
-        (
-            json!({ "center_m": [0.0, 0.0, 1e7] }),
-            "payload.center_m: a number is not finite, or above",
-        ),
-        (
-            json!({ "inertia_kg_m2": [1.0, 0.0, 0.0, 1.0, 0.0, 5.0] }),
-            "payload.inertia_kg_m2: its largest",
-        ),
-        (
-            json!({ "shape": { "half_space": {} } }),
-            "payload.shape: nothing carries a half-space",
-        ),
-        (
-            json!({ "shape": { "sphere": { "radius_m": 0.0 } } }),
-            "payload.shape: radius_m has 0",
-        ),
-        (
-            json!({ "shape_pose": pose }),
-            "payload.shape_pose: there is no shape",
-        ),
+        (json!({ "link": "hand" }), "payload.link: the robot has no link 'hand' that moves"),
+        (json!({ "link": "base_link" }), "payload.link: the robot has no link 'base_link' that moves"),
+        (json!({ "mass_kg": 0.0 }), "payload.mass_kg: it is 0, a positive number"),
+        (json!({ "center_m": [0.0, 0.0, 1e7] }), "payload.center_m: a number is not finite, or above"),
+        (json!({ "inertia_kg_m2": [1.0, 0.0, 0.0, 1.0, 0.0, 5.0] }), "payload.inertia_kg_m2: its largest"),
+        (json!({ "shape": { "half_space": {} } }), "payload.shape: nothing carries a half-space"),
+        (json!({ "shape": { "sphere": { "radius_m": 0.0 } } }), "payload.shape: radius_m has 0"),
+        (json!({ "shape_pose": pose }), "payload.shape_pose: there is no shape"),
     ] {
         let error = carrying(payload, json!({})).expect_err(words);
         assert!(error.contains(words), "'{error}' does not say '{words}'");

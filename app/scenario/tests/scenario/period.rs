@@ -37,11 +37,7 @@ fn biped(side: f64) -> String {
             let name = format!("{leg}_{joint}");
             let [x, a, z] = axis;
             let beside = if k == 0 { y } else { 0.0 };
-            let heavy = if joint.starts_with("hip_p") || joint.starts_with("knee") {
-                3.0
-            } else {
-                0.5
-            };
+            let heavy = if joint.starts_with("hip_p") || joint.starts_with("knee") { 3.0 } else { 0.5 };
             text += &link(&format!("{name}_link"), heavy, [0.0, 0.0, -0.02]);
             text += &format!(
                 "<joint name='{name}' type='revolute'><origin xyz='0 {beside} -{length}'/><parent link='{parent}'/>\
@@ -65,10 +61,7 @@ fn step(side: f64) -> Value {
     let foot = json!({ "frame": "left_sole", "half_length_m": 0.1, "half_width_m": 0.05, "friction": 0.7 });
     let bent = [0.0, -0.25, 0.5, -0.25, 0.0, 0.0];
     let above = json!({ "size_m": [null, null, 1.0], "pose": { "position_m": [0.0, 0.0, 0.5] } });
-    let bent: Vec<f64> = bent
-        .into_iter()
-        .chain([0.0, 0.0, -0.25, 0.5, -0.25, 0.0])
-        .collect();
+    let bent: Vec<f64> = bent.into_iter().chain([0.0, 0.0, -0.25, 0.5, -0.25, 0.0]).collect();
     json!({
         "robot": file, "robot_shape": "joint_frames", "horizon_s": 0.6, "periodic": true,
         "q_start": bent, "v_start": vec![0.0; 12],
@@ -89,11 +82,7 @@ fn twin(name: &str) -> String {
 
 /// A joint of pitch keeps its sign on the other side, those of roll and yaw change it.
 fn sign(name: &str) -> f64 {
-    if name.ends_with("pitch") || name.ends_with("knee") {
-        1.0
-    } else {
-        -1.0
-    }
+    if name.ends_with("pitch") || name.ends_with("knee") { 1.0 } else { -1.0 }
 }
 
 fn names(scenario: &Scenario) -> Vec<String> {
@@ -112,10 +101,7 @@ fn a_step_ends_in_the_mirror_image_of_its_start() {
     assert_eq!(report.summary.verdict, Verdict::Optimal);
     assert_eq!(found.landings.len(), 1);
     assert!(found.landings[0].off < 1e-6 && found.landings[0].speed < 1e-6);
-    let (names, samples) = (
-        names(phase),
-        sample(&phase.model, &report.curve, 100).expect("its joints"),
-    );
+    let (names, samples) = (names(phase), sample(&phase.model, &report.curve, 100).expect("its joints"));
     let at = |name: &str| names.iter().position(|of| of == name).expect("a joint");
     let (first, last) = (&samples[0], &samples[100]);
     for (k, name) in names.iter().enumerate() {
@@ -139,20 +125,9 @@ fn a_step_ends_in_the_mirror_image_of_its_start() {
     };
     let mut torques = vec![0.0; 12];
     let mut data = Data::new(&other.model);
-    rnea(
-        &other.model,
-        &mut data,
-        &mirrored(q),
-        &mirrored(v),
-        &mirrored(a),
-        &mut torques,
-    )
-    .expect("its joints");
+    rnea(&other.model, &mut data, &mirrored(q), &mirrored(v), &mirrored(a), &mut torques).expect("its joints");
     for (expected, torque) in mirrored(u).iter().zip(&torques) {
-        assert!(
-            (expected - torque).abs() < 1e-9 * 200.0,
-            "{expected} and {torque}"
-        );
+        assert!((expected - torque).abs() < 1e-9 * 200.0, "{expected} and {torque}");
     }
 }
 
@@ -169,10 +144,7 @@ fn two_steps_end_as_they_start() {
         let (phase, report) = &found.phases[k];
         let (x, _) = report.curve.at(at * report.curve.horizon());
         let n = phase.model.dof();
-        let mut all: Vec<_> = names(phase)
-            .into_iter()
-            .zip(x.iter().take(n).copied())
-            .collect();
+        let mut all: Vec<_> = names(phase).into_iter().zip(x.iter().take(n).copied()).collect();
         let speeds = names(phase).into_iter().map(|name| format!("{name} v"));
         all.extend(speeds.zip(x.iter().skip(n).copied()));
         all.sort_by(|a, b| a.0.cmp(&b.0));
@@ -189,44 +161,23 @@ fn periodic_walks_that_cannot_be_meant_are_refused() {
     let mut goal = one(0.0);
     goal["q_goal"] = json!(vec![0.1; 12]);
     let mut still = one(0.0);
-    still["phases"][0] = with(
-        still["phases"][0].clone(),
-        json!({ "land": null, "lift_m": null }),
-    );
+    still["phases"][0] = with(still["phases"][0].clone(), json!({ "land": null, "lift_m": null }));
     let no_phases = {
         let mut none = one(0.0);
         none["phases"] = json!([]);
-        with(
-            none,
-            json!({ "q_goal": vec![0.0; 12], "v_goal": vec![0.0; 12] }),
-        )
+        with(none, json!({ "q_goal": vec![0.0; 12], "v_goal": vec![0.0; 12] }))
     };
     let mut alone = with(walk(), json!({ "periodic": true }));
     alone["phases"] = json!([alone["phases"][0]]);
     for (name, walk, words) in [
-        (
-            "goal",
-            goal,
-            "q_goal: that of a periodic walk follows from its start",
-        ),
+        ("goal", goal, "q_goal: that of a periodic walk follows from its start"),
         ("still", still, "periodic: the last phase has no landing"),
         ("no_phases", no_phases, "periodic: phases: there are none"),
-        (
-            "heavy",
-            one(10.0),
-            "periodic: the torques that hold q_start and its mirror image differ by",
-        ),
+        ("heavy", one(10.0), "periodic: the torques that hold q_start and its mirror image differ by"),
         // The published standing leg has inertias in the frames of the hanging one.
-        (
-            "digit",
-            alone,
-            "periodic: the torques that hold q_start and its mirror image differ by",
-        ),
+        ("digit", alone, "periodic: the torques that hold q_start and its mirror image differ by"),
     ] {
         let refused = load(name, &walk).expect_err(name);
-        assert!(
-            refused.contains(words),
-            "{name}: '{refused}' does not say '{words}'"
-        );
+        assert!(refused.contains(words), "{name}: '{refused}' does not say '{words}'");
     }
 }

@@ -6,9 +6,7 @@ use aghf::dynamics::forward_kinematics;
 use aghf::model::{Model, pendulum};
 use aghf::spatial::Placement;
 use aghf::urdf::builtin_robot;
-use aghf_scenario::{
-    FlowOptions, Limit, Scenario, Solve, SolveOptions, builtin_scenarios, least_horizon,
-};
+use aghf_scenario::{FlowOptions, Limit, Scenario, Solve, SolveOptions, builtin_scenarios, least_horizon};
 use serde_json::{Value, json};
 
 /// A motion of Kinova that has a solution.
@@ -58,17 +56,13 @@ fn ends_beyond_a_limit_are_refused_where_it_is_enforced() {
     assert_refused(&bent("q_start", 2.3), &format!("q_start: {words}"));
     assert!(refusal(&bent("q_goal", -2.3)).is_some(), "the other side");
     let degrees = refusal(&bent("q_goal", 90.0)).expect("it is beyond");
-    assert!(
-        degrees.ends_with(" rad; angles are in radians, are these degrees?"),
-        "{degrees}"
-    );
+    assert!(degrees.ends_with(" rad; angles are in radians, are these degrees?"), "{degrees}");
     // As the search, which keeps limits to 1e-6.
     assert_eq!(refusal(&bent("q_goal", 2.25 + 5e-7)), None);
     assert!(refusal(&bent("q_goal", 2.25 + 5e-6)).is_some());
 
     let fast = |key: &str| with(kinova(), json!({ key: entry(4, -1.23) }));
-    let words =
-        "joint 'joint_5' has -1.23 rad/s, its enforced velocity limits are [-1.2218, 1.2218] rad/s";
+    let words = "joint 'joint_5' has -1.23 rad/s, its enforced velocity limits are [-1.2218, 1.2218] rad/s";
     assert_refused(&fast("v_start"), &format!("v_start: {words}"));
     assert_refused(&fast("v_goal"), &format!("v_goal: {words}"));
     let free = with(fast("v_goal"), json!({ "free_final_velocity": true }));
@@ -77,25 +71,13 @@ fn ends_beyond_a_limit_are_refused_where_it_is_enforced() {
     // The way out, and a share.
     for (scenario, enforced) in [
         (bent("q_goal", 2.3), json!({ "position": false })),
-        (
-            bent("q_goal", 2.3),
-            json!({ "position": { "joints": ["joint_4"] } }),
-        ),
-        (
-            fast("v_start"),
-            json!({ "velocity": { "joints": ["joint_4"] } }),
-        ),
+        (bent("q_goal", 2.3), json!({ "position": { "joints": ["joint_4"] } })),
+        (fast("v_start"), json!({ "velocity": { "joints": ["joint_4"] } })),
     ] {
-        let scenario = with(
-            scenario,
-            json!({ "enforced_limits": enforced, "horizon_s": 3.0 }),
-        );
+        let scenario = with(scenario, json!({ "enforced_limits": enforced, "horizon_s": 3.0 }));
         assert_eq!(refusal(&scenario), None, "{enforced}");
     }
-    let share = with(
-        bent("q_goal", 1.9),
-        json!({ "enforced_limits": { "position": 0.8 } }),
-    );
+    let share = with(bent("q_goal", 1.9), json!({ "enforced_limits": { "position": 0.8 } }));
     assert_refused(&share, "q_goal: joint 'joint_2' has 1.9 rad, its enforced");
     assert_eq!(refusal(&bent("q_goal", 1.9)), None);
 }
@@ -106,18 +88,13 @@ fn horizons_that_are_too_short_are_refused_with_the_least() {
         let goal = [1.0, 0.5, 0.0, 1.0, 5.6, 0.5, -5.5];
         with(with(kinova(), json!({ "q_goal": goal })), keys)
     };
-    let words =
-        "it is 2 s, but joint 'joint_5' needs at least 4.59 s at its velocity limit of 1.22 rad/s";
+    let words = "it is 2 s, but joint 'joint_5' needs at least 4.59 s at its velocity limit of 1.22 rad/s";
     assert_refused(&far(json!({})), &format!("horizon_s: {words}"));
     let least = 5.6 / 1.2218;
     let scenario = load("least", &far(json!({}))).expect("it is good");
     assert_eq!(scenario.least_horizon(), Some((4, Limit::Velocity, least)));
     assert_eq!(refusal(&far(json!({ "horizon_s": least }))), None);
-    assert_eq!(
-        refusal(&far(json!({ "horizon_s": 4.59 }))),
-        None,
-        "as the message says"
-    );
+    assert_eq!(refusal(&far(json!({ "horizon_s": 4.59 }))), None, "as the message says");
     assert!(refusal(&far(json!({ "horizon_s": 0.9999 * least }))).is_some());
 
     // A horizon that is free may be as long as its bound.
@@ -125,23 +102,14 @@ fn horizons_that_are_too_short_are_refused_with_the_least() {
         let bounds = json!({ "shortest_s": 1.0, "longest_s": longest });
         far(json!({ "free_horizon": bounds }))
     };
-    assert_refused(
-        &free(3.0),
-        "free_horizon.longest_s: it is 3 s, but joint 'joint_5'",
-    );
+    assert_refused(&free(3.0), "free_horizon.longest_s: it is 3 s, but joint 'joint_5'");
     assert_eq!(refusal(&free(5.0)), None);
 
     // Half the velocity, twice the time; without the limit of that joint, the next.
     let enforced = |velocity: Value| far(json!({ "enforced_limits": { "velocity": velocity } }));
-    assert_refused(
-        &enforced(json!(0.5)),
-        "horizon_s: it is 2 s, but joint 'joint_5' needs at least 9.17 s",
-    );
+    assert_refused(&enforced(json!(0.5)), "horizon_s: it is 2 s, but joint 'joint_5' needs at least 9.17 s");
     let others = json!({ "joints": ["joint_1", "joint_7"] });
-    assert_refused(
-        &enforced(others),
-        "horizon_s: it is 2 s, but joint 'joint_7' needs at least 4.51 s",
-    );
+    assert_refused(&enforced(others), "horizon_s: it is 2 s, but joint 'joint_7' needs at least 4.51 s");
     assert_eq!(refusal(&enforced(json!({ "joints": ["joint_1"] }))), None);
     assert_eq!(refusal(&enforced(json!(false))), None);
 
@@ -172,12 +140,7 @@ fn an_end_beyond_a_limit_leaves_something_to_move_with() {
     let bent = |by: f64| refusal(&with(kinova(), json!({ "q_start": entry(1, 2.25 + by) })));
     assert_eq!(bent(1e-7), None);
     for by in [1e-6, 2e-6] {
-        assert!(
-            bent(by)
-                .expect("refused")
-                .contains("enforced position limits"),
-            "{by}"
-        );
+        assert!(bent(by).expect("refused").contains("enforced position limits"), "{by}");
     }
 }
 
@@ -185,20 +148,12 @@ fn an_end_beyond_a_limit_leaves_something_to_move_with() {
 fn the_least_horizon_of_a_robot() {
     let kinova = builtin_robot("kinova_gen3").expect("built in");
     let (start, mut goal) = ([0.5; 7], [0.5; 7]);
-    assert_eq!(
-        least_horizon(&kinova, &start, &goal).expect("lengths agree"),
-        None
-    );
+    assert_eq!(least_horizon(&kinova, &start, &goal).expect("lengths agree"), None);
     goal[2] -= 1.3963;
     // Less far, but slower.
     goal[5] += 1.3;
-    let (joint, seconds) = least_horizon(&kinova, &start, &goal)
-        .expect("lengths agree")
-        .expect("two joints move");
-    assert!(
-        joint == 5 && (seconds - 1.3 / 1.2218).abs() < 1e-15,
-        "{seconds}"
-    );
+    let (joint, seconds) = least_horizon(&kinova, &start, &goal).expect("lengths agree").expect("two joints move");
+    assert!(joint == 5 && (seconds - 1.3 / 1.2218).abs() < 1e-15, "{seconds}");
     let free = pendulum(2).expect("two links");
     let least = least_horizon(&free, &[0.0; 2], &[9.0; 2]).expect("lengths agree");
     assert_eq!(least, None, "nothing is limited");
@@ -228,15 +183,9 @@ fn ends_in_collision_are_refused_with_link_obstacle_and_depth() {
     let hit = among([far.clone(), sphere(0.02, 0.03)]);
     let words = "q_goal: link 'spherical_wrist_2_link' is 1.000e-2 m inside 'obstacles[1]'";
     assert_refused(&hit, words);
-    assert_eq!(
-        refusal(&among([far.clone(), sphere(0.02, 0.02 + 5e-7)])),
-        None
-    );
+    assert_eq!(refusal(&among([far.clone(), sphere(0.02, 0.02 + 5e-7)])), None);
     assert!(refusal(&among([far.clone(), sphere(0.02, 0.02 + 5e-6)])).is_some());
-    let back = with(
-        hit,
-        json!({ "q_start": good.file.q_goal, "q_goal": good.file.q_start }),
-    );
+    let back = with(hit, json!({ "q_start": good.file.q_goal, "q_goal": good.file.q_start }));
     assert_refused(&back, "q_start: link 'spherical_wrist_2_link'");
 
     // The deepest ball is told, and of links the balls that cover them count, as in the search.
@@ -247,10 +196,7 @@ fn ends_in_collision_are_refused_with_link_obstacle_and_depth() {
             "shape": { "half_space": {} },
             "pose": { "position_m": [0.0, 0.0, z + 0.02], "orientation_xyzw": [1.0, 0.0, 0.0, 0.0] }
         }]);
-        with(
-            kinova(),
-            json!({ "robot_shape": shape, "obstacles": floor }),
-        )
+        with(kinova(), json!({ "robot_shape": shape, "obstacles": floor }))
     };
     let error = refusal(&shape(0.2)).expect("links are above the ceiling");
     assert!(error.contains("inside 'obstacles[0]'"), "{error}");
@@ -259,10 +205,7 @@ fn ends_in_collision_are_refused_with_link_obstacle_and_depth() {
         let obstacle = json!([{ "shape": { "sphere": { "radius_m": 0.08 } },
             "pose": { "position_m": [x, y, z + 0.1] } }]);
         let shape = json!({ "swept_links": { "radius_m": 0.01, "spacing_m": spacing } });
-        with(
-            kinova(),
-            json!({ "robot_shape": shape, "obstacles": obstacle }),
-        )
+        with(kinova(), json!({ "robot_shape": shape, "obstacles": obstacle }))
     };
     let coarse = refusal(&beside(0.5)).expect("its balls are large");
     assert!(coarse.starts_with("q_start: link '") && coarse.contains("by the balls that cover it"));
@@ -290,15 +233,9 @@ fn ends_at_rest_that_the_torques_cannot_hold_are_refused() {
     let weak = one_joint("weak", "revolute", "0 1 0", 4.9);
     let words = "joint 'only' needs 4.91 N m to hold the robot at rest, its enforced torque limit is 4.9 N m";
     assert_refused(&weak, &format!("q_goal: {words}"));
-    let back = with(
-        weak.clone(),
-        json!({ "q_start": weak["q_goal"], "q_goal": weak["q_start"] }),
-    );
+    let back = with(weak.clone(), json!({ "q_start": weak["q_goal"], "q_goal": weak["q_start"] }));
     assert_refused(&back, "q_start: joint 'only'");
-    assert_eq!(
-        refusal(&one_joint("strong", "revolute", "0 1 0", 4.906)),
-        None
-    );
+    assert_eq!(refusal(&one_joint("strong", "revolute", "0 1 0", 4.906)), None);
     for keys in [
         json!({ "v_goal": [0.1] }),
         json!({ "free_final_velocity": true }),
@@ -315,10 +252,7 @@ fn ends_at_rest_that_the_torques_cannot_hold_are_refused() {
     let lift = one_joint("lift", "prismatic", "0 0 1", 9.8);
     assert_refused(&lift, "q_start: joint 'only' needs 9.81 N to hold");
     let lift = with(lift, json!({ "q_goal": [9.5] }));
-    assert_refused(
-        &lift,
-        "q_goal: joint 'only' has 9.5 m, its enforced position limits are [-9, 9] m",
-    );
+    assert_refused(&lift, "q_goal: joint 'only' has 9.5 m, its enforced position limits are [-9, 9] m");
 }
 
 #[test]
@@ -329,9 +263,6 @@ fn no_method_searches_then() {
         let solve = Solve::new(&scenario).options(options);
         let error = solve.observe(|_| panic!("it searches")).run();
         let error = error.expect_err("too short");
-        assert!(
-            error.to_string().starts_with("far: horizon_s: it is 0.5 s"),
-            "{error}"
-        );
+        assert!(error.to_string().starts_with("far: horizon_s: it is 0.5 s"), "{error}");
     }
 }

@@ -3,8 +3,7 @@
 use crate::common::assert_refused;
 use aghf_scenario::judge::{Tolerances, Trajectory, judge, sufficient_samples};
 use aghf_scenario::{
-    FlowOptions, Limit, RestOptions, Scenario, Solve, SolveOptions, SolveReport, Verdict,
-    builtin_scenarios,
+    FlowOptions, Limit, RestOptions, Scenario, Solve, SolveOptions, SolveReport, Verdict, builtin_scenarios,
 };
 
 /// The scenarios in which the flow reaches the goal with a torque beyond its limit: the penalty that stands for the
@@ -25,17 +24,12 @@ fn every_built_in_scenario_succeeds() {
             continue;
         }
         if scenario.file.free_horizon.is_some() {
-            let words = format!(
-                "{name}: objective with a weight of time: the method 'flow' does not know it"
-            );
+            let words = format!("{name}: objective with a weight of time: the method 'flow' does not know it");
             assert_refused(outcome, &words);
             continue;
         }
         let summary = outcome.expect("valid").summary;
-        println!(
-            "{name}: {:?} {:?}",
-            summary.final_error_inf, summary.open_loop_error_inf
-        );
+        println!("{name}: {:?} {:?}", summary.final_error_inf, summary.open_loop_error_inf);
         let beyond = BEYOND_TORQUE_LIMITS.contains(&name);
         assert_eq!(summary.success, !beyond, "{name}: {summary:?}");
         if beyond {
@@ -67,16 +61,10 @@ fn a_verdict_does_not_contradict_the_judge() {
     let mut refused = [0, 0];
     for name in ["pendulum_1_swingup", "pendulum_2_swingup", "kinova_free_04"] {
         for s_max in [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1] {
-            let options = FlowOptions {
-                s_max: Some(s_max),
-                ..FlowOptions::default()
-            };
+            let options = FlowOptions { s_max: Some(s_max), ..FlowOptions::default() };
             let (SolveReport { summary, .. }, is_good) = judged(name, options.into());
             let defect = summary.dynamics_defect;
-            println!(
-                "| {name} | {s_max:e} | {} | {defect:.1e} | {is_good} |",
-                summary.verdict
-            );
+            println!("| {name} | {s_max:e} | {} | {defect:.1e} | {is_good} |", summary.verdict);
             assert_eq!(summary.verdict, Verdict::AtSMax, "{name} {s_max}");
             let words = format!("the curve of the flow at s = {s_max:e}, which is no minimum");
             let note = summary.notes.iter().find(|note| note.starts_with(&words));
@@ -87,19 +75,10 @@ fn a_verdict_does_not_contradict_the_judge() {
             refused[0] += usize::from(!is_good);
         }
         for k in [1e2, 1e4, 1e6, 1e8] {
-            let options = RestOptions {
-                k: Some(k),
-                ..RestOptions::default()
-            };
+            let options = RestOptions { k: Some(k), ..RestOptions::default() };
             let (SolveReport { summary, .. }, is_good) = judged(name, SolveOptions::Rest(options));
-            println!(
-                "| {name} | {k:e} | {} | {:.1e} | {is_good} |",
-                summary.verdict, summary.dynamics_defect
-            );
-            assert!(
-                is_good || summary.verdict == Verdict::NotValid,
-                "{name} {k}: {summary:?}"
-            );
+            println!("| {name} | {k:e} | {} | {:.1e} | {is_good} |", summary.verdict, summary.dynamics_defect);
+            assert!(is_good || summary.verdict == Verdict::NotValid, "{name} {k}: {summary:?}");
             refused[1] += usize::from(!is_good);
         }
     }

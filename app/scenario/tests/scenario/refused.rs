@@ -50,16 +50,8 @@ fn texts_that_are_no_scenario_are_refused() {
         ("[1, 2]".to_owned(), "scenario", "a list"),
         ("null".to_owned(), "scenario", "null"),
         (good.clone() + &good, "scenario", "trailing"),
-        (
-            good.replacen('{', "{\"horizon_s\": 3.0, ", 1),
-            "scenario",
-            "duplicate",
-        ),
-        (
-            five.replace("\"joint_3\":", "\"joint_5\":"),
-            "locked_joints",
-            "duplicate",
-        ),
+        (good.replacen('{', "{\"horizon_s\": 3.0, ", 1), "scenario", "duplicate"),
+        (five.replace("\"joint_3\":", "\"joint_5\":"), "locked_joints", "duplicate"),
         (good.replace("-1.5", "1e999"), "q_start[0]", "out of range"),
         (good.replace("100000.0", "1e999"), "flow.k", "out of range"),
     ] {
@@ -88,17 +80,11 @@ fn a_bad_robot_is_named_by_its_file() {
 
 #[test]
 fn too_many_pairs_of_balls_and_obstacles_are_refused() {
-    let many = vec![
-        json!({ "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [5, 5, 5] } });
-        100
-    ];
+    let many = vec![json!({ "shape": { "sphere": { "radius_m": 0.1 } }, "pose": { "position_m": [5, 5, 5] } }); 100];
     let fine = json!({ "swept_links": { "radius_m": 0.05, "spacing_m": 1e-3 } });
     let keys = json!({ "obstacles": many, "robot_shape": fine });
     let words = "100 obstacles and 1002 balls";
-    assert_eq!(
-        problem(load("bad", &with(good(), keys)), "obstacles", words),
-        None
-    );
+    assert_eq!(problem(load("bad", &with(good(), keys)), "obstacles", words), None);
 }
 
 /// A quaternion whose length is not 1 is refused wherever there is one, also if its square overflows or vanishes.
@@ -119,23 +105,10 @@ fn quaternions_of_another_length_are_refused() {
         |turn| json!({ "waypoints": [{ "poses": { "frame": "link_2", "orientation_xyzw": turn } }] }),
     ];
     for place in places {
-        for length in [
-            0.0,
-            5e-324,
-            1e-170,
-            1e-155,
-            0.9,
-            1.1,
-            1e155,
-            1e200,
-            f64::MAX,
-        ] {
+        for length in [0.0, 5e-324, 1e-170, 1e-155, 0.9, 1.1, 1e155, 1e200, f64::MAX] {
             let turn = json!([0.0, length, 0.0, 0.0]);
             let error = load("turned", &with(good(), place(turn))).expect_err("it is refused");
-            assert!(
-                error.contains("the orientation x y z w has length"),
-                "{length}: {error}"
-            );
+            assert!(error.contains("the orientation x y z w has length"), "{length}: {error}");
         }
     }
 }

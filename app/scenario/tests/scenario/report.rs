@@ -5,8 +5,8 @@ use aghf::flow::FlowRecord;
 use aghf::motion::Interrupt;
 use aghf::urdf::builtin_robots;
 use aghf_scenario::{
-    Details, DirectOptions, FlowDetails, FlowOptions, Method, Record, Scenario, Solve,
-    SolveOptions, SolveReport, Verdict, builtin_scenarios,
+    Details, DirectOptions, FlowDetails, FlowOptions, Method, Record, Scenario, Solve, SolveOptions, SolveReport,
+    Verdict, builtin_scenarios,
 };
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -19,50 +19,27 @@ fn all_that_are_built_in_load_and_fit_their_robots() {
         let scenario = Scenario::load(name).unwrap_or_else(|e| panic!("{e}"));
         let (file, n) = (&scenario.file, scenario.model.dof());
         assert_eq!(scenario.name, name);
-        assert!(
-            builtin_robots().any(|robot| robot == file.robot),
-            "{name}: {}",
-            file.robot
-        );
+        assert!(builtin_robots().any(|robot| robot == file.robot), "{name}: {}", file.robot);
         assert_eq!(scenario.model.name(), file.robot);
         for state in [&file.q_start, &file.v_start, &file.q_goal, &file.v_goal] {
             assert_eq!(state.len(), n, "{name}");
         }
         let problem = scenario.problem().unwrap_or_else(|e| panic!("{name}: {e}"));
-        assert_eq!(
-            problem.start(),
-            [&file.q_start[..], &file.v_start[..]].concat()
-        );
-        assert_eq!(
-            problem.goal(),
-            [&file.q_goal[..], &file.v_goal[..]].concat()
-        );
+        assert_eq!(problem.start(), [&file.q_start[..], &file.v_start[..]].concat());
+        assert_eq!(problem.goal(), [&file.q_goal[..], &file.v_goal[..]].concat());
         assert_eq!(problem.horizon(), file.horizon_s);
-        assert!(
-            file.flow.degree >= 2 && file.success_threshold == 0.05,
-            "{name}"
-        );
+        assert!(file.flow.degree >= 2 && file.success_threshold == 0.05, "{name}");
     }
 }
 
 #[test]
 fn scenarios_that_do_not_exist() {
-    let error = Scenario::load("kinova_free_99")
-        .expect_err("there are five")
-        .to_string();
+    let error = Scenario::load("kinova_free_99").expect_err("there are five").to_string();
     assert!(error.starts_with("kinova_free_99: scenario: "), "{error}");
-    assert!(
-        error.contains("neither a file nor a built-in scenario"),
-        "{error}"
-    );
+    assert!(error.contains("neither a file nor a built-in scenario"), "{error}");
     let here = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let error = Scenario::load(here.to_str().expect("it is text"))
-        .expect_err("a folder")
-        .to_string();
-    assert!(
-        error.starts_with(here.to_str().expect("it is text")),
-        "{error}"
-    );
+    let error = Scenario::load(here.to_str().expect("it is text")).expect_err("a folder").to_string();
+    assert!(error.starts_with(here.to_str().expect("it is text")), "{error}");
 }
 
 #[test]
@@ -70,25 +47,15 @@ fn the_goal_of_digit_stretch_is_outside_a_limit() {
     let digit = Scenario::load("digit_free_stretch").expect("built in");
     let notes = digit.outside_limits();
     assert!(
-        notes.iter().any(
-            |n| n.starts_with("q_goal: joint 'right_tarsus' at 1 is outside [-1.2497, 0.8779]")
-        ),
+        notes.iter().any(|n| n.starts_with("q_goal: joint 'right_tarsus' at 1 is outside [-1.2497, 0.8779]")),
         "{notes:?}"
     );
-    assert_eq!(
-        Scenario::load("pendulum_5_swingup")
-            .expect("built in")
-            .outside_limits(),
-        [""; 0]
-    );
+    assert_eq!(Scenario::load("pendulum_5_swingup").expect("built in").outside_limits(), [""; 0]);
 }
 
 fn solved(name: &str, options: impl Into<SolveOptions>) -> SolveReport {
     let scenario = Scenario::load(name).expect("built in");
-    Solve::new(&scenario)
-        .options(options)
-        .run()
-        .unwrap_or_else(|e| panic!("{e}"))
+    Solve::new(&scenario).options(options).run().unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// By the flow, with the parameters of the scenario.
@@ -111,16 +78,8 @@ fn flow_details(outcome: &SolveReport) -> (&FlowDetails, Vec<FlowRecord>) {
 fn the_summary_of_a_direct_solve_is_consistent() {
     let scenario = Scenario::load("pendulum_2_swingup").expect("built in");
     let mut seen = Vec::new();
-    let options = DirectOptions {
-        degree: Some(9),
-        starts: Some(1),
-        ..Default::default()
-    };
-    let outcome = Solve::new(&scenario)
-        .options(options.clone())
-        .observe(|r| seen.push(*r))
-        .run()
-        .expect("it is good");
+    let options = DirectOptions { degree: Some(9), starts: Some(1), ..Default::default() };
+    let outcome = Solve::new(&scenario).options(options.clone()).observe(|r| seen.push(*r)).run().expect("it is good");
     let s = &outcome.summary;
     assert!(s.success && s.failure.is_none(), "{s:?}");
     assert_eq!((s.method, s.degree), (Method::Direct, 9));
@@ -130,10 +89,7 @@ fn the_summary_of_a_direct_solve_is_consistent() {
     let Details::Direct(d) = &s.details else {
         panic!("it is a direct solve: {s:?}");
     };
-    assert!(
-        d.gradient_norm <= d.tolerance && d.smallest_curvature > 0.0,
-        "{d:?}"
-    );
+    assert!(d.gradient_norm <= d.tolerance && d.smallest_curvature > 0.0, "{d:?}");
     assert_eq!((seen.len(), d.start_costs.len()), (d.iterations, 1));
     assert_eq!(seen, outcome.history);
     // The quadrature agrees with Simpson's rule to what is asked of it.
@@ -155,10 +111,7 @@ fn options_of_the_other_method_are_errors() {
         let options = json!({ "method": method, key: value });
         let read = serde_json::from_value::<SolveOptions>(options);
         let error = read.expect_err(key).to_string();
-        assert!(
-            error.starts_with(&format!("options: {key}: unknown field")),
-            "{error}"
-        );
+        assert!(error.starts_with(&format!("options: {key}: unknown field")), "{error}");
     }
 }
 
@@ -167,85 +120,41 @@ fn the_summary_of_a_swing_up_is_consistent() {
     let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
     let mut seen = Vec::new();
     let options = by_flow();
-    let outcome = Solve::new(&scenario)
-        .options(options.clone())
-        .observe(|r| seen.push(*r))
-        .run()
-        .expect("it is good");
+    let outcome = Solve::new(&scenario).options(options.clone()).observe(|r| seen.push(*r)).run().expect("it is good");
     let s = &outcome.summary;
     let (d, history) = flow_details(&outcome);
-    assert!(
-        s.success && s.failure.is_none() && s.outside_limits.is_empty(),
-        "{s:?}"
-    );
-    assert_eq!(
-        (s.scenario.as_str(), s.robot.as_str()),
-        ("pendulum_1_swingup", "pendulum_1")
-    );
+    assert!(s.success && s.failure.is_none() && s.outside_limits.is_empty(), "{s:?}");
+    assert_eq!((s.scenario.as_str(), s.robot.as_str()), ("pendulum_1_swingup", "pendulum_1"));
     assert_eq!((s.degree, d.k, d.s_max, d.tolerance), (9, 1e5, 100.0, 1e-4));
-    assert!(
-        s.final_error_inf.expect("it ended") < s.success_threshold,
-        "{s:?}"
-    );
+    assert!(s.final_error_inf.expect("it ended") < s.success_threshold, "{s:?}");
     assert!(s.open_loop_error_inf.expect("it ended") > 0.0, "{s:?}");
-    assert!(
-        s.control_effort > 0.0 && s.control_effort <= d.action,
-        "{s:?}"
-    );
+    assert!(s.control_effort > 0.0 && s.control_effort <= d.action, "{s:?}");
     assert!(s.dynamics_defect > 0.0 && s.dynamics_defect < 0.1, "{s:?}");
-    assert!(
-        d.steps > 0 && d.factorisations > 0 && s.solve_seconds > 0.0,
-        "{s:?}"
-    );
+    assert!(d.steps > 0 && d.factorisations > 0 && s.solve_seconds > 0.0, "{s:?}");
     let interior = s.degree - 1;
     assert!(d.omega_evaluations >= d.steps * interior, "{s:?}");
-    assert_eq!(
-        (
-            d.omega_evaluations % interior,
-            d.jacobian_evaluations % interior
-        ),
-        (0, 0)
-    );
+    assert_eq!((d.omega_evaluations % interior, d.jacobian_evaluations % interior), (0, 0));
 
     assert_eq!(seen, outcome.history);
-    assert_eq!(
-        (history[0].s, history.last().expect("it is long").s),
-        (0.0, d.s_max)
-    );
+    assert_eq!((history[0].s, history.last().expect("it is long").s), (0.0, d.s_max));
     assert!(history.windows(2).all(|w| w[0].s < w[1].s));
     assert_eq!(Some(history[0].action_at_nodes), d.action_at_nodes_of_guess);
     let last = history.last().expect("it is long").action_at_nodes;
-    assert!(
-        (last - d.action_at_nodes).abs() <= 1e-9 * last,
-        "{last} {}",
-        d.action_at_nodes
-    );
-    assert!(
-        d.action_at_nodes < history[0].action_at_nodes,
-        "the flow goes down"
-    );
+    assert!((last - d.action_at_nodes).abs() <= 1e-9 * last, "{last} {}", d.action_at_nodes);
+    assert!(d.action_at_nodes < history[0].action_at_nodes, "the flow goes down");
 
     let x = outcome.curve.x();
     assert_eq!(x.shape(), (2, s.degree + 1));
     assert_eq!(x.column(0).as_slice(), [scenario.file.q_start[0], 0.0]);
-    assert_eq!(
-        x.column(s.degree).as_slice(),
-        [scenario.file.q_goal[0], 0.0]
-    );
+    assert_eq!(x.column(s.degree).as_slice(), [scenario.file.q_goal[0], 0.0]);
 }
 
 #[test]
 fn a_flow_that_is_cut_short_says_so() {
-    let options = FlowOptions {
-        k: Some(1e5),
-        s_max: Some(1.0),
-        ..by_flow()
-    };
+    let options = FlowOptions { k: Some(1e5), s_max: Some(1.0), ..by_flow() };
     let summary = solved("pendulum_5_swingup", options).summary;
     assert!(!summary.success, "{summary:?}");
-    let reached = summary
-        .final_error_inf
-        .is_some_and(|e| e < summary.success_threshold);
+    let reached = summary.final_error_inf.is_some_and(|e| e < summary.success_threshold);
     assert!(summary.failure.is_some() || !reached, "{summary:?}");
 }
 
@@ -266,11 +175,7 @@ fn bad_options_are_errors() {
     for (change, words) in cases {
         let mut options = by_flow();
         change(&mut options);
-        let error = Solve::new(&scenario)
-            .options(options)
-            .run()
-            .expect_err(words)
-            .to_string();
+        let error = Solve::new(&scenario).options(options).run().expect_err(words).to_string();
         assert!(error.contains(words), "{error}; want {words}");
     }
 }
@@ -318,16 +223,10 @@ fn a_motion_that_keeps_its_constraints_is_valid() {
             tolerance: Some(tolerance),
             ..Default::default()
         };
-        let report = Solve::new(&scenario)
-            .options(options.clone())
-            .run()
-            .expect("valid");
+        let report = Solve::new(&scenario).options(options.clone()).run().expect("valid");
         let summary = report.summary;
         assert!(summary.success && summary.failure.is_none(), "{summary:?}");
-        let told = summary
-            .notes
-            .iter()
-            .any(|note| note.starts_with("not optimal: "));
+        let told = summary.notes.iter().any(|note| note.starts_with("not optimal: "));
         assert_eq!(told, summary.verdict == Verdict::Valid, "{summary:?}");
         summary.verdict
     };
@@ -350,9 +249,7 @@ fn the_gradient_norm_of_a_stopped_search_may_be_unknown() {
     assert!(!details.gradient_norm.is_finite());
     let words = summary.failure.iter().chain(&summary.notes);
     assert!(
-        words
-            .clone()
-            .any(|words| words.contains("the gradient norm is not known")),
+        words.clone().any(|words| words.contains("the gradient norm is not known")),
         "{:?}",
         words.collect::<Vec<_>>()
     );

@@ -1,8 +1,7 @@
 //! The JSON Schemas of scenarios and options, and the tables made from them.
 
 use aghf_scenario::{
-    Method, Scenario, SolveOptions, builtin_scenarios, described_options, option_keys,
-    scenario_keys, scenario_schema,
+    Method, Scenario, SolveOptions, builtin_scenarios, described_options, option_keys, scenario_keys, scenario_schema,
 };
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -23,10 +22,7 @@ fn the_tables_of_keys_are_current() {
             "aghf scenarios --keys options > app/scenario/src/option_keys.md",
         ),
     ] {
-        assert!(
-            table == documented,
-            "to make it current: {command}\n{table}"
-        );
+        assert!(table == documented, "to make it current: {command}\n{table}");
     }
 }
 
@@ -34,10 +30,7 @@ fn the_tables_of_keys_are_current() {
 fn example(schema: &Value) -> Value {
     let is = |name: &str| {
         let types = &schema["type"];
-        types == name
-            || types
-                .as_array()
-                .is_some_and(|all| all.contains(&json!(name)))
+        types == name || types.as_array().is_some_and(|all| all.contains(&json!(name)))
     };
     match schema["oneOf"][0]["const"].clone() {
         Value::Null if is("integer") => json!(3),
@@ -53,10 +46,7 @@ fn the_schema_of_the_options_has_what_is_read() {
     for option in described_options() {
         for (method, name) in Method::by_name().map(|(name, method)| (method, name)) {
             let keys = Map::from_iter([(option.name.clone(), example(&option.schema))]);
-            let known = option
-                .helps
-                .iter()
-                .any(|(_, methods)| methods.contains(&name));
+            let known = option.helps.iter().any(|(_, methods)| methods.contains(&name));
             let read = SolveOptions::from_keys(method, keys.clone());
             match read {
                 Ok(options) => assert!(known && options.keys().expect("read") == keys),
@@ -86,12 +76,7 @@ fn the_schema_of_scenarios_has_their_keys() {
         assert_eq!(again.schema.as_deref(), Some("scenario.schema.json"));
     }
     let table = scenario_keys();
-    for key in [
-        "horizon_s",
-        "objective.velocity",
-        "flow.k_cons",
-        "feedback.kp",
-    ] {
+    for key in ["horizon_s", "objective.velocity", "flow.k_cons", "feedback.kp"] {
         assert!(table.contains(&format!("| `{key}` | ")), "{key}: {table}");
     }
 }
@@ -107,21 +92,9 @@ fn keys_are_replaced_as_in_a_file() {
     assert_eq!(serde_json::to_value(&weighted.file).expect("numbers"), file);
     assert_eq!(weighted.name, scenario.name);
     for (key, value, words) in [
-        (
-            "objective.speed",
-            json!(1),
-            "limits_01: objective.speed: unknown field",
-        ),
-        (
-            "enforced_limits.velocity",
-            json!(2),
-            "limits_01: enforced_limits.velocity: it is 2",
-        ),
-        (
-            "objective",
-            json!([1.0]),
-            "limits_01: objective: invalid type: sequence, expected the name of an objective",
-        ),
+        ("objective.speed", json!(1), "limits_01: objective.speed: unknown field"),
+        ("enforced_limits.velocity", json!(2), "limits_01: enforced_limits.velocity: it is 2"),
+        ("objective", json!([1.0]), "limits_01: objective: invalid type: sequence, expected the name of an objective"),
     ] {
         let error = with(key, value).expect_err(words).to_string();
         assert!(error.starts_with(words), "{error}");

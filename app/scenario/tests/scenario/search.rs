@@ -10,19 +10,11 @@ const LEAST: f64 = 1.5 / 3.0 + 3.0 / 20.0;
 
 #[test]
 fn the_least_time_is_near_that_of_full_force() {
-    let file = cart(
-        2.0,
-        40.0,
-        json!({ "objective": "least-time", "continuity": "velocity" }),
-    );
+    let file = cart(2.0, 40.0, json!({ "objective": "least-time", "continuity": "velocity" }));
     let details = solved("fast", &file);
     let ratio = details.horizon_s / LEAST;
     assert!((1.0..1.06).contains(&ratio), "{ratio}");
-    let bound = HorizonBound {
-        least_s: 0.5,
-        joint: "rail".to_owned(),
-        limit: Limit::Velocity,
-    };
+    let bound = HorizonBound { least_s: 0.5, joint: "rail".to_owned(), limit: Limit::Velocity };
     assert_eq!(details.horizon_bound, Some(bound));
     // A weight of time alone is the same.
     let alone = json!({ "objective": { "time": 3.0, "effort": 0.0 }, "continuity": "velocity" });
@@ -51,12 +43,7 @@ fn a_balanced_motion_takes_hardly_longer_and_less_effort() {
     });
     let ratio = balanced.horizon_s / fast.horizon_s;
     assert!((1.0..1.25 + 1e-6).contains(&ratio), "{ratio}");
-    assert!(
-        balanced.cost < 0.95 * fast.cost,
-        "{} {}",
-        balanced.cost,
-        fast.cost
-    );
+    assert!(balanced.cost < 0.95 * fast.cost, "{} {}", balanced.cost, fast.cost);
 }
 
 #[test]
@@ -65,23 +52,14 @@ fn a_bound_of_the_horizon_is_kept() {
         "objective": "least-time", "free_horizon": { "shortest_s": 0.9, "longest_s": 2.0 },
     });
     let details = solved("bound", &cart(2.0, 40.0, keys));
-    assert!(
-        (details.horizon_s - 0.9).abs() < 1e-5,
-        "{}",
-        details.horizon_s
-    );
+    assert!((details.horizon_s - 0.9).abs() < 1e-5, "{}", details.horizon_s);
 }
 
 /// The goal is one of two sets, and the end may move in it.
 #[test]
 fn the_goal_of_a_set_is_reached_in_least_time() {
-    let pose =
-        |x: f64| json!({ "frame": "cart", "position_m": [x, 0.0, 0.0], "tolerance_m": 0.01 });
-    let mut file = cart(
-        2.0,
-        40.0,
-        json!({ "objective": "least-time", "continuity": "velocity" }),
-    );
+    let pose = |x: f64| json!({ "frame": "cart", "position_m": [x, 0.0, 0.0], "tolerance_m": 0.01 });
+    let mut file = cart(2.0, 40.0, json!({ "objective": "least-time", "continuity": "velocity" }));
     let keys = file.as_object_mut().expect("it is one");
     for key in ["q_goal", "v_goal"] {
         keys.remove(key);
@@ -101,10 +79,7 @@ fn the_goal_of_a_set_is_reached_in_least_time() {
 /// this motion takes 1.154 s.
 #[test]
 fn a_search_that_finds_no_minimum_is_done_again() {
-    let file = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../robots/panda/scenarios/table_under_pick_0080.json"
-    );
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots/panda/scenarios/table_under_pick_0080.json");
     let mut scenario = Scenario::load(file).expect("in the folder");
     scenario.file.objective = serde_json::from_value(json!("balanced")).expect("a preset");
     let details = found(&scenario);

@@ -20,20 +20,13 @@ fn links_keep_clear_of_each_other_but_for_those_that_may_overlap() {
     let model = builtin_robot("panda").expect("built in");
     let robot = cover_links(&model, Path::new(""), 0.05).expect("spheres");
     assert_eq!(balls, &robot.balls);
-    let ignored = [
-        ("panda_link0", "panda_link1"),
-        ("panda_link6", "panda_hand"),
-    ];
+    let ignored = [("panda_link0", "panda_link1"), ("panda_link6", "panda_hand")];
     // Neighbours always overlap.
     let listed = ignored.map(|(a, b)| [a, b].map(str::to_owned));
     let always = always_overlapping(&model, &robot, &listed).expect("its own balls");
     assert_eq!(scenario.overlapping, always);
     let [a, b] = ["panda_link5", "panda_link6"].map(str::to_owned);
-    assert!(
-        always
-            .iter()
-            .any(|pair| pair.links == [a.clone(), b.clone()])
-    );
+    assert!(always.iter().any(|pair| pair.links == [a.clone(), b.clone()]));
     let trees = scenario.scene.trees();
     let link = |tree: usize| robot.link_of(&trees[tree]).expect("each has balls");
     let kept = scenario.scene.tree_pairs().iter();
@@ -68,9 +61,7 @@ fn links_keep_clear_of_each_other_but_for_those_that_may_overlap() {
     }
     assert!(pairs.iter().all(|[i, j]| balls[*i].body != balls[*j].body));
     let rows = AnyConstraint::of_scene(&scenario.scene);
-    assert!(
-        matches!(rows.last(), Some(AnyConstraint::SelfCollision(own)) if own.dim() == expected)
-    );
+    assert!(matches!(rows.last(), Some(AnyConstraint::SelfCollision(own)) if own.dim() == expected));
 }
 
 #[test]
@@ -78,32 +69,17 @@ fn pairs_that_a_file_names_are_part_of_the_scenario() {
     let model = builtin_robot("panda").expect("built in");
     let balls = cover_links(&model, Path::new(""), 0.05).expect("spheres");
     let pairs = IgnoredPairs::by_sampling(&model, &balls).expect("its own balls");
-    assert_eq!(
-        pairs,
-        IgnoredPairs::by_sampling(&model, &balls).expect("its own balls")
-    );
+    assert_eq!(pairs, IgnoredPairs::by_sampling(&model, &balls).expect("its own balls"));
     let text = pairs.to_json();
-    assert_eq!(
-        IgnoredPairs::parse(&text, "pairs.json").expect("as written"),
-        pairs
-    );
-    assert_eq!(
-        text.lines().filter(|l| l.contains("\"links\"")).count(),
-        pairs.ignored_pairs.len()
-    );
+    assert_eq!(IgnoredPairs::parse(&text, "pairs.json").expect("as written"), pairs);
+    assert_eq!(text.lines().filter(|l| l.contains("\"links\"")).count(), pairs.ignored_pairs.len());
     std::fs::write(folder().join("panda.pairs.json"), text).expect("writable");
     let keys = json!({ "self_collision": { "ignored_pairs_file": "panda.pairs.json" } });
     let scenario = load("file", &with(panda(), keys)).expect("it is good");
     let written = serde_json::to_value(&scenario.file).expect("numbers");
-    let links: Vec<_> = pairs
-        .ignored_pairs
-        .iter()
-        .map(|pair| json!(pair.links))
-        .collect();
+    let links: Vec<_> = pairs.ignored_pairs.iter().map(|pair| json!(pair.links)).collect();
     assert_eq!(written["self_collision"], json!({ "ignored_pairs": links }));
-    scenario
-        .check_feasible()
-        .expect("the start is clear of itself");
+    scenario.check_feasible().expect("the start is clear of itself");
     for (text, words) in [
         ("{\"robot\": \"panda\"}", "missing field `ignored_pairs`"),
         (
@@ -111,13 +87,8 @@ fn pairs_that_a_file_names_are_part_of_the_scenario() {
             "ignored_pairs[0].links",
         ),
     ] {
-        let error = IgnoredPairs::parse(text, "pairs.json")
-            .expect_err("it is bad")
-            .to_string();
-        assert!(
-            error.starts_with("pairs.json: ") && error.contains(words),
-            "{error}"
-        );
+        let error = IgnoredPairs::parse(text, "pairs.json").expect_err("it is bad").to_string();
+        assert!(error.starts_with("pairs.json: ") && error.contains(words), "{error}");
     }
 }
 
@@ -137,38 +108,21 @@ fn neighbours_and_links_that_always_overlap_may() {
                 <axis xyz="0 0 1"/></joint>"#
         )
     };
-    let links =
-        link("a", 0.0, 0.1) + &link("b", 1.0, 0.1) + &link("c", 0.15, 0.1) + &link("d", 1.0, 1.85);
+    let links = link("a", 0.0, 0.1) + &link("b", 1.0, 0.1) + &link("c", 0.15, 0.1) + &link("d", 1.0, 1.85);
     let joints = joint("ab", "a", "b") + &joint("bc", "b", "c") + &joint("cd", "c", "d");
     let text = format!(r#"<robot name="four">{links}{joints}</robot>"#);
     let (model, _) = aghf::urdf::parse_urdf(&text, "four.urdf").expect("it is good");
     let balls = cover_links(&model, Path::new(""), 0.05).expect("spheres");
     let found = IgnoredPairs::by_sampling(&model, &balls).expect("its own balls");
-    let found: Vec<_> = found
-        .ignored_pairs
-        .iter()
-        .map(|p| (p.links.join(" "), p.reason.as_str()))
-        .collect();
+    let found: Vec<_> = found.ignored_pairs.iter().map(|p| (p.links.join(" "), p.reason.as_str())).collect();
     let often = "overlap at each of 10000 random configurations";
-    let expected = [
-        ("a b", "neighbours"),
-        ("a c", often),
-        ("a d", often),
-        ("b c", "neighbours"),
-        ("c d", "neighbours"),
-    ];
-    assert_eq!(
-        found,
-        expected.map(|(links, reason)| (links.to_owned(), reason))
-    );
-    let srdf =
-        r#"<robot name="four"><disable_collisions link1="d" link2="a" reason="Never"/></robot>"#;
+    let expected =
+        [("a b", "neighbours"), ("a c", often), ("a d", often), ("b c", "neighbours"), ("c d", "neighbours")];
+    assert_eq!(found, expected.map(|(links, reason)| (links.to_owned(), reason)));
+    let srdf = r#"<robot name="four"><disable_collisions link1="d" link2="a" reason="Never"/></robot>"#;
     let srdf = Srdf::parse(srdf, "four.srdf", &model).expect("it is good");
     let pair = &IgnoredPairs::of_srdf(&model, &srdf).ignored_pairs[0];
-    assert_eq!(
-        (pair.links.join(" "), pair.reason.as_str()),
-        ("d a".to_owned(), "disabled in the SRDF: Never")
-    );
+    assert_eq!((pair.links.join(" "), pair.reason.as_str()), ("d a".to_owned(), "disabled in the SRDF: Never"));
 }
 
 /// Links that are apart by less than the distance that is asked for are not left out, and neither are those whose
@@ -194,10 +148,7 @@ fn an_srdf_says_which_links_may_overlap() {
     for (keys, pairs) in [
         (json!(null), SelfCollision::IgnoredPairs(disabled.into())),
         (json!("off"), SelfCollision::Off),
-        (
-            json!({ "ignored_pairs": [] }),
-            SelfCollision::IgnoredPairs(Vec::new()),
-        ),
+        (json!({ "ignored_pairs": [] }), SelfCollision::IgnoredPairs(Vec::new())),
     ] {
         let keys = json!({ "srdf": "panda.srdf", "self_collision": keys });
         let file = load("srdf", &with(panda(), keys)).expect("it is good").file;
@@ -213,9 +164,7 @@ fn an_srdf_says_which_links_may_overlap() {
     let keys = json!({
         "srdf": "panda.srdf", "self_collision": null, "robot_shape": { "swept_links": { "radius_m": 0.05 } },
     });
-    let file = load("swept", &with(panda(), keys))
-        .expect("it is good")
-        .file;
+    let file = load("swept", &with(panda(), keys)).expect("it is good").file;
     assert_eq!(file.self_collision, None);
 }
 
@@ -225,15 +174,10 @@ fn neighbours_may_overlap_by_default() {
     let keys = json!({ "self_collision": null, "obstacles": [] });
     let scenario = load("neighbours", &with(panda(), keys)).expect("it is good");
     let scene = &scenario.scene;
-    let names = |pair: &[usize; 2]| {
-        pair.map(|i| scene.robot().link_of(&scene.trees()[i]).unwrap_or_default())
-    };
+    let names = |pair: &[usize; 2]| pair.map(|i| scene.robot().link_of(&scene.trees()[i]).unwrap_or_default());
     let kept: Vec<_> = scene.tree_pairs().iter().map(names).collect();
     let keeps = |a: &str, b: &str| kept.contains(&[a, b]) || kept.contains(&[b, a]);
     assert!(!keeps("panda_link3", "panda_link4") && !keeps("panda_link0", "panda_link1"));
-    assert!(
-        keeps("panda_hand", "panda_link2") && keeps("panda_link0", "panda_link6"),
-        "{kept:?}"
-    );
+    assert!(keeps("panda_hand", "panda_link2") && keeps("panda_link0", "panda_link6"), "{kept:?}");
     scenario.check_feasible().expect("nothing overlaps");
 }

@@ -27,44 +27,24 @@ fn plate(keys: Value) -> Value {
 #[test]
 fn a_motion_that_tips_a_plate_over_is_not_valid() {
     let free = load("free", &arm()).expect("it is good");
-    let small =
-        json!({ "half_length_m": 0.02, "half_width_m": 9.0, "friction": 9.0, "torsion": 9.0 });
+    let small = json!({ "half_length_m": 0.02, "half_width_m": 9.0, "friction": 9.0, "torsion": 9.0 });
     let standing = load("standing", &with(arm(), plate(small))).expect("it is good");
     let curve = solved_once(&free).curve;
-    let [none, found] =
-        [&free, &standing].map(|of| Feasibility::of(of, &curve).expect("its joints"));
+    let [none, found] = [&free, &standing].map(|of| Feasibility::of(of, &curve).expect("its joints"));
     assert!(none.foot.is_none() && none.holds(1e-6));
     let load = found.foot.as_ref().expect("it stands");
-    let farthest = load
-        .along_m
-        .iter()
-        .fold(0.0_f64, |most, x| most.max(x.abs()));
+    let farthest = load.along_m.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     assert!(farthest > 0.05, "{load:?}");
     let reason = found.reason(1e-6).expect("it tips over");
     assert!(reason.contains(" edge of foot 'base_link' by "), "{reason}");
     let motion = sample(&free.model, &curve, 400).expect("its joints");
-    let judged = judge(
-        &standing,
-        &Trajectory::of_samples(motion),
-        Tolerances::default(),
-    );
+    let judged = judge(&standing, &Trajectory::of_samples(motion), Tolerances::default());
     let checks = judged.expect("its joints").checks;
     let failed = checks.iter().filter(|row| !row.outcome.is_good());
     let failed: Vec<_> = failed.collect();
-    assert_eq!(
-        failed.iter().map(|row| row.check).collect::<Vec<_>>(),
-        [Check::Foot]
-    );
-    let worst = failed[0]
-        .worst
-        .as_ref()
-        .expect("it was checked")
-        .value
-        .abs();
-    assert!(
-        (worst - farthest).abs() < 0.05 * farthest,
-        "{worst} {farthest}"
-    );
+    assert_eq!(failed.iter().map(|row| row.check).collect::<Vec<_>>(), [Check::Foot]);
+    let worst = failed[0].worst.as_ref().expect("it was checked").value.abs();
+    assert!((worst - farthest).abs() < 0.05 * farthest, "{worst} {farthest}");
 }
 
 #[test]
@@ -74,18 +54,9 @@ fn a_foot_needs_a_link_of_the_base_a_size_and_a_weight_above_it() {
         load("refused", &scenario).expect_err("it is refused")
     };
     for (keys, words) in [
-        (
-            json!({ "frame": "sole" }),
-            "stand.frame: the robot has no link 'sole'",
-        ),
-        (
-            json!({ "frame": "end_effector_link" }),
-            "stand.frame: link 'end_effector_link' moves",
-        ),
-        (
-            json!({ "friction": 0.0 }),
-            "stand.friction: it is 0, a positive number is needed",
-        ),
+        (json!({ "frame": "sole" }), "stand.frame: the robot has no link 'sole'"),
+        (json!({ "frame": "end_effector_link" }), "stand.frame: link 'end_effector_link' moves"),
+        (json!({ "friction": 0.0 }), "stand.friction: it is 0, a positive number is needed"),
         (json!({ "torsion": -1.0 }), "stand.torsion: it is -1"),
         (
             json!({ "sole": { "position_m": [0, 0, 0], "orientation_xyzw": [0, 0, 0, 2] } }),
@@ -96,31 +67,21 @@ fn a_foot_needs_a_link_of_the_base_a_size_and_a_weight_above_it() {
         assert!(error.contains(words), "{error}");
     }
     // A motion that begins at rest without an acceleration needs the weight above the plate.
-    let leaning =
-        json!({ "continuity": "acceleration", "q_start": [0.0, 1.5, 0.0, 0.0, 0.0, 0.0, 0.0] });
+    let leaning = json!({ "continuity": "acceleration", "q_start": [0.0, 1.5, 0.0, 0.0, 0.0, 0.0, 0.0] });
     let leaning = load("leaning", &with(with(arm(), leaning), plate(json!({}))));
     let error = leaning.expect("it is good").check_feasible();
     let error = error.expect_err("it falls").to_string();
-    assert!(
-        error.contains("q_start: the weight at rest is (") && error.contains("continuity"),
-        "{error}"
-    );
+    assert!(error.contains("q_start: the weight at rest is (") && error.contains("continuity"), "{error}");
     let flow = load("flow", &with(arm(), plate(json!({})))).expect("it is good");
-    let error = Solve::new(&flow)
-        .options(SolveOptions::Rest(RestOptions::default()))
-        .run();
+    let error = Solve::new(&flow).options(SolveOptions::Rest(RestOptions::default())).run();
     let error = error.err().map(|e| e.to_string()).unwrap_or_default();
-    assert!(
-        error.contains("stand: the method 'rest' does not know it"),
-        "{error}"
-    );
+    assert!(error.contains("stand: the method 'rest' does not know it"), "{error}");
 }
 
 /// The published flow keeps the centre of pressure nearer to a small plate than without one, by penalties.
 #[test]
 fn the_published_flow_has_penalties_for_a_foot() {
-    let small =
-        json!({ "half_length_m": 0.04, "half_width_m": 0.3, "friction": 9.0, "torsion": 9.0 });
+    let small = json!({ "half_length_m": 0.04, "half_width_m": 0.3, "friction": 9.0, "torsion": 9.0 });
     let standing = load("standing", &with(arm(), plate(small))).expect("it is good");
     let farthest = |k_cons: f64| {
         let options = FlowOptions {
@@ -131,16 +92,10 @@ fn the_published_flow_has_penalties_for_a_foot() {
             c_cons: Some(100.0),
             ..FlowOptions::default()
         };
-        let found = Solve::new(&standing)
-            .options(options)
-            .run()
-            .expect("it is good");
+        let found = Solve::new(&standing).options(options).run().expect("it is good");
         let load = found.summary.feasibility.foot.expect("it stands");
         load.along_m.into_iter().map(f64::abs).fold(0.0, f64::max)
     };
     let [without, with] = [1e-6, 1e5].map(farthest);
-    assert!(
-        without > 0.2 && with < 0.85 * without,
-        "{without} and {with}"
-    );
+    assert!(without > 0.2 && with < 0.85 * without, "{without} and {with}");
 }

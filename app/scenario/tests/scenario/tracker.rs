@@ -37,8 +37,7 @@ fn tracker(file: &Value, options: Value) -> aghf::Result<ScenarioTracker> {
 
 #[test]
 fn a_tracker_of_a_scenario_arrives_at_a_moved_goal() {
-    let mut tracker =
-        tracker(&arm(2.0, |_| {}), json!({ "search": { "degree": 9 } })).expect("good");
+    let mut tracker = tracker(&arm(2.0, |_| {}), json!({ "search": { "degree": 9 } })).expect("good");
     let file = tracker.scenario().file.clone();
     let (mut state, mut goal) = ([file.q_start, file.v_start].concat(), file.q_goal);
     for k in 0..2000 {
@@ -64,35 +63,23 @@ fn moved_obstacles_are_kept_clear_of() {
     let file = arm(2.0, |_| {});
     let mut tracker = tracker(&file, json!({ "search": { "degree": 9 } })).expect("good");
     let state = [tracker.scenario().file.q_start.clone(), vec![0.0; 7]].concat();
-    assert_eq!(
-        tracker.step(&state, 0.0).expect("good").safety,
-        Safety::Kept
-    );
+    assert_eq!(tracker.step(&state, 0.0).expect("good").safety, Safety::Kept);
     // The tool is at a height of 0.28 m, at a distance of 0.52 m.
-    for (height, list) in [
-        (0.41, json!([ball(0.41), ball(2.0)])),
-        (0.2, json!([ball(0.2)])),
-    ] {
+    for (height, list) in [(0.41, json!([ball(0.41), ball(2.0)])), (0.2, json!([ball(0.2)]))] {
         tracker.set_obstacles(&obstacles(list)).expect("good");
-        let Safety::Violated { row, by, .. } = tracker.step(&state, 0.0).expect("good").safety
-        else {
+        let Safety::Violated { row, by, .. } = tracker.step(&state, 0.0).expect("good").safety else {
             panic!("the ball at {height} is too near");
         };
         assert!(by > 1e-3, "{by}");
         assert_eq!(tracker.label(row).kind, RowKind::Clearance);
     }
     tracker.set_obstacles(&[]).expect("good");
-    assert_eq!(
-        tracker.step(&state, 0.0).expect("good").safety,
-        Safety::Kept
-    );
+    assert_eq!(tracker.step(&state, 0.0).expect("good").safety, Safety::Kept);
 }
 
 #[test]
 fn a_scenario_that_cannot_be_tracked_is_refused() {
-    let new = |change: &dyn Fn(&mut Value), options: Value| {
-        tracker(&arm(2.0, change), options).map(|_| ())
-    };
+    let new = |change: &dyn Fn(&mut Value), options: Value| tracker(&arm(2.0, change), options).map(|_| ());
     let none = || json!({});
     let least_time = |file: &mut Value| file["objective"] = json!("least-time");
     assert_refused(new(&least_time, none()), "objective: it is 'least-time'");
@@ -100,15 +87,11 @@ fn a_scenario_that_cannot_be_tracked_is_refused() {
     assert_refused(new(&moving, none()), "joint 1 is not at rest");
     let point = |file: &mut Value| file["waypoints"] = json!([{ "q": file["q_start"] }]);
     assert_refused(new(&point, none()), "waypoints");
-    assert_refused(
-        new(&|_| {}, json!({ "deadline_s": -1.0 })),
-        "deadline_s: it is -1",
-    );
+    assert_refused(new(&|_| {}, json!({ "deadline_s": -1.0 })), "deadline_s: it is -1");
     assert_refused(new(&|_| {}, json!({ "bandwidth": 0.0 })), "bandwidth");
     let unknown = serde_json::from_value::<ScenarioTrackerOptions>(json!({ "speed": 1.0 }));
     assert!(unknown.is_err_and(|error| error.to_string().contains("`speed`")));
-    let mut tracker =
-        tracker(&arm(2.0, |_| {}), json!({ "search": { "degree": 9 } })).expect("good");
+    let mut tracker = tracker(&arm(2.0, |_| {}), json!({ "search": { "degree": 9 } })).expect("good");
     let mut bad = ball(2.0);
     bad["shape"]["sphere"]["radius_m"] = json!(-1.0);
     let refused = tracker.set_obstacles(&obstacles(json!([ball(2.0), bad])));

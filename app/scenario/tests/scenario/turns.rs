@@ -19,14 +19,8 @@ fn a_continuous_joint_takes_the_short_way() {
     let scenario = load("turns", &swing(json!({}))).expect("it is good");
     let nearest = 2.0 * std::f64::consts::PI - 3.1;
     assert_eq!(scenario.file.q_goal, [nearest, 0.5]);
-    let options = DirectOptions {
-        starts: Some(1),
-        ..DirectOptions::default()
-    };
-    let report = Solve::new(&scenario)
-        .options(options)
-        .run()
-        .expect("it is good");
+    let options = DirectOptions { starts: Some(1), ..DirectOptions::default() };
+    let report = Solve::new(&scenario).options(options).run().expect("it is good");
     let words = "q_goal: continuous joint 'joint_1' goes to 3.183185307179586, 0.0832 rad away, which is the same \
                  place as -3.1, 6.2 rad away; with \"turns\": \"as_given\" it goes there";
     assert_eq!(report.summary.notes, [words]);
@@ -45,10 +39,7 @@ fn turns_as_given_are_kept() {
         (json!({ "q_goal": [3.1832, 0.5] }), 3.1832),
         (json!({ "q_goal": [0.5, 0.5] }), 0.5),
         (json!({ "q_goal": [1e134, 0.5] }), 1e134),
-        (
-            json!({ "q_start": [0.0, 0.0], "q_goal": [std::f64::consts::PI, 0.5] }),
-            std::f64::consts::PI,
-        ),
+        (json!({ "q_start": [0.0, 0.0], "q_goal": [std::f64::consts::PI, 0.5] }), std::f64::consts::PI),
     ] {
         let file = load("turns", &swing(keys)).expect("it is good").file;
         assert_eq!(file.q_goal, [first, 0.5]);
@@ -77,11 +68,7 @@ fn waypoints_take_the_short_way() {
     let points = json!({ "waypoints": [{ "q": [-3.0, 7.0] }, { "q": [-2.0, 0.0] }] });
     let file = load("turns", &swing(points)).expect("it is good").file;
     let turn = 2.0 * std::f64::consts::PI;
-    let points: Vec<_> = file
-        .waypoints
-        .iter()
-        .map(|point| point.q.clone().expect("a configuration"))
-        .collect();
+    let points: Vec<_> = file.waypoints.iter().map(|point| point.q.clone().expect("a configuration")).collect();
     assert_eq!(points, [[turn - 3.0, 7.0 - turn], [turn - 2.0, 0.0]]);
     assert_eq!(file.q_goal, [turn - 3.1, 0.5]);
 }

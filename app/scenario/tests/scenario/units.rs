@@ -34,12 +34,7 @@ pub fn solved(name: &str, file: &Value) -> DirectDetails {
 
 /// The same of a scenario that is read.
 pub fn found(scenario: &Scenario) -> DirectDetails {
-    let options = DirectOptions {
-        degree: Some(12),
-        starts: Some(1),
-        threads: Some(1),
-        ..DirectOptions::default()
-    };
+    let options = DirectOptions { degree: Some(12), starts: Some(1), threads: Some(1), ..DirectOptions::default() };
     let report = Solve::new(scenario).options(options).run();
     let summary = report.expect("it is good").summary;
     assert!(summary.success, "{summary:?}");
@@ -76,15 +71,8 @@ fn the_units_are_the_costs_of_the_straight_motion() {
     };
     let jerk = of(json!({ "effort": 0.0, "jerk": 1.0 }));
     assert!((jerk - 1.0).abs() < 1e-5, "{jerk}");
-    let [effort, acceleration] = [
-        json!({ "effort": 1.0 }),
-        json!({ "effort": 0.0, "acceleration": 1.0 }),
-    ]
-    .map(of);
-    assert!(
-        (effort - acceleration).abs() < 1e-5,
-        "{effort} {acceleration}"
-    );
+    let [effort, acceleration] = [json!({ "effort": 1.0 }), json!({ "effort": 0.0, "acceleration": 1.0 })].map(of);
+    assert!((effort - acceleration).abs() < 1e-5, "{effort} {acceleration}");
     assert!((0.7..1.0).contains(&effort), "{effort}");
     let si = of(json!({ "units": "si", "effort": 0.0, "jerk": 1.0 }));
     let expected = 720.0 * WAY * WAY / horizon.powi(5);
@@ -106,25 +94,12 @@ fn jerk_and_time_have_the_horizon_between_them() {
 
 #[test]
 fn time_makes_the_horizon_free() {
-    let bounds = |keys: Value| {
-        load("free", &cart(2.0, 40.0, keys))
-            .expect("good")
-            .horizon_bounds()
-    };
+    let bounds = |keys: Value| load("free", &cart(2.0, 40.0, keys)).expect("good").horizon_bounds();
     let least = WAY / FASTEST;
-    let between = |shortest_s: f64, longest_s: f64| {
-        Some(HorizonBounds {
-            shortest_s,
-            longest_s,
-        })
-    };
+    let between = |shortest_s: f64, longest_s: f64| Some(HorizonBounds { shortest_s, longest_s });
     assert_eq!(bounds(json!({})), None);
     assert_eq!(bounds(json!({ "objective": { "effort": 2.0 } })), None);
-    for objective in [
-        json!("least-time"),
-        json!("balanced"),
-        json!({ "time": 1.0 }),
-    ] {
+    for objective in [json!("least-time"), json!("balanced"), json!({ "time": 1.0 })] {
         let keys = json!({ "objective": objective });
         assert_eq!(bounds(keys), between(least, 10.0));
     }

@@ -29,14 +29,9 @@ fn old() -> Value {
 fn now() -> Value {
     let half = 0.5_f64.sqrt();
     let mut now = old();
-    for key in [
-        "sphere_obstacles",
-        "box_obstacles",
-        "cylinder_obstacles",
-        "capsule_obstacles",
-        "half_spaces",
-        "running_cost",
-    ] {
+    for key in
+        ["sphere_obstacles", "box_obstacles", "cylinder_obstacles", "capsule_obstacles", "half_spaces", "running_cost"]
+    {
         now.as_object_mut().expect("it is one").remove(key);
     }
     with(
@@ -72,26 +67,15 @@ fn upgraded(scenario: &Value) -> Result<ScenarioFile, String> {
 /// The free horizon, the running cost and all obstacles are those of version 0.2.
 #[test]
 fn every_key_has_its_form_of_today() {
-    let [found, wanted] = [
-        upgraded(&old()).expect("it is one"),
-        load("now", &now()).expect("it is good").file,
-    ];
+    let [found, wanted] = [upgraded(&old()).expect("it is one"), load("now", &now()).expect("it is good").file];
     for (found, wanted) in found.obstacles.iter().zip(&wanted.obstacles) {
         assert_eq!((&found.name, found.shape), (&wanted.name, wanted.shape));
         assert_eq!(found.pose.position_m, wanted.pose.position_m);
-        let turns = [found, wanted].map(|obstacle| {
-            obstacle
-                .pose
-                .orientation_xyzw
-                .unwrap_or([0.0, 0.0, 0.0, 1.0])
-        });
+        let turns = [found, wanted].map(|obstacle| obstacle.pose.orientation_xyzw.unwrap_or([0.0, 0.0, 0.0, 1.0]));
         let apart = turns[0].iter().zip(turns[1]).map(|(a, b)| (a - b).abs());
         assert!(apart.fold(0.0, f64::max) < 1e-15, "{turns:?}");
     }
-    let rest = |file: ScenarioFile| ScenarioFile {
-        obstacles: Vec::new(),
-        ..file
-    };
+    let rest = |file: ScenarioFile| ScenarioFile { obstacles: Vec::new(), ..file };
     assert_eq!(found.obstacles.len(), wanted.obstacles.len());
     assert_eq!(rest(found), rest(wanted));
 }
@@ -107,20 +91,9 @@ fn an_upgraded_file_is_a_scenario_and_stays_as_it_is() {
     let plain = json!({ "robot": "pendulum_1", "horizon_s": 2.0, "q_start": [0.0], "v_start": [0.0],
         "q_goal": [1.0], "v_goal": [0.0] });
     let of_today = upgraded(&with(plain.clone(), json!({ "obstacles": [] }))).expect("it is one");
-    assert_eq!(
-        (
-            &of_today.robot_shape,
-            &of_today.self_collision,
-            of_today.continuity
-        ),
-        (&None, &None, None)
-    );
+    assert_eq!((&of_today.robot_shape, &of_today.self_collision, of_today.continuity), (&None, &None, None));
     let of_then = upgraded(&plain).expect("it is one");
-    assert!(
-        of_then.robot_shape.is_some()
-            && of_then.self_collision.is_some()
-            && of_then.continuity.is_some()
-    );
+    assert!(of_then.robot_shape.is_some() && of_then.self_collision.is_some() && of_then.continuity.is_some());
 }
 
 /// The balls of a box with cells of 6 cm stuck out of its faces by 2.2 cm.
@@ -130,8 +103,7 @@ fn a_spacing_becomes_an_excess() {
         let file = upgraded(&with(old(), json!({ "robot_shape": words }))).expect("it is one");
         serde_json::to_value(file.robot_shape).expect("numbers")
     };
-    let excess =
-        shape(json!({ "collision": { "spacing_m": 0.06 } }))["collision"]["excess_m"].clone();
+    let excess = shape(json!({ "collision": { "spacing_m": 0.06 } }))["collision"]["excess_m"].clone();
     assert!((excess.as_f64().expect("a number") - 0.03 * (3_f64.sqrt() - 1.0)).abs() < 1e-15);
     assert_eq!(shape(json!("joint-frames")), "joint_frames");
 }
@@ -140,18 +112,9 @@ fn a_spacing_becomes_an_excess() {
 fn a_key_without_a_translation_is_refused_by_its_place() {
     let mut problems = Vec::new();
     for (keys, words) in [
-        (
-            json!({ "colour": 1 }),
-            "old.json: colour: unknown field `colour`",
-        ),
-        (
-            json!({ "box_obstacles": 3 }),
-            "old.json: box_obstacles: invalid type",
-        ),
-        (
-            json!({ "box_obstacles": [{ "center_m": [0, 0, 0] }] }),
-            "old.json: box_obstacles[0]: missing field `size_m`",
-        ),
+        (json!({ "colour": 1 }), "old.json: colour: unknown field `colour`"),
+        (json!({ "box_obstacles": 3 }), "old.json: box_obstacles: invalid type"),
+        (json!({ "box_obstacles": [{ "center_m": [0, 0, 0] }] }), "old.json: box_obstacles[0]: missing field `size_m`"),
         (
             json!({ "sphere_obstacles": [{ "center_m": [0, 0, 0], "radius_m": 1, "mass": 1 }] }),
             "old.json: sphere_obstacles[0]: unknown field `mass`",
@@ -168,38 +131,21 @@ fn a_key_without_a_translation_is_refused_by_its_place() {
             json!({ "half_spaces": [{ "normal": [0, 0, 0], "offset_m": 1 }] }),
             "old.json: half_spaces[0]: the direction has length zero",
         ),
-        (
-            json!({ "running_cost": { "jolt": 1 } }),
-            "old.json: running_cost: version 0.2 had no weight `jolt`",
-        ),
-        (
-            json!({ "objective": "balanced" }),
-            "old.json: running_cost: its weights are in SI units",
-        ),
+        (json!({ "running_cost": { "jolt": 1 } }), "old.json: running_cost: version 0.2 had no weight `jolt`"),
+        (json!({ "objective": "balanced" }), "old.json: running_cost: its weights are in SI units"),
         (
             json!({ "objective": { "units": "si", "velocity": 1 } }),
             "old.json: running_cost: it is `velocity` now, which is there too",
         ),
-        (
-            json!({ "obstacles": 1 }),
-            "old.json: sphere_obstacles: its obstacles are in the list `obstacles` now",
-        ),
-        (
-            json!({ "flow": { "p": 8, "degree": 9 } }),
-            "old.json: flow.p: it is `degree` now, which is there too",
-        ),
+        (json!({ "obstacles": 1 }), "old.json: sphere_obstacles: its obstacles are in the list `obstacles` now"),
+        (json!({ "flow": { "p": 8, "degree": 9 } }), "old.json: flow.p: it is `degree` now, which is there too"),
         (
             json!({ "robot_shape": { "collision": { "spacing_m": "fine" } } }),
             "old.json: robot_shape.collision.spacing_m: invalid type",
         ),
-        (
-            json!({ "horizon_s": "two" }),
-            "old.json: horizon_s: invalid type",
-        ),
+        (json!({ "horizon_s": "two" }), "old.json: horizon_s: invalid type"),
     ] {
-        let error = upgraded(&with(old(), keys))
-            .err()
-            .unwrap_or_else(|| "accepted".to_owned());
+        let error = upgraded(&with(old(), keys)).err().unwrap_or_else(|| "accepted".to_owned());
         if !error.starts_with(words) {
             problems.push((error, words));
         }
@@ -210,9 +156,7 @@ fn a_key_without_a_translation_is_refused_by_its_place() {
 #[test]
 fn a_key_that_is_there_twice_is_refused() {
     let twice = old().to_string().replacen('{', "{\"half_spaces\": [], ", 1);
-    let error = ScenarioFile::upgrade(&twice, "old.json")
-        .expect_err("twice")
-        .to_string();
+    let error = ScenarioFile::upgrade(&twice, "old.json").expect_err("twice").to_string();
     assert!(error.contains("duplicate field `half_spaces`"), "{error}");
 }
 
@@ -221,19 +165,10 @@ fn a_key_that_is_there_twice_is_refused() {
 fn a_former_key_is_refused_by_the_new_one() {
     let mut problems = Vec::new();
     for (key, words) in [
-        (
-            "sphere_obstacles",
-            "\"obstacles\": [{\"shape\": {\"sphere\": {\"radius_m\": r}}",
-        ),
-        (
-            "capsule_obstacles",
-            "\"capsule\": {\"radius_m\": r, \"length_m\": l}",
-        ),
+        ("sphere_obstacles", "\"obstacles\": [{\"shape\": {\"sphere\": {\"radius_m\": r}}"),
+        ("capsule_obstacles", "\"capsule\": {\"radius_m\": r, \"length_m\": l}"),
         ("half_spaces", "\"half_space\": {}"),
-        (
-            "running_cost",
-            "\"objective\": {\"units\": \"si\", \"effort\": w",
-        ),
+        ("running_cost", "\"objective\": {\"units\": \"si\", \"effort\": w"),
         ("free_horizon", "\"time\": w"),
         ("flow", "flow.p: the key has its whole name: \"degree\""),
         ("robot_shape", "\"excess_m\" is needed"),

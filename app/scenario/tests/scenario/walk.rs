@@ -33,34 +33,20 @@ fn samples((scenario, report): &(Scenario, SolveReport)) -> Vec<Sample> {
 #[test]
 fn digit_steps_and_each_phase_is_an_ordinary_motion() {
     let scenario = load("walk", &walk()).expect("it is good");
-    let options = DirectOptions {
-        starts: Some(1),
-        ..DirectOptions::default()
-    };
+    let options = DirectOptions { starts: Some(1), ..DirectOptions::default() };
     let found = Solve::new(&scenario).options(options).run_walk();
     let found = found.expect("it is good");
     assert!(found.is_valid());
     assert_eq!((found.phases.len(), found.landings.len()), (2, 1));
     for (phase, report) in &found.phases {
-        assert_eq!(
-            report.summary.verdict,
-            Verdict::Optimal,
-            "{:?}",
-            report.summary.failure
-        );
+        assert_eq!(report.summary.verdict, Verdict::Optimal, "{:?}", report.summary.failure);
         assert!((report.curve.horizon() - 1.0).abs() < 1e-12);
-        let motion =
-            Trajectory::of_samples(sample(&phase.model, &report.curve, 2000).expect("its joints"));
+        let motion = Trajectory::of_samples(sample(&phase.model, &report.curve, 2000).expect("its joints"));
         let judged = judge(phase, &motion, Tolerances::default()).expect("its joints");
         let failed = judged.checks.iter().filter(|row| !row.outcome.is_good());
         assert_eq!(failed.map(|row| row.check).collect::<Vec<_>>(), []);
         assert!(judged.checks.iter().any(|row| row.check == Check::Foot));
-        assert!(
-            judged
-                .checks
-                .iter()
-                .any(|row| row.check == Check::Waypoints)
-        );
+        assert!(judged.checks.iter().any(|row| row.check == Check::Waypoints));
     }
     let landing = &found.landings[0];
     assert_eq!(landing.frame, "right_sole");
@@ -70,8 +56,7 @@ fn digit_steps_and_each_phase_is_an_ordinary_motion() {
     let (last, first) = (&before[200], &after[0]);
     for joint in left.0.model.joints() {
         for (a, b) in [(&last.q, &first.q), (&last.v, &first.v)] {
-            let [a, b] =
-                [(left, a), (right, b)].map(|((of, _), x)| of_joint(&of.model, x, joint.name()));
+            let [a, b] = [(left, a), (right, b)].map(|((of, _), x)| of_joint(&of.model, x, joint.name()));
             assert_eq!(a, b, "{}", joint.name());
         }
     }
@@ -85,14 +70,8 @@ fn digit_steps_and_each_phase_is_an_ordinary_motion() {
     assert!((ended.translation - Vector3::new(0.0, 0.25, 0.0)).amax() < 1e-6);
     assert!(after[200].v.iter().all(|v| v.abs() < 1e-9));
     // It is lifted halfway, and never in the ground.
-    let heights: Vec<_> = before
-        .iter()
-        .map(|at| place(&left.0.model, &at.q, "right_sole").translation.z)
-        .collect();
-    assert!(
-        heights[100] > 0.05 - 1e-6 && heights.iter().all(|z| *z > -1e-6),
-        "{heights:?}"
-    );
+    let heights: Vec<_> = before.iter().map(|at| place(&left.0.model, &at.q, "right_sole").translation.z).collect();
+    assert!(heights[100] > 0.05 - 1e-6 && heights.iter().all(|z| *z > -1e-6), "{heights:?}");
 }
 
 /// The torques of a phase are those of the robot on its own foot: between the phases they jump, though no joint does.
@@ -104,15 +83,7 @@ fn torques_jump_where_the_foot_changes() {
         let (phase, _) = &found.phases[k];
         let Sample { q, v, a, .. } = &samples(&found.phases[k])[at];
         let mut tau = vec![0.0; q.len()];
-        rnea(
-            &phase.model,
-            &mut Data::new(&phase.model),
-            q,
-            v,
-            a,
-            &mut tau,
-        )
-        .expect("its joints");
+        rnea(&phase.model, &mut Data::new(&phase.model), q, v, a, &mut tau).expect("its joints");
         of_joint(&phase.model, &tau, "left_knee")
     };
     let [before, after] = [torque(0, 200), torque(1, 0)];
@@ -133,28 +104,15 @@ fn a_free_horizon_is_the_best_one() {
         assert_eq!(horizon, found.phases[1].1.curve.horizon());
         (efforts.sum::<f64>(), horizon)
     });
-    assert!(
-        free.0 < fixed.0 && free.1 != fixed.1,
-        "{free:?} and {fixed:?}"
-    );
+    assert!(free.0 < fixed.0 && free.1 != fixed.1, "{free:?} and {fixed:?}");
 }
 
 #[test]
 fn a_walk_is_solved_as_one_and_by_the_direct_method() {
     let scenario = load("refused", &walk()).expect("it is good");
     let alone = Solve::new(&scenario).run().expect_err("it has phases");
-    assert!(
-        alone
-            .to_string()
-            .contains("phases: a walk has a scenario and a report per phase"),
-        "{alone}"
-    );
-    let flow = Solve::new(&scenario)
-        .options(FlowOptions::default())
-        .run_walk();
+    assert!(alone.to_string().contains("phases: a walk has a scenario and a report per phase"), "{alone}");
+    let flow = Solve::new(&scenario).options(FlowOptions::default()).run_walk();
     let flow = flow.expect_err("it is no flow").to_string();
-    assert!(
-        flow.contains("a walk is solved by the method 'direct' alone"),
-        "{flow}"
-    );
+    assert!(flow.contains("a walk is solved by the method 'direct' alone"), "{flow}");
 }

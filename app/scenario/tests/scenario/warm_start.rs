@@ -1,9 +1,7 @@
 //! Starts from the motion of another solve.
 
 use crate::written::{load, solved_once};
-use aghf_scenario::{
-    Details, DirectDetails, Method, Scenario, Solve, SolveOptions, SolveReport, Solved,
-};
+use aghf_scenario::{Details, DirectDetails, Method, Scenario, Solve, SolveOptions, SolveReport, Solved};
 use serde_json::{Value, json};
 
 /// An arm that has to keep its limits, with these.
@@ -31,10 +29,7 @@ fn details(report: &SolveReport) -> &DirectDetails {
 
 /// The solve as it is read from its summary.
 fn written(report: &SolveReport, name: &str) -> Solved {
-    let file = std::env::temp_dir().join(format!(
-        "aghf_warm_start_{name}_{}.json",
-        std::process::id()
-    ));
+    let file = std::env::temp_dir().join(format!("aghf_warm_start_{name}_{}.json", std::process::id()));
     let text = serde_json::to_string(&report.summary).expect("it is JSON");
     std::fs::write(&file, text).expect("the folder is writable");
     let solved = Solved::load(&file.display().to_string());
@@ -54,26 +49,13 @@ fn a_solve_starts_from_another_one_and_says_so() {
     let [cost, other] = [&warm, &cold].map(|report| details(report).cost);
     // The margins between the points are not those of the other search.
     assert!((cost - other).abs() < 2e-3 * other, "{cost} {other}");
-    let said = |report: &SolveReport| {
-        report
-            .summary
-            .notes
-            .iter()
-            .any(|n| n.ends_with("with its multipliers"))
-    };
+    let said = |report: &SolveReport| report.summary.notes.iter().any(|n| n.ends_with("with its multipliers"));
     assert!(said(&warm) && !said(&cold), "{:?}", warm.summary.notes);
 
-    let fewer = arm(
-        1.41,
-        json!({ "position": false, "velocity": true, "torque": false }),
-    );
+    let fewer = arm(1.41, json!({ "position": false, "velocity": true, "torque": false }));
     let other = Solve::new(&fewer).start(&first).run().expect("it is good");
     let noted = |words: &str| other.summary.notes.iter().any(|note| note.contains(words));
-    assert!(
-        noted("the constraints are others"),
-        "{:?}",
-        other.summary.notes
-    );
+    assert!(noted("the constraints are others"), "{:?}", other.summary.notes);
 }
 
 /// A given horizon is that of the scenario, whatever that of the other motion was.
@@ -93,19 +75,12 @@ fn a_start_that_does_not_fit_is_refused() {
     let first = arm(1.4, all());
     let first = written(&solved_once(&first), "other");
     let cart = Scenario::load("cart_pole_swingup").expect("it is built in");
-    let error = Solve::new(&cart)
-        .start(&first)
-        .run()
-        .map(|_| ())
-        .expect_err("other joints");
+    let error = Solve::new(&cart).start(&first).run().map(|_| ()).expect_err("other joints");
     let words = "start: the motion of 'arm': curve.joints: the motion and robot '";
     assert!(error.to_string().starts_with(words), "{error}");
     let moved = arm(1.41, all());
     let rest = SolveOptions::from_keys(Method::Rest, Default::default()).expect("there are none");
     let error = Solve::new(&moved).options(rest).start(&first).run();
     let error = error.map(|_| ()).expect_err("another method");
-    assert!(
-        error.to_string().contains("only the direct method"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("only the direct method"), "{error}");
 }

@@ -44,12 +44,7 @@ fn the_least_horizon_is_there_and_back() {
     let (joint, limit, there) = one.least_horizon().expect("joints have limits");
     assert_eq!(limit, Limit::Velocity);
     assert_eq!(both.least_horizon(), Some((joint, limit, 2.0 * there)));
-    assert!(
-        load("stay", &back(json!({})))
-            .expect("it is good")
-            .least_horizon()
-            .is_none()
-    );
+    assert!(load("stay", &back(json!({}))).expect("it is good").least_horizon().is_none());
 }
 
 /// A first guess of poses is looked for, and configurations are checked before any search.
@@ -60,26 +55,14 @@ fn guesses_are_in_the_set_and_points_are_checked() {
     let waypoints = scenario.waypoints_with_guesses().expect("it is reachable");
     assert!(!waypoints[0].guesses.is_empty() && waypoints[0].guesses[0] != scenario.file.q_start);
     let far = load("far", &back(json!({ "waypoints": poses(4.0) }))).expect("it is good");
-    let error = far
-        .waypoints_with_guesses()
-        .expect_err("it is beyond the reach")
-        .to_string();
-    assert!(
-        error.contains("waypoints[0]") && error.contains("add up to"),
-        "{error}"
-    );
+    let error = far.waypoints_with_guesses().expect_err("it is beyond the reach").to_string();
+    assert!(error.contains("waypoints[0]") && error.contains("add up to"), "{error}");
     let mut beyond = FAR;
     beyond[1] = 3.0;
-    let beyond = load(
-        "beyond",
-        &back(json!({ "waypoints": [{ "q": FAR }, { "q": beyond }] })),
-    );
+    let beyond = load("beyond", &back(json!({ "waypoints": [{ "q": FAR }, { "q": beyond }] })));
     let error = beyond.expect("it is read").waypoints_with_guesses();
     let error = error.expect_err("it is beyond a limit").to_string();
-    assert!(
-        error.contains("waypoints[1]") && error.contains("joint_2"),
-        "{error}"
-    );
+    assert!(error.contains("waypoints[1]") && error.contains("joint_2"), "{error}");
 }
 
 /// A point has one of its two keys, and as many entries as the robot has joints.
@@ -87,10 +70,7 @@ fn guesses_are_in_the_set_and_points_are_checked() {
 fn refuses_what_is_no_point() {
     let refused = |name: &str, points: Value, words: &str| {
         let error = load(name, &back(json!({ "waypoints": points }))).expect_err(words);
-        assert!(
-            error.contains("waypoints[0]") && error.contains(words),
-            "{error}"
-        );
+        assert!(error.contains("waypoints[0]") && error.contains(words), "{error}");
     };
     refused("none", json!([{}]), "one of the keys q and poses");
     refused("short", json!([{ "q": [1.0] }]), "7");

@@ -24,10 +24,7 @@ pub fn folder() -> PathBuf {
 
 /// A motion of a scenario from the straight line alone.
 pub fn solved_once(scenario: &Scenario) -> SolveReport {
-    let options = DirectOptions {
-        starts: Some(1),
-        ..DirectOptions::default()
-    };
+    let options = DirectOptions { starts: Some(1), ..DirectOptions::default() };
     let report = Solve::new(scenario).options(options).run();
     let report = report.expect("it is good");
     assert!(report.summary.success, "{:?}", report.summary);
@@ -47,7 +44,6 @@ pub fn load_text(name: &str, text: &str) -> Result<Scenario, String> {
     Scenario::load(path).map_err(|e| {
         let error = e.to_string();
         let rest = error.strip_prefix(&format!("{path}: "));
-        rest.unwrap_or_else(|| panic!("no file: {error}"))
-            .to_owned()
+        rest.unwrap_or_else(|| panic!("no file: {error}")).to_owned()
     })
 }

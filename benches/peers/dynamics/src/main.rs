@@ -60,22 +60,13 @@ fn read_states(path: &Path, dof: usize) -> Result<Vec<State>> {
         return Err(format!("{found} joints in {}, {dof} in the URDF", path.display()).into());
     }
     let numbers = words[2 + dof * (2 + NUMBERS_OF_A_JOINT)..].iter();
-    let numbers: Vec<f64> = numbers
-        .map(|word| word.parse())
-        .collect::<std::result::Result<_, _>>()?;
+    let numbers: Vec<f64> = numbers.map(|word| word.parse()).collect::<std::result::Result<_, _>>()?;
     let states = numbers.chunks_exact(4 * dof);
-    Ok(states
-        .map(|state| std::array::from_fn(|k| state[k * dof..][..dof].to_vec()))
-        .collect())
+    Ok(states.map(|state| std::array::from_fn(|k| state[k * dof..][..dof].to_vec())).collect())
 }
 
 /// The least time per state, in microseconds, of several blocks.
-fn time<T>(
-    states: &[T],
-    lanes: usize,
-    seconds: f64,
-    mut call: impl FnMut(&T) -> Result<()>,
-) -> Result<f64> {
+fn time<T>(states: &[T], lanes: usize, seconds: f64, mut call: impl FnMut(&T) -> Result<()>) -> Result<f64> {
     let mut least = f64::INFINITY;
     for _ in 0..6 {
         let (mut calls, mut elapsed) = (0, 0.0);

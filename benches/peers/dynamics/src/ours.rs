@@ -2,8 +2,8 @@
 
 use crate::{Result, State, time};
 use aghf::dynamics::{
-    Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, InverseDynamicsSecondDerivatives,
-    aba, aba_derivatives, crba, rnea, rnea_derivatives, rnea_second_derivatives,
+    Data, ForwardDynamicsDerivatives, InverseDynamicsDerivatives, InverseDynamicsSecondDerivatives, aba,
+    aba_derivatives, crba, rnea, rnea_derivatives, rnea_second_derivatives,
 };
 use aghf::model::Model;
 use aghf::scalar::{AlgebraOver, LANES, Lanes, Wide};
@@ -81,20 +81,10 @@ fn times_of<S: AlgebraOver<f64>>(
         }
         Ok(())
     };
-    row("rnea", &mut |[q, v, a, _]| {
-        rnea(model, &mut data, q, v, a, &mut tau)
-    })?;
+    row("rnea", &mut |[q, v, a, _]| rnea(model, &mut data, q, v, a, &mut tau))?;
     row("crba", &mut |[q, ..]| crba(model, &mut data, q, &mut h))?;
-    row("aba", &mut |[q, v, _, force]| {
-        aba(model, &mut data, q, v, force, &mut tau)
-    })?;
-    row("rnea_derivatives", &mut |[q, v, a, _]| {
-        rnea_derivatives(model, &mut data, q, v, a, &mut id)
-    })?;
-    row("aba_derivatives", &mut |[q, v, _, force]| {
-        aba_derivatives(model, &mut data, q, v, force, &mut fd)
-    })?;
-    row("rnea_second_derivatives", &mut |[q, v, a, _]| {
-        rnea_second_derivatives(model, &mut data, q, v, a, &mut second)
-    })
+    row("aba", &mut |[q, v, _, force]| aba(model, &mut data, q, v, force, &mut tau))?;
+    row("rnea_derivatives", &mut |[q, v, a, _]| rnea_derivatives(model, &mut data, q, v, a, &mut id))?;
+    row("aba_derivatives", &mut |[q, v, _, force]| aba_derivatives(model, &mut data, q, v, force, &mut fd))?;
+    row("rnea_second_derivatives", &mut |[q, v, a, _]| rnea_second_derivatives(model, &mut data, q, v, a, &mut second))
 }

@@ -14,23 +14,17 @@ const GRAVITY: f64 = 9.80665;
 /// Prints the times, after a check that `dynibo` finds what `aghf` does.
 pub fn times(urdf: &Path, model: Model, states: &[State], seconds: f64) -> Result<()> {
     let mut robot = Robot::from_urdf(urdf)?;
-    let own: Vec<State> = (states.iter())
-        .map(|state| reorder(&model, &robot, state))
-        .collect::<Result<_>>()?;
+    let own: Vec<State> = (states.iter()).map(|state| reorder(&model, &robot, state)).collect::<Result<_>>()?;
     check(&under_gravity(model, GRAVITY), &mut robot, states)?;
     let n = robot.joint_count();
     let (mut forces, mut matrix) = (vec![0.0; n], vec![0.0; n * n]);
-    let found = time(&own, 1, seconds, |[q, v, a, _]| {
-        Ok(robot.inverse_dynamics(black_box(q), v, a, &[], &mut forces)?)
-    })?;
+    let found =
+        time(&own, 1, seconds, |[q, v, a, _]| Ok(robot.inverse_dynamics(black_box(q), v, a, &[], &mut forces)?))?;
     println!("rnea single {found:.6}");
-    let found = time(&own, 1, seconds, |[q, ..]| {
-        Ok(robot.mass_matrix(black_box(q), &mut matrix)?)
-    })?;
+    let found = time(&own, 1, seconds, |[q, ..]| Ok(robot.mass_matrix(black_box(q), &mut matrix)?))?;
     println!("crba single {found:.6}");
-    let found = time(&own, 1, seconds, |[q, v, _, tau]| {
-        Ok(robot.forward_dynamics(black_box(q), v, tau, &[], &mut forces)?)
-    })?;
+    let found =
+        time(&own, 1, seconds, |[q, v, _, tau]| Ok(robot.forward_dynamics(black_box(q), v, tau, &[], &mut forces)?))?;
     println!("aba single {found:.6}");
     Ok(())
 }
@@ -50,9 +44,7 @@ fn order(model: &Model, robot: &Robot) -> Result<Vec<usize>> {
 /// A state in the order of `dynibo`.
 fn reorder(model: &Model, robot: &Robot, state: &State) -> Result<State> {
     let order = order(model, robot)?;
-    Ok(std::array::from_fn(|part| {
-        order.iter().map(|i| state[part][*i]).collect()
-    }))
+    Ok(std::array::from_fn(|part| order.iter().map(|i| state[part][*i]).collect()))
 }
 
 /// Fails if the two libraries do not agree.

@@ -29,14 +29,10 @@ impl<S: Scalar> Quantities<S> {
         S: AlgebraOver<C>,
     {
         let per_k = C::one() / k;
-        let by_p1 =
-            self.dhth_inverse_dx_p1(&self.alpha_2()) + self.solve_hth(self.dalpha_2_dx_p1());
+        let by_p1 = self.dhth_inverse_dx_p1(&self.alpha_2()) + self.solve_hth(self.dalpha_2_dx_p1());
         let by_p2 = self.solve_hth(self.dalpha_2_dx_p2());
         let (alpha_1_p1, alpha_1_p2) = (self.dalpha_1_dx_p1(), self.dalpha_1_dx_p2());
-        of_blocks([
-            [scaled(alpha_1_p1, per_k), scaled(alpha_1_p2, per_k)],
-            [by_p1, by_p2],
-        ])
+        of_blocks([[scaled(alpha_1_p1, per_k), scaled(alpha_1_p2, per_k)], [by_p1, by_p2]])
     }
 
     /// (B47): $\frac{d\Omega_3}{dx} = 2 k \begin{bmatrix} 0 & 0 \\\\ \frac{\partial (H^T H)^{-1}}{\partial x_{P1}}
@@ -144,9 +140,7 @@ impl<S: Scalar> Quantities<S> {
         let (h, dh, d2h, dfd0) = (&self.mass.h, &self.mass.dq, &self.mass.dqdq, &self.fd0.dq);
         let w = self.w();
         let (hw, dh_w) = (h * &w, dh.times_second(&w));
-        -dh.times_first(&hw).tr_mul(dfd0)
-            + d2h.times_first_and_second(&hw, &w)
-            + dh_w.tr_mul(&(&dh_w - h * dfd0))
+        -dh.times_first(&hw).tr_mul(dfd0) + d2h.times_first_and_second(&hw, &w) + dh_w.tr_mul(&(&dh_w - h * dfd0))
     }
 
     /// (B60): $\frac{\partial \Gamma}{\partial x_{P2}} = -\frac{\partial FD_0}{\partial x_{P2}}^T \frac{\partial
@@ -164,8 +158,7 @@ impl<S: Scalar> Quantities<S> {
     /// \frac{\partial H}{\partial x_{P1}} \dot x_{P2})$, which (B55) and (B56) share.
     fn dtwice_ht_force_dx_p1(&self) -> DMatrix<S> {
         let (h, dh) = (&self.mass.h, &self.mass.dq);
-        let half = dh.times_first(&self.force())
-            + h.tr_mul(&(dh.times_second(&self.xdot_p2) + &self.dc.dq));
+        let half = dh.times_first(&self.force()) + h.tr_mul(&(dh.times_second(&self.xdot_p2) + &self.dc.dq));
         half * S::from_f64(2.0)
     }
 

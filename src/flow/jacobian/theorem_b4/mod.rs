@@ -32,11 +32,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> TheoremB4<'m, C, S> {
     /// The Jacobian for `model`.
     #[must_use]
     pub fn new(model: &'m Model<C>) -> Self {
-        Self {
-            model,
-            data: Data::new(model),
-            quantities: Quantities::new(model.dof()),
-        }
+        Self { model, data: Data::new(model), quantities: Quantities::new(model.dof()) }
     }
 
     /// Computes the three blocks (B38), (B39) and (B40) of (B37) at `node` with penalty `k` into `out`.
@@ -89,8 +85,7 @@ impl<S: Scalar> Quantities<S> {
     where
         S: AlgebraOver<C>,
     {
-        self.domega_1_dxdot()
-            - (self.domega_2_dxdot(k) - self.domega_3_dxdot(k) + self.domega_4_dxdot(k))
+        self.domega_1_dxdot() - (self.domega_2_dxdot(k) - self.domega_3_dxdot(k) + self.domega_4_dxdot(k))
     }
 }
 

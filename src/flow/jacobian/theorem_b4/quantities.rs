@@ -2,9 +2,9 @@
 
 use crate::dynamics::{
     BiasRateDerivatives, Data, ForwardDynamicsDerivatives, ForwardDynamicsSecondDerivatives,
-    InverseDynamicsDerivatives, InverseDynamicsSecondDerivatives, MassMatrixDerivatives,
-    aba_derivatives, aba_second_derivatives, bias, bias_rate_derivatives, crba_second_derivatives,
-    mass_matrix_rate_derivatives, rnea_derivatives, rnea_second_derivatives,
+    InverseDynamicsDerivatives, InverseDynamicsSecondDerivatives, MassMatrixDerivatives, aba_derivatives,
+    aba_second_derivatives, bias, bias_rate_derivatives, crba_second_derivatives, mass_matrix_rate_derivatives,
+    rnea_derivatives, rnea_second_derivatives,
 };
 use crate::error::Result;
 use crate::flow::Node;
@@ -76,12 +76,7 @@ impl<S: Scalar> Quantities<S> {
     }
 
     /// Computes lines 1 to 10 of Algorithm B2.
-    pub(super) fn gather<C: Scalar>(
-        &mut self,
-        model: &Model<C>,
-        data: &mut Data<S>,
-        node: Node<'_, S>,
-    ) -> Result<()>
+    pub(super) fn gather<C: Scalar>(&mut self, model: &Model<C>, data: &mut Data<S>, node: Node<'_, S>) -> Result<()>
     where
         S: AlgebraOver<C>,
     {

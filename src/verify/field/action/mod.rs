@@ -17,32 +17,17 @@ use nalgebra::{DMatrix, DVector};
 
 /// The identities of this file.
 pub(super) fn identities() -> Vec<Identity> {
-    let identity = |label, statement, convention, claims| Identity {
-        label,
-        statement,
-        convention,
-        claims,
-    };
+    let identity = |label, statement, convention, claims| Identity { label, statement, convention, claims };
     let action = "A is a sum over quadrature points; any functions, weights and coefficients";
     vec![
-        identity(
-            "action gradient",
-            "the gradient of A is that by duals of the sum",
-            action,
-            action_gradient,
-        ),
+        identity("action gradient", "the gradient of A is that by duals of the sum", action, action_gradient),
         identity(
             "action Hessian",
             "the Hessian of A is that by duals of the gradient by duals",
             action,
             action_hessian,
         ),
-        identity(
-            "metric of the action",
-            "the matrix M is the sum of w phi_m phi_n G",
-            action,
-            metric_of_the_action,
-        ),
+        identity("metric of the action", "the matrix M is the sum of w phi_m phi_n G", action, metric_of_the_action),
         identity(
             "analytic Lagrangian",
             "derivatives of L at a point are those by duals of the value",
@@ -99,11 +84,7 @@ impl RandomCurve {
     }
 
     /// The sum over all points of the weights times `at` of the index of a point, its time, $x$ and $\dot x$.
-    fn sum<S: AlgebraOver<Gf>>(
-        &self,
-        unknowns: &[S],
-        at: impl Fn(usize, S, &[S], &[S]) -> Result<S>,
-    ) -> Result<S> {
+    fn sum<S: AlgebraOver<Gf>>(&self, unknowns: &[S], at: impl Fn(usize, S, &[S], &[S]) -> Result<S>) -> Result<S> {
         let rows = self.coefficients.nrows();
         let mut coefficients = self.coefficients.map(S::lift);
         coefficients.as_mut_slice()[rows..rows + unknowns.len()].copy_from_slice(unknowns);
@@ -111,8 +92,7 @@ impl RandomCurve {
         for (index, time) in self.times.iter().enumerate() {
             let (e, g) = (index / Self::POINTS, index % Self::POINTS);
             let own = coefficients.columns(e * Self::DEGREE, Self::DEGREE + 1);
-            let [x, xdot] =
-                [3 * g, 3 * g + 1].map(|column| own * self.table.column(column).map(S::lift));
+            let [x, xdot] = [3 * g, 3 * g + 1].map(|column| own * self.table.column(column).map(S::lift));
             let value = at(index, S::lift(*time), x.as_slice(), xdot.as_slice())?;
             sum += value.scale(self.weights[g]);
         }
@@ -126,10 +106,7 @@ fn weights(p: &RandomInstance) -> [DVector<Gf>; 3] {
 }
 
 /// The analytic Lagrangian with all features at this number of points.
-fn analytic<'a>(
-    p: &'a RandomInstance,
-    multipliers: &DMatrix<Gf>,
-) -> Result<WithSlip<ControlEffort<'a, Gf, Gf>, Gf>> {
+fn analytic<'a>(p: &'a RandomInstance, multipliers: &DMatrix<Gf>) -> Result<WithSlip<ControlEffort<'a, Gf, Gf>, Gf>> {
     let effort = ControlEffort::with_weights(&p.model, &weights(p))?;
     let mut lagrangian = WithSlip::new(effort, p.k, p.dof(), multipliers.ncols());
     lagrangian.multipliers.clone_from(multipliers);
@@ -138,18 +115,12 @@ fn analytic<'a>(
 
 /// The Lagrangian at point `index` by its definition.
 fn written(p: &RandomInstance, duals: &DMatrix<Gf>, index: usize) -> Written<Gf> {
-    Written {
-        weights: weights(p),
-        dual: duals.column(index).into_owned(),
-    }
+    Written { weights: weights(p), dual: duals.column(index).into_owned() }
 }
 
 /// A time-dependent Lagrangian that couples all variables, by dual numbers.
 fn any_lagrangian(p: &RandomInstance) -> Result<impl Lagrangian<Gf>> {
-    Ok(WithStateCost {
-        lagrangian: lagrangian(p)?,
-        cost: Place,
-    })
+    Ok(WithStateCost { lagrangian: lagrangian(p)?, cost: Place })
 }
 
 fn by_duals<L: Lagrangian<Gf>>(p: &RandomInstance, lagrangian: L) -> DualLagrangian<'_, L, Gf> {
@@ -174,30 +145,19 @@ fn action_gradient(p: &RandomInstance) -> Result<Vec<Equality>> {
     let any = &any_lagrangian(p)?;
     let mut equalities = Vec::new();
     let (values, ours) = derivatives(p, curve, analytic(p, &curve.duals)?)?;
-    let value = curve.sum(curve.unknowns(), |index, t, x, xdot| {
-        written(p, &curve.duals, index).value(&p.model, t, x, xdot, p.k)
-    })?;
+    let value = curve
+        .sum(curve.unknowns(), |index, t, x, xdot| written(p, &curve.duals, index).value(&p.model, t, x, xdot, p.k))?;
     let by_sum = gradient(curve.unknowns(), |c| {
-        curve.sum(c, |index, t, x, xdot| {
-            written(p, &curve.duals, index).value(&p.model, t, x, xdot, p.k)
-        })
+        curve.sum(c, |index, t, x, xdot| written(p, &curve.duals, index).value(&p.model, t, x, xdot, p.k))
     })?;
     equalities.extend(values.map(|ours| Equality::numbers("A", ours, value)));
     equalities.push(Equality::vectors("gradient", &ours.gradient, &by_sum));
 
     let (values, ours) = derivatives(p, curve, by_duals(p, any))?;
-    let value = curve.sum(curve.unknowns(), |_, t, x, xdot| {
-        any.value(&p.model, t, x, xdot, p.k)
-    })?;
-    let by_sum = gradient(curve.unknowns(), |c| {
-        curve.sum(c, |_, t, x, xdot| any.value(&p.model, t, x, xdot, p.k))
-    })?;
+    let value = curve.sum(curve.unknowns(), |_, t, x, xdot| any.value(&p.model, t, x, xdot, p.k))?;
+    let by_sum = gradient(curve.unknowns(), |c| curve.sum(c, |_, t, x, xdot| any.value(&p.model, t, x, xdot, p.k)))?;
     equalities.extend(values.map(|ours| Equality::numbers("A of any L", ours, value)));
-    equalities.push(Equality::vectors(
-        "gradient of any L",
-        &ours.gradient,
-        &by_sum,
-    ));
+    equalities.push(Equality::vectors("gradient of any L", &ours.gradient, &by_sum));
     Ok(equalities)
 }
 
@@ -210,17 +170,13 @@ fn action_hessian(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (_, ours) = derivatives(p, curve, analytic(p, &curve.duals)?)?;
     let by_sum = rate(curve.unknowns(), along, |c| {
         gradient(c, |c| {
-            curve.sum(c, |index, t, x, xdot| {
-                written(p, &curve.duals, index).value(&p.model, t, x, xdot, p.k)
-            })
+            curve.sum(c, |index, t, x, xdot| written(p, &curve.duals, index).value(&p.model, t, x, xdot, p.k))
         })
     })?;
     let analytic = ours.hessian.to_dense() * &curve.direction;
     let (_, ours) = derivatives(p, curve, by_duals(p, any))?;
     let by_sum_of_any = rate(curve.unknowns(), along, |c| {
-        gradient(c, |c| {
-            curve.sum(c, |_, t, x, xdot| any.value(&p.model, t, x, xdot, p.k))
-        })
+        gradient(c, |c| curve.sum(c, |_, t, x, xdot| any.value(&p.model, t, x, xdot, p.k)))
     })?;
     let of_any = ours.hessian.to_dense() * &curve.direction;
     Ok(vec![
@@ -232,24 +188,14 @@ fn action_hessian(p: &RandomInstance) -> Result<Vec<Equality>> {
 /// $M$ of a metric.
 fn matrix(p: &RandomInstance, curve: &RandomCurve, metric: impl Metric<Gf>) -> Result<DMatrix<Gf>> {
     let (grid, size) = (curve.grid(), 2 * p.dof());
-    let norm = Norm {
-        model: &p.model,
-        kind: RestMetric::Flow,
-        metric,
-        k: p.k,
-        horizon: p.k,
-    };
+    let norm = Norm { model: &p.model, kind: RestMetric::Flow, metric, k: p.k, horizon: p.k };
     let mut derivatives = Derivatives::new(&grid, size);
     Objective::new(&grid, norm, size).derivatives(&curve.coefficients, &mut derivatives)?;
     Ok(derivatives.metric.to_dense())
 }
 
 /// $\sum_g w_g \varphi_m \varphi_n G$ for the unknown functions.
-fn sum_of_metrics(
-    p: &RandomInstance,
-    curve: &RandomCurve,
-    metric: &impl Metric<Gf>,
-) -> Result<DMatrix<Gf>> {
+fn sum_of_metrics(p: &RandomInstance, curve: &RandomCurve, metric: &impl Metric<Gf>) -> Result<DMatrix<Gf>> {
     let (size, functions) = (2 * p.dof(), curve.coefficients.ncols());
     let mut sum = DMatrix::zeros(size * functions, size * functions);
     for (index, time) in curve.times.iter().enumerate() {
@@ -273,19 +219,9 @@ fn sum_of_metrics(
 
 fn metric_of_the_action(p: &RandomInstance) -> Result<Vec<Equality>> {
     let curve = &RandomCurve::new(p);
-    let paper = ActuationMetric {
-        weights: ActuationWeights::diagonal(p.w.as_slice().to_vec())?,
-    };
+    let paper = ActuationMetric { weights: ActuationWeights::diagonal(p.w.as_slice().to_vec())? };
     Ok(vec![
-        Equality::new(
-            "metric of the flow",
-            matrix(p, curve, &paper)?,
-            sum_of_metrics(p, curve, &paper)?,
-        ),
-        Equality::new(
-            "any metric",
-            matrix(p, curve, Coupled)?,
-            sum_of_metrics(p, curve, &Coupled)?,
-        ),
+        Equality::new("metric of the flow", matrix(p, curve, &paper)?, sum_of_metrics(p, curve, &paper)?),
+        Equality::new("any metric", matrix(p, curve, Coupled)?, sum_of_metrics(p, curve, &Coupled)?),
     ])
 }

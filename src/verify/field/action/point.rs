@@ -19,13 +19,7 @@ pub(super) fn analytic_lagrangian(p: &RandomInstance) -> Result<Vec<Equality>> {
     let states = DMatrix::from_fn(2 * n, 3 * POINTS, |_, _| number());
     let multipliers = DMatrix::from_fn(n, POINTS, |_, _| number());
     let direction = DVector::from_fn(4 * n, |_, _| number());
-    let points = Points {
-        first: 0,
-        phase: 0,
-        times: &[Gf::zero(); POINTS],
-        states: &states,
-        jerks: None,
-    };
+    let points = Points { first: 0, phase: 0, times: &[Gf::zero(); POINTS], states: &states, jerks: None };
     let mut ours = analytic(p, &multipliers)?;
     let mut values = vec![Gf::zero(); POINTS];
     let mut all = PointsDerivatives::new(2 * n, POINTS);
@@ -35,28 +29,18 @@ pub(super) fn analytic_lagrangian(p: &RandomInstance) -> Result<Vec<Equality>> {
     let mut equalities = Vec::new();
     for g in 0..POINTS {
         let y = &states.as_slice()[6 * n * g..][..4 * n];
-        let definition = Definition {
-            p,
-            written: written(p, &multipliers, g),
-        };
+        let definition = Definition { p, written: written(p, &multipliers, g) };
         let along = [direction.as_slice(), &vec![Gf::zero(); 2 * n]].concat();
-        let with_rest =
-            |of: &DVector<Gf>| vector(&[of.as_slice(), &vec![Gf::zero(); 2 * n]].concat());
+        let with_rest = |of: &DVector<Gf>| vector(&[of.as_slice(), &vec![Gf::zero(); 2 * n]].concat());
         let value = definition.value(y)?;
         let slopes = gradient(y, |y| definition.value(y))?;
-        let second = rate(y, direction.as_slice(), |y| {
-            gradient(y, |y| definition.value(y))
-        })?;
+        let second = rate(y, direction.as_slice(), |y| gradient(y, |y| definition.value(y)))?;
         let gradient = vector(&all.gradients.as_slice()[6 * n * g..][..6 * n]);
         equalities.extend([
             Equality::numbers("value", values[g], value),
             Equality::numbers("value beside derivatives", all.costs[g], value),
             Equality::vectors("gradient", &gradient, &with_rest(&slopes)),
-            Equality::vectors(
-                "Hessian",
-                &(all.hessians.get(g) * vector(&along)),
-                &with_rest(&second),
-            ),
+            Equality::vectors("Hessian", &(all.hessians.get(g) * vector(&along)), &with_rest(&second)),
         ]);
     }
     Ok(equalities)

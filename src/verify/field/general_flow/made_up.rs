@@ -2,8 +2,8 @@
 
 use crate::error::Result;
 use crate::flow::{
-    ActuationMetric, ActuationWeights, ControlCost, ControlDual, ControlLagrangian, Drift,
-    DualTrajectory, FreeDynamics, Metric, StateCost,
+    ActuationMetric, ActuationWeights, ControlCost, ControlDual, ControlLagrangian, Drift, DualTrajectory,
+    FreeDynamics, Metric, StateCost,
 };
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Tanh};
@@ -39,9 +39,7 @@ impl ControlCost<Gf> for Cubic {
 pub(in crate::verify::field) type Cost = (ControlDual<Gf>, Cubic);
 
 /// Weights, a dual trajectory of the slip, and a cost with a dual trajectory of the control.
-pub(in crate::verify::field) fn lagrangian(
-    p: &RandomInstance,
-) -> Result<ControlLagrangian<Gf, Cost>> {
+pub(in crate::verify::field) fn lagrangian(p: &RandomInstance) -> Result<ControlLagrangian<Gf, Cost>> {
     Ok(ControlLagrangian {
         weights: weights(p)?,
         slip_dual: Some(trajectory(p, 0)?),
@@ -53,13 +51,7 @@ pub(in crate::verify::field) fn lagrangian(
 pub(super) struct MatrixAlone(pub ActuationMetric<Gf>);
 
 impl Metric<Gf> for MatrixAlone {
-    fn matrix<S: AlgebraOver<Gf> + Tanh>(
-        &self,
-        model: &Model<Gf>,
-        t: S,
-        x: &[S],
-        k: Gf,
-    ) -> Result<DMatrix<S>> {
+    fn matrix<S: AlgebraOver<Gf> + Tanh>(&self, model: &Model<Gf>, t: S, x: &[S], k: Gf) -> Result<DMatrix<S>> {
         self.0.matrix(model, t, x, k)
     }
 }
@@ -68,13 +60,7 @@ impl Metric<Gf> for MatrixAlone {
 pub(in crate::verify::field) struct Coupled;
 
 impl Metric<Gf> for Coupled {
-    fn matrix<S: AlgebraOver<Gf> + Tanh>(
-        &self,
-        _: &Model<Gf>,
-        t: S,
-        x: &[S],
-        k: Gf,
-    ) -> Result<DMatrix<S>> {
+    fn matrix<S: AlgebraOver<Gf> + Tanh>(&self, _: &Model<Gf>, t: S, x: &[S], k: Gf) -> Result<DMatrix<S>> {
         let count = x.len();
         let identity = DMatrix::identity(count, count) * S::lift(k);
         Ok(identity + DMatrix::from_fn(count, count, |i, j| t * x[i] * x[j]))
@@ -85,12 +71,7 @@ impl Metric<Gf> for Coupled {
 pub(super) struct Windy;
 
 impl Drift<Gf> for Windy {
-    fn rate<S: AlgebraOver<Gf> + Tanh>(
-        &self,
-        model: &Model<Gf>,
-        t: S,
-        x: &[S],
-    ) -> Result<DVector<S>> {
+    fn rate<S: AlgebraOver<Gf> + Tanh>(&self, model: &Model<Gf>, t: S, x: &[S]) -> Result<DVector<S>> {
         Ok(FreeDynamics.rate(model, t, x)? + DVector::from_column_slice(x) * (t * t))
     }
 }

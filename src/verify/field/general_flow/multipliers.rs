@@ -72,11 +72,7 @@ fn control_dual(p: &RandomInstance) -> Result<Vec<Equality>> {
         let by_t = gradient(&[p.t], |t| slope(t[0], *u))?[0];
         let [first, second, third] = cost.derivatives(p.t, i, *u);
         let [rate, second_rate] = cost.rates(p.t, i, *u);
-        claims.push(Equality::numbers(
-            "l'",
-            first,
-            slope(Jet1::constant(p.t), *u)?.re,
-        ));
+        claims.push(Equality::numbers("l'", first, slope(Jet1::constant(p.t), *u)?.re));
         claims.push(Equality::numbers("rate of l'", rate, by_t));
         let higher = vector(&[second, third, second_rate]);
         claims.push(Equality::vectors("higher", &higher, &DVector::zeros(3)));
@@ -105,11 +101,7 @@ fn step(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (slip_dual, of_control) = (trajectory(p, 0)?, trajectory(p, 50)?);
     // The components of actuated joints have no effect.
     let passive = DMatrix::from_fn(n, 4, |i, degree| {
-        let here = if is_passive(p, i) {
-            Gf::one()
-        } else {
-            Gf::zero()
-        };
+        let here = if is_passive(p, i) { Gf::one() } else { Gf::zero() };
         here * of_control.coefficients()[(i, degree)]
     });
     let control_dual = DualTrajectory::new(p.extra[0], passive)?;
@@ -145,10 +137,6 @@ fn step(p: &RandomInstance) -> Result<Vec<Equality>> {
     let expression = |v: &Variation<Gf>| &v.momentum_rate - &v.by_x;
     Ok(vec![
         Equality::vectors("momentum", &with_penalty.by_xdot, &without.by_xdot),
-        Equality::vectors(
-            "Euler-Lagrange expression",
-            &expression(&with_penalty),
-            &expression(&without),
-        ),
+        Equality::vectors("Euler-Lagrange expression", &expression(&with_penalty), &expression(&without)),
     ])
 }

@@ -2,9 +2,7 @@
 
 use super::made_up::{Coupled, MatrixAlone, Windy, lagrangian};
 use crate::error::Result;
-use crate::flow::{
-    AffineLagrangian, ControlForm, Lagrangian, LagrangianFlow, Metric, RightHandSide,
-};
+use crate::flow::{AffineLagrangian, ControlForm, Lagrangian, LagrangianFlow, Metric, RightHandSide};
 use crate::verify::field::discretisation::numbers;
 use crate::verify::field::theorem_b3::omega_of;
 use crate::verify::field::{Equality, Gf, Identity, Jet1, RandomInstance};
@@ -44,20 +42,13 @@ fn sides(
     let boundary = v.momentum_rate.dot(&phi) + v.by_xdot.dot(&phidot);
     let g = metric.matrix(model, node.t, node.x, p.k)?;
     let omega = omega_of(p, flow)?;
-    Ok(Equality::numbers(
-        what,
-        left,
-        boundary - vector(phi.as_slice()).dot(&(g * omega)),
-    ))
+    Ok(Equality::numbers(what, left, boundary - vector(phi.as_slice()).dot(&(g * omega))))
 }
 
 fn weak_form(p: &RandomInstance) -> Result<Vec<Equality>> {
     let (model, control) = (&p.model, lagrangian(p)?);
     let metric = MatrixAlone(control.metric());
-    let affine = AffineLagrangian {
-        drift: Windy,
-        metric: Coupled,
-    };
+    let affine = AffineLagrangian { drift: Windy, metric: Coupled };
     let of_control = ControlForm::of(model, control.clone());
     let of_affine = LagrangianFlow::in_metric(model, &affine, &Coupled);
     Ok(vec![

@@ -7,9 +7,7 @@ use crate::verify::field::wrt::{
     NodeFunction, Wrt, block, derivative, gathered, omega_1, omega_2, omega_3, omega_4, unfold,
 };
 use crate::verify::field::{Equality, Identity, RandomInstance};
-use crate::verify::reference::{
-    alpha_1, alpha_2, bias_rate, capital_gamma, entries, gamma, jacobian, mass, mass_rate,
-};
+use crate::verify::reference::{alpha_1, alpha_2, bias_rate, capital_gamma, entries, gamma, jacobian, mass, mass_rate};
 use nalgebra::DMatrix;
 
 /// The identities of this file.
@@ -22,47 +20,25 @@ pub(super) fn identities() -> Vec<Identity> {
 
 fn blocks() -> Vec<Identity> {
     vec![
-        law("B61", "dOmega/dxdot is the sum of four", |p| {
-            of_terms(p, Wrt::Xdot, |t, k| t.domega_dxdot(k))
-        }),
-        law("B62", "dOmega_1/dxdot", |p| {
-            block(p, Wrt::Xdot, omega_1, |t, _| t.domega_1_dxdot())
-        }),
-        law("B63", "dOmega_2/dxdot", |p| {
-            block(p, Wrt::Xdot, omega_2, |t, k| t.domega_2_dxdot(k))
-        }),
-        law("B64", "dOmega_3/dxdot", |p| {
-            block(p, Wrt::Xdot, omega_3, |t, k| t.domega_3_dxdot(k))
-        }),
-        law("B65", "dOmega_4/dxdot", |p| {
-            block(p, Wrt::Xdot, omega_4, |t, k| t.domega_4_dxdot(k))
-        }),
+        law("B61", "dOmega/dxdot is the sum of four", |p| of_terms(p, Wrt::Xdot, |t, k| t.domega_dxdot(k))),
+        law("B62", "dOmega_1/dxdot", |p| block(p, Wrt::Xdot, omega_1, |t, _| t.domega_1_dxdot())),
+        law("B63", "dOmega_2/dxdot", |p| block(p, Wrt::Xdot, omega_2, |t, k| t.domega_2_dxdot(k))),
+        law("B64", "dOmega_3/dxdot", |p| block(p, Wrt::Xdot, omega_3, |t, k| t.domega_3_dxdot(k))),
+        law("B65", "dOmega_4/dxdot", |p| block(p, Wrt::Xdot, omega_4, |t, k| t.domega_4_dxdot(k))),
     ]
 }
 
 fn parts() -> Vec<Identity> {
     vec![
-        law("B66", "dalpha_1/dxdot_P2", |p| {
-            block(p, Wrt::XdotP2, alpha_1, |t, _| t.dalpha_1_dxdot_p2())
-        }),
-        law("B67", "dalpha_2/dxdot_P2", |p| {
-            block(p, Wrt::XdotP2, alpha_2, |t, _| t.dalpha_2_dxdot_p2())
-        }),
+        law("B66", "dalpha_1/dxdot_P2", |p| block(p, Wrt::XdotP2, alpha_1, |t, _| t.dalpha_1_dxdot_p2())),
+        law("B67", "dalpha_2/dxdot_P2", |p| block(p, Wrt::XdotP2, alpha_2, |t, _| t.dalpha_2_dxdot_p2())),
         law("B68", "dgamma/dxdot_P1, not simplified", |p| {
-            block(p, Wrt::XdotP1, gamma, |t, _| {
-                t.dgamma_dxdot_p1_unsimplified()
-            })
+            block(p, Wrt::XdotP1, gamma, |t, _| t.dgamma_dxdot_p1_unsimplified())
         }),
         law("B69", "dgamma/dxdot_P2, not simplified", |p| {
-            block(p, Wrt::XdotP2, gamma, |t, _| {
-                t.dgamma_dxdot_p2_unsimplified()
-            })
+            block(p, Wrt::XdotP2, gamma, |t, _| t.dgamma_dxdot_p2_unsimplified())
         }),
-        law("B70", "dGamma/dxdot_P2", |p| {
-            block(p, Wrt::XdotP2, capital_gamma, |t, _| {
-                t.dcapital_gamma_dxdot_p2()
-            })
-        }),
+        law("B70", "dGamma/dxdot_P2", |p| block(p, Wrt::XdotP2, capital_gamma, |t, _| t.dcapital_gamma_dxdot_p2())),
     ]
 }
 
@@ -75,21 +51,13 @@ fn relations() -> Vec<Identity> {
         law("B75", "dCdot/dxdot_P1 = dC/dx_P1", |p| {
             block(p, Wrt::XdotP1, bias_rate, |t, _| t.dcdot_dxdot_p1().clone())
         }),
-        law("B76", "dgamma/dxdot_P1", |p| {
-            block(p, Wrt::XdotP1, gamma, |t, _| t.dgamma_dxdot_p1())
-        }),
+        law("B76", "dgamma/dxdot_P1", |p| block(p, Wrt::XdotP1, gamma, |t, _| t.dgamma_dxdot_p1())),
         law("B77", "dgamma/dxdot_P2", b77),
         law("B78", "dOmega/dxddot, not simplified", |p| {
-            block(p, Wrt::Xddot, omega_1, |t, _| {
-                t.domega_dxddot_unsimplified()
-            })
+            block(p, Wrt::Xddot, omega_1, |t, _| t.domega_dxddot_unsimplified())
         }),
-        law("B79", "dgamma/dxddot_P2 = H^T H", |p| {
-            block(p, Wrt::XddotP2, gamma, |t, _| t.dgamma_dxddot_p2())
-        }),
-        law("B80", "dOmega_1/dxddot = 2 I", |p| {
-            block(p, Wrt::Xddot, omega_1, |t, _| t.domega_dxddot())
-        }),
+        law("B79", "dgamma/dxddot_P2 = H^T H", |p| block(p, Wrt::XddotP2, gamma, |t, _| t.dgamma_dxddot_p2())),
+        law("B80", "dOmega_1/dxddot = 2 I", |p| block(p, Wrt::Xddot, omega_1, |t, _| t.domega_dxddot())),
     ]
 }
 
@@ -109,9 +77,7 @@ fn b72(p: &RandomInstance) -> Result<Vec<Equality>> {
 
 /// Compares the tensor of `H^T` by dual numbers with the one of `H` here.
 fn b73(p: &RandomInstance) -> Result<Vec<Equality>> {
-    let right = jacobian(p.node().x_p1(), |q| {
-        Ok(entries(&mass(&p.model, q)?.transpose()))
-    })?;
+    let right = jacobian(p.node().x_p1(), |q| Ok(entries(&mass(&p.model, q)?.transpose())))?;
     let left = unfold(p.dof(), gathered(p)?.mass.dq.entries());
     Ok(vec![Equality::new("dH/dx_P1", left, right)])
 }

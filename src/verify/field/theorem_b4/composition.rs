@@ -4,34 +4,24 @@ use super::law;
 use crate::error::Result;
 use crate::flow::jacobian::theorem_b4::Quantities;
 use crate::scalar::AlgebraOver;
-use crate::verify::field::wrt::{
-    NodeFunction, Wrt, block, derivative, gathered, omega_1, omega_2, omega_3, omega_4,
-};
+use crate::verify::field::wrt::{NodeFunction, Wrt, block, derivative, gathered, omega_1, omega_2, omega_3, omega_4};
 use crate::verify::field::{Equality, Gf, Identity, RandomInstance};
-use crate::verify::reference::{
-    At, constant, jacobian, omega_by_definition, omega_by_theorem_b3, omega_terms,
-};
+use crate::verify::reference::{At, constant, jacobian, omega_by_definition, omega_by_theorem_b3, omega_terms};
 use nalgebra::DMatrix;
 
 /// The identities of this file.
 pub(super) fn identities() -> Vec<Identity> {
     vec![
         law("B37", "Jacobian of a node by blocks", b37),
-        law("B38", "dOmega/dx of the flow", |p| {
-            block(p, Wrt::X, omega_by_definition, |t, k| t.domega_dx(k))
-        }),
-        law("B39", "dOmega/dxdot of the flow", |p| {
-            block(p, Wrt::Xdot, omega_by_definition, |t, k| t.domega_dxdot(k))
-        }),
+        law("B38", "dOmega/dx of the flow", |p| block(p, Wrt::X, omega_by_definition, |t, k| t.domega_dx(k))),
+        law("B39", "dOmega/dxdot of the flow", |p| block(p, Wrt::Xdot, omega_by_definition, |t, k| t.domega_dxdot(k))),
         law("B40", "dOmega/dxddot of the flow is 2 I", |p| {
             block(p, Wrt::Xddot, omega_by_definition, |t, _| t.domega_dxddot())
         }),
         law("B41", "Jacobian of a node is that of Omega", b41),
         law("B42", "chain rule at a node", b42),
         law("B43", "flow = sum of four terms", b43),
-        law("B44", "dOmega/dx is the sum of four", |p| {
-            of_terms(p, Wrt::X, |t, k| t.domega_dx(k))
-        }),
+        law("B44", "dOmega/dx is the sum of four", |p| of_terms(p, Wrt::X, |t, k| t.domega_dx(k))),
     ]
 }
 
@@ -63,10 +53,7 @@ fn b37(p: &RandomInstance) -> Result<Vec<Equality>> {
 }
 
 fn b41(p: &RandomInstance) -> Result<Vec<Equality>> {
-    let (left, right) = (
-        collocated(p, omega_by_definition)?,
-        collocated(p, omega_by_theorem_b3)?,
-    );
+    let (left, right) = (collocated(p, omega_by_definition)?, collocated(p, omega_by_theorem_b3)?);
     Ok(vec![Equality::new("J_Xi", left, right)])
 }
 

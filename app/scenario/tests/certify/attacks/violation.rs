@@ -32,20 +32,12 @@ pub fn violation(scenario: &Scenario, curve: &Value) -> Option<String> {
     }
     let times = |t: f64| (curve.segment_at(t), t);
     let all = (0..=INTERVALS).map(|k| times(horizon * k as f64 / INTERVALS as f64));
-    let samples: Vec<Sample> = samples_at(&scenario.model, &curve, all)
-        .collect::<Result<_, _>>()
-        .ok()?;
+    let samples: Vec<Sample> = samples_at(&scenario.model, &curve, all).collect::<Result<_, _>>().ok()?;
     ends(scenario, &samples)
         .or_else(|| waypoints(scenario, &curve))
+        .or_else(|| samples.iter().find_map(|sample| at_sample(scenario, sample)))
         .or_else(|| {
-            samples
-                .iter()
-                .find_map(|sample| at_sample(scenario, sample))
-        })
-        .or_else(|| {
-            (1..INTERVALS).find_map(|k| {
-                by_differences(scenario, &curve, horizon * k as f64 / INTERVALS as f64)
-            })
+            (1..INTERVALS).find_map(|k| by_differences(scenario, &curve, horizon * k as f64 / INTERVALS as f64))
         })
 }
 
@@ -70,61 +62,27 @@ fn ends(scenario: &Scenario, samples: &[Sample]) -> Option<String> {
     let pushed = |a: &[f64]| a.iter().any(|a| is_beyond(a.abs(), 0.0));
     let off_goal = |goal: &Goal| violation_of_poses(scenario, goal, &last.q).is_some();
     let found = [
-        (
-            "the start is off",
-            is_off(&first.q, &file.q_start) || is_off(&first.v, &file.v_start),
-        ),
-        (
-            "the goal is off",
-            file.goal.is_empty() && is_off(&last.q, &file.q_goal),
-        ),
-        (
-            "no goal is met",
-            !file.goal.is_empty() && file.goal.iter().all(off_goal),
-        ),
-        (
-            "the goal velocity is off",
-            !free && is_off(&last.v, &file.v_goal),
-        ),
-        (
-            "the start is not at rest",
-            smooth && file.v_start == zeros && pushed(&first.a),
-        ),
-        (
-            "the goal is not at rest",
-            smooth && !free && file.v_goal == zeros && pushed(&last.a),
-        ),
+        ("the start is off", is_off(&first.q, &file.q_start) || is_off(&first.v, &file.v_start)),
+        ("the goal is off", file.goal.is_empty() && is_off(&last.q, &file.q_goal)),
+        ("no goal is met", !file.goal.is_empty() && file.goal.iter().all(off_goal)),
+        ("the goal velocity is off", !free && is_off(&last.v, &file.v_goal)),
+        ("the start is not at rest", smooth && file.v_start == zeros && pushed(&first.a)),
+        ("the goal is not at rest", smooth && !free && file.v_goal == zeros && pushed(&last.a)),
     ];
-    found
-        .into_iter()
-        .find(|(_, is_it)| *is_it)
-        .map(|(what, _)| what.to_owned())
+    found.into_iter().find(|(_, is_it)| *is_it).map(|(what, _)| what.to_owned())
 }
 
 fn waypoints(scenario: &Scenario, curve: &Curve) -> Option<String> {
-    let states = (0..=20 * INTERVALS).map(|k| {
-        curve
-            .at(curve.horizon() * k as f64 / (20 * INTERVALS) as f64)
-            .0
-    });
+    let states = (0..=20 * INTERVALS).map(|k| curve.at(curve.horizon() * k as f64 / (20 * INTERVALS) as f64).0);
     let states: Vec<_> = states.collect();
-    scenario
-        .file
-        .waypoints
-        .iter()
-        .enumerate()
-        .find_map(|(i, point)| {
-            let aims = point.q.as_ref()?;
-            let off = |x: &nalgebra::DVector<f64>| {
-                aims.iter()
-                    .zip(x.iter())
-                    .map(|(a, b)| (a - b).abs())
-                    .fold(0.0, f64::max)
-            };
-            let least = states.iter().map(off).fold(f64::INFINITY, f64::min);
-            // Between samples a joint moves by less than this.
-            (least > 0.01).then(|| format!("waypoint {i} is missed by {least}"))
-        })
+    scenario.file.waypoints.iter().enumerate().find_map(|(i, point)| {
+        let aims = point.q.as_ref()?;
+        let off =
+            |x: &nalgebra::DVector<f64>| aims.iter().zip(x.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let least = states.iter().map(off).fold(f64::INFINITY, f64::min);
+        // Between samples a joint moves by less than this.
+        (least > 0.01).then(|| format!("waypoint {i} is missed by {least}"))
+    })
 }
 
 /// The promises at a sample: limits, clearances, poses, the foot.
@@ -141,11 +99,7 @@ fn at_sample(scenario: &Scenario, sample: &Sample) -> Option<String> {
             if let Some([lower, upper]) = scenario.bound(limit, joint)
                 && (is_beyond(*x, upper) || is_beyond(-x, -lower))
             {
-                return Some(format!(
-                    "{} of joint {joint} is {x} at {}",
-                    limit.name(),
-                    sample.t
-                ));
+                return Some(format!("{} of joint {joint} is {x} at {}", limit.name(), sample.t));
             }
         }
     }
@@ -154,27 +108,18 @@ fn at_sample(scenario: &Scenario, sample: &Sample) -> Option<String> {
     }
     let mut placements = vec![Placement::identity(); model.dof()];
     forward_kinematics(model, &sample.q, &mut placements).ok()?;
-    let sticks_out = !model.collisions().is_empty()
-        && matches!(scenario.robot_shape(), RobotShape::Collision { .. });
+    let sticks_out = !model.collisions().is_empty() && matches!(scenario.robot_shape(), RobotShape::Collision { .. });
     let cover = if sticks_out { COVER } else { ERROR };
     let closest = scenario.scene.deepest_contact(&placements).ok()?;
     if let Some(pair) = closest.filter(|pair| pair.distance < -cover) {
-        return Some(format!(
-            "a clearance is short by {} at {}",
-            -pair.distance, sample.t
-        ));
+        return Some(format!("a clearance is short by {} at {}", -pair.distance, sample.t));
     }
     let contact = scenario.contact([&sample.q, &sample.v, &sample.a]).ok()?;
     if contact.is_some_and(|contact| is_beyond(contact.excess, 0.0)) {
         return Some(format!("the foot does not hold at {}", sample.t));
     }
-    let kept = scenario
-        .file
-        .keep
-        .iter()
-        .filter(|kept| is_within(kept.times(), sample.t));
-    kept.filter_map(|kept| kept.poses.as_ref())
-        .find_map(|poses| violation_of_poses(scenario, poses, &sample.q))
+    let kept = scenario.file.keep.iter().filter(|kept| is_within(kept.times(), sample.t));
+    kept.filter_map(|kept| kept.poses.as_ref()).find_map(|poses| violation_of_poses(scenario, poses, &sample.q))
 }
 
 fn is_within([from, to]: [f64; 2], t: f64) -> bool {
@@ -187,10 +132,7 @@ fn link(scenario: &Scenario, name: &str, q: &[f64]) -> Option<Placement<f64>> {
     let mut placements = vec![Placement::identity(); model.dof()];
     forward_kinematics(model, q, &mut placements).ok()?;
     let frame = model.frames().iter().find(|frame| frame.name == name)?;
-    Some(frame.body.map_or_else(
-        || frame.placement,
-        |body| placements[body].compose(&frame.placement),
-    ))
+    Some(frame.body.map_or_else(|| frame.placement, |body| placements[body].compose(&frame.placement)))
 }
 
 /// The position of a set of poses in the base frame, and its orientation, if they are off.
@@ -208,9 +150,7 @@ fn violation_of_poses(scenario: &Scenario, poses: &Goal, q: &[f64]) -> Option<St
 /// The promises on derivatives: speeds of points and jerks.
 fn by_differences(scenario: &Scenario, curve: &Curve, t: f64) -> Option<String> {
     let (segment, n) = (curve.segment_at(t), scenario.model.dof());
-    let inside = [t - STEP, t + STEP]
-        .iter()
-        .all(|t| curve.segment_at(*t) == segment);
+    let inside = [t - STEP, t + STEP].iter().all(|t| curve.segment_at(*t) == segment);
     let states = [t - STEP, t + STEP].map(|t| curve.at(t));
     for joint in 0..n {
         let [before, after] = states.each_ref().map(|(_, rates)| rates[n + joint]);

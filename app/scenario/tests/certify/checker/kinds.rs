@@ -6,10 +6,8 @@ use super::*;
 fn conditions() -> Value {
     let (sin, cos) = (0.3_f64.sin(), 0.3_f64.cos());
     let turned = |angle: f64| json!([0.0, 0.0, (0.5 * angle).sin(), (0.5 * angle).cos()]);
-    let x =
-        |angle: f64| json!({ "of_frame": [2, 0, 0], "direction": [angle.cos(), angle.sin(), 0] });
-    let at =
-        |position: [f64; 3]| json!({ "position_m": position, "orientation_xyzw": turned(0.3) });
+    let x = |angle: f64| json!({ "of_frame": [2, 0, 0], "direction": [angle.cos(), angle.sin(), 0] });
+    let at = |position: [f64; 3]| json!({ "position_m": position, "orientation_xyzw": turned(0.3) });
     json!({
         "goal": [{ "frame": "fore", "position_m": [0.0, 0.0, 0.0] },
             { "frame": "fore", "position_m": [0.5 + 0.5 * cos, -0.5 * sin, 0.0], "orientation_xyzw": turned(1.1) }],
@@ -31,13 +29,7 @@ fn conditions() -> Value {
 #[test]
 fn conditions_are_proved_once_more() {
     let good = || Case::new("conditions", conditions());
-    assert!(
-        good()
-            .check()
-            .is_ok_and(|report| report.contains("goal, waypoints, position")),
-        "{:?}",
-        good().check()
-    );
+    assert!(good().check().is_ok_and(|report| report.contains("goal, waypoints, position")), "{:?}", good().check());
     for (pointer, value) in [
         ("/goal/1/position_m/2", json!(1.1e-6)),
         ("/goal/1/orientation_xyzw", json!([0.0, 0.0, 0.0, 1.0])),
@@ -78,10 +70,7 @@ fn conditions_are_proved_once_more() {
         "box": { "size_m": [null, 0, 0], "pose": { "position_m": [0.0, 0.0, 0.0] } } } }]);
     assert!(case.check().is_ok(), "{:?}", case.check());
     case.certificate["waypoints"][1][1] = json!(-0.5);
-    assert!(
-        case.check()
-            .is_err_and(|fault| fault.contains("before another one"))
-    );
+    assert!(case.check().is_err_and(|fault| fault.contains("before another one")));
 }
 
 /// The foot of a scenario with claims of another one.
@@ -123,41 +112,23 @@ fn shapes_are_separated_once_more() {
         Case::of(&shaped("separated", obstacles))
     };
     let report = good().check();
-    assert!(
-        report
-            .as_ref()
-            .is_ok_and(|report| report.starts_with("certified at all times")),
-        "{report:?}"
-    );
+    assert!(report.as_ref().is_ok_and(|report| report.starts_with("certified at all times")), "{report:?}");
     for (pointer, value) in [
         ("/obstacles/0/pose/position_m/2", json!(0.039)),
         ("/obstacles/1/pose/position_m/2", json!(0.0705)),
         ("/obstacles/1/clearance_m", json!(0.0083)),
         ("/obstacles/4/pose/position_m/2", json!(-0.019)),
-        (
-            "/obstacles/3",
-            json!({ "shape": { "mesh": {} }, "pose": { "position_m": [0, 0, 0] } }),
-        ),
+        ("/obstacles/3", json!({ "shape": { "mesh": {} }, "pose": { "position_m": [0, 0, 0] } })),
     ] {
         let mut case = good();
         *case.scenario.pointer_mut(pointer).expect("it is there") = value;
         assert!(case.check().is_err(), "{pointer}");
     }
     // Without its directions, or with others.
-    for wrong in [
-        json!([]),
-        json!([0.0, 0.0, 0.0]),
-        json!([0.0, 0.0, -1.0]),
-        json!([0.1, 0.9]),
-        json!("x"),
-    ] {
+    for wrong in [json!([]), json!([0.0, 0.0, 0.0]), json!([0.0, 0.0, -1.0]), json!([0.1, 0.9]), json!("x")] {
         let mut case = good();
-        let intervals = case.certificate["intervals"]
-            .as_array_mut()
-            .expect("a list");
-        let listed = intervals
-            .iter_mut()
-            .flat_map(|interval| interval[4].as_array_mut().expect("a list"));
+        let intervals = case.certificate["intervals"].as_array_mut().expect("a list");
+        let listed = intervals.iter_mut().flat_map(|interval| interval[4].as_array_mut().expect("a list"));
         for direction in listed {
             direction[2] = wrong.clone();
         }
