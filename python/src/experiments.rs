@@ -28,9 +28,10 @@ fn sweep(py: Python<'_>, name: &str, threads: Option<usize>) -> PyResult<String>
         run(&sweep, &sweep.sets, threads, &|row| {
             let mut rows = rows.lock().unwrap_or_else(PoisonError::into_inner);
             rows.push(row);
-            match stopped.load(Ordering::Relaxed) {
-                true => Err(aghf::Error::input(&sweep.name, "sweep", "it was stopped")),
-                false => Ok(()),
+            if stopped.load(Ordering::Relaxed) {
+                Err(aghf::Error::input(&sweep.name, "sweep", "it was stopped"))
+            } else {
+                Ok(())
             }
         })
     };

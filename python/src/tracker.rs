@@ -104,9 +104,6 @@ impl PyTracker {
     fn numbers<'n>(&self, name: &'static str, given: &'n Numbers<'_>) -> PyResult<&'n [f64]> {
         let numbers = numbers(name, given)?;
         let (expected, found) = (self.0.scenario().model.dof(), numbers.len());
-        match found == expected {
-            true => Ok(numbers),
-            false => Err(raised(Error::Length { what: name, expected, found })),
-        }
+        if found == expected { Ok(numbers) } else { Err(raised(Error::Length { what: name, expected, found })) }
     }
 }

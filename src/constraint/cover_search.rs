@@ -102,10 +102,7 @@ impl<S: Scalar> Rows<'_, S> {
     /// The value of a row so far.
     #[inline]
     fn value(&self, row: usize) -> S {
-        match self.is_far {
-            true => self.far,
-            false => self.all[row].g,
-        }
+        if self.is_far { self.far } else { self.all[row].g }
     }
 
     /// Takes the distance of the balls of two nodes for a row, unless it is nowhere larger than that of others.

@@ -126,10 +126,7 @@ impl<S: Scalar> PackedHessian<S> {
                 let Some(sum) = sums.next() else {
                     return;
                 };
-                let mut difference = match i > j {
-                    true => differences.next(),
-                    false => None,
-                };
+                let mut difference = if i > j { differences.next() } else { None };
                 for (x, y) in BLOCKS.into_iter().filter(|(_, y)| *y < parts) {
                     let row = index(x, y) * self.capacity + start;
                     let here = matrix[(x * n + i, y * n + j)];
@@ -207,10 +204,7 @@ impl<S: Scalar> PackedHessian<S> {
                 let Some(sum) = sums.next() else {
                     return;
                 };
-                let difference = match i > j {
-                    true => differences.next(),
-                    false => None,
-                };
+                let difference = if i > j { differences.next() } else { None };
                 for (block, (x, y)) in BLOCKS.into_iter().enumerate() {
                     let sum = sum[block * self.capacity + g];
                     // The entries (i, j) and (j, i) of the block.

@@ -148,10 +148,7 @@ impl<S: Scalar> PointsDerivatives<S> {
     /// Sets the derivatives in the jerk to zero, `n` by `points`.
     pub(crate) fn clear_jerk(&mut self, n: usize, points: usize) {
         for of in &mut self.by_jerk {
-            match of.shape() == (n, points) {
-                true => of.fill(S::zero()),
-                false => *of = DMatrix::zeros(n, points),
-            }
+            if of.shape() == (n, points) { of.fill(S::zero()) } else { *of = DMatrix::zeros(n, points) }
         }
     }
 

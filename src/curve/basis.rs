@@ -60,10 +60,7 @@ impl Continuity {
 
     /// The number of functions per breakpoint.
     pub(crate) fn order(self) -> usize {
-        match self.corners {
-            true => 1,
-            false => 2 + usize::from(self.acceleration),
-        }
+        if self.corners { 1 } else { 2 + usize::from(self.acceleration) }
     }
 
     /// The smallest degree with an unknown on a single segment between fixed ends.

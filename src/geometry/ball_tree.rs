@@ -106,9 +106,10 @@ impl<C: Scalar> BallTree<C> {
     #[must_use]
     pub fn below_pair(&self, other: &Self, [i, j]: [usize; 2]) -> Option<[[usize; 2]; 2]> {
         let has_more = self.nodes[i].next - i >= other.nodes[j].next - j;
-        match has_more {
-            true => self.below(i).map(|below| below.map(|i| [i, j])),
-            false => other.below(j).map(|below| below.map(|j| [i, j])),
+        if has_more {
+            self.below(i).map(|below| below.map(|i| [i, j]))
+        } else {
+            other.below(j).map(|below| below.map(|j| [i, j]))
         }
     }
 
@@ -154,10 +155,7 @@ fn descend<N: Copy, B>(
     let (below, bound, is_nearer) = of;
     if let Some([first, second]) = below(node) {
         let (a, b) = (bound(first), bound(second));
-        let (near, far) = match is_nearer(&b, &a) {
-            true => ((second, b), (first, a)),
-            false => ((first, a), (second, b)),
-        };
+        let (near, far) = if is_nearer(&b, &a) { ((second, b), (first, a)) } else { ((first, a), (second, b)) };
         descend(near.0, near.1, of, visit);
         descend(far.0, far.1, of, visit);
     }

@@ -217,10 +217,7 @@ impl Scene {
             closest: None,
         };
         for (obstacle, margin) in self.obstacles.iter().zip(&self.obstacle_margins) {
-            let nearest = match by_capsules {
-                true => self.robot.nearest_balls(placements, &obstacle.solid)?,
-                false => None,
-            };
+            let nearest = if by_capsules { self.robot.nearest_balls(placements, &obstacle.solid)? } else { None };
             search.obstacle(obstacle, kept(margin), nearest);
         }
         for (pair, margin) in self.tree_pairs.iter().zip(&self.pair_margins) {

@@ -165,9 +165,10 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
                     continue;
                 }
                 let kept = self.kept[largest.row];
-                let [sampled, estimate] = match kept.iter().any(|time| time.is_finite()) {
-                    true => [largest_between(values, (begin, &self.times), kept); 2],
-                    false => maxima(values, *equality),
+                let [sampled, estimate] = if kept.iter().any(|time| time.is_finite()) {
+                    [largest_between(values, (begin, &self.times), kept); 2]
+                } else {
+                    maxima(values, *equality)
                 };
                 let middle = (estimate.1.round() as usize).clamp(1, (intervals - 1).max(1));
                 let mut by_parabola = true;
@@ -303,17 +304,14 @@ impl Motion for OnCurve<'_> {
         let jerks = rates.rows(n, n) * chebyshev.d().transpose();
         nodes.rows_mut(3 * n, n).copy_from(&jerks);
         let further;
-        let table = match regular {
-            true => {
-                let length = chebyshev.horizon();
-                self.table.take_if(|(of, _)| *of != length);
-                let new = || (length, interpolation(chebyshev, times));
-                &self.table.get_or_insert_with(new).1
-            }
-            false => {
-                further = interpolation(chebyshev, times);
-                &further
-            }
+        let table = if regular {
+            let length = chebyshev.horizon();
+            self.table.take_if(|(of, _)| *of != length);
+            let new = || (length, interpolation(chebyshev, times));
+            &self.table.get_or_insert_with(new).1
+        } else {
+            further = interpolation(chebyshev, times);
+            &further
         };
         self.states = DMatrix::zeros(4 * n, times.len());
         multiply(&nodes, table, &mut self.states);

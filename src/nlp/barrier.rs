@@ -39,10 +39,7 @@ impl BarrierState {
         let curvature = state.progress.curvature();
         let longest = options.longest_step / step;
         let further = if longest.is_finite() && curvature * longest < 1.0 { longest } else { 1.0 / curvature };
-        let decrease = match further > 1.0 {
-            true => further * decrease,
-            false => decrease,
-        };
+        let decrease = if further > 1.0 { further * decrease } else { decrease };
         let scale = state.scale();
         Self {
             mu: state.complementarity(),

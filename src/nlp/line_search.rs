@@ -91,12 +91,11 @@ impl End {
             longer.iterate.clone_from(&state.iterate);
             longer.tangent.clone_from(&self.trial.tangent);
             let f = longer.evaluate(problem, state, &step.x, alpha)?;
-            let merit = match f.is_finite() {
-                true => {
-                    longer.take(problem, state, alpha, options);
-                    longer.merit(problem, f)
-                }
-                false => f64::INFINITY,
+            let merit = if f.is_finite() {
+                longer.take(problem, state, alpha, options);
+                longer.merit(problem, f)
+            } else {
+                f64::INFINITY
             };
             if merit.is_nan() || merit >= self.merit {
                 // The derivatives are those at the last evaluated point.
@@ -189,9 +188,10 @@ impl State {
     /// Notes the barrier function at the current iterate; returns the largest of the last values.
     fn remember(&mut self, merit: f64, memory: usize) -> f64 {
         let most = self.decreased - self.complementarity() * self.scale();
-        match merit < most {
-            true => (self.decreased, self.stalled) = (merit, 0),
-            false => self.stalled += 1,
+        if merit < most {
+            (self.decreased, self.stalled) = (merit, 0)
+        } else {
+            self.stalled += 1
         }
         self.merits.push_back(merit);
         while self.merits.len() > memory {

@@ -173,9 +173,10 @@ pub struct Progress {
 impl Progress {
     /// The curvature along the step without the multiple of the norm, relative to that with it.
     fn curvature(&self) -> f64 {
-        match self.regularisation > 0.0 {
-            true => 1.0 - self.regularisation * (self.step / self.stationarity).powi(2),
-            false => 1.0,
+        if self.regularisation > 0.0 {
+            1.0 - self.regularisation * (self.step / self.stationarity).powi(2)
+        } else {
+            1.0
         }
     }
 }
@@ -247,9 +248,10 @@ pub(crate) fn iterate<P: Nlp>(
     observe(&state.progress);
     let (alpha, used) = (state.progress.alpha, state.progress.regularisation);
     state.kkt.adapt(alpha, used, options);
-    match problem.has_share() {
-        true => state.iterate.adapt_share(used > 0.0, options),
-        false => state.iterate.share = 1.0,
+    if problem.has_share() {
+        state.iterate.adapt_share(used > 0.0, options)
+    } else {
+        state.iterate.share = 1.0
     }
     let at = BarrierState::after(state, taken.unwrap_or_default(), options);
     let solved = taken.is_none() || options.barrier.is_solved(&at);

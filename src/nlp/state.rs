@@ -285,9 +285,10 @@ impl State {
         before.clone_from(&self.h);
         self.reset(problem, options)?;
         // Rows at their penalty are violated with any margin.
-        let change = |of: &RowState| match of.is_at_penalty() {
-            true => 0.0,
-            false => {
+        let change = |of: &RowState| {
+            if of.is_at_penalty() {
+                0.0
+            } else {
                 let moved = (self.h[of.row.at] - before[of.row.at]).abs();
                 of.row.weight * of.multiplier * moved
             }

@@ -226,13 +226,12 @@ pub(crate) fn sets_with_equalities<K: Constraint + ?Sized>(constraint: &K) -> Re
     let sets: Vec<_> = sets.cloned().collect();
     let known: usize = sets.iter().map(equalities).sum();
     let mut all = (0..constraint.dim()).filter(|row| constraint.is_equality(*row));
-    match all.clone().count() > known {
-        true => {
-            let row = all.next().unwrap_or_default();
-            let condition = "it is an equality, which no sampled configuration meets";
-            Err(Error::input("planner", format!("row {row}"), condition))
-        }
-        false => Ok(sets),
+    if all.clone().count() > known {
+        let row = all.next().unwrap_or_default();
+        let condition = "it is an equality, which no sampled configuration meets";
+        Err(Error::input("planner", format!("row {row}"), condition))
+    } else {
+        Ok(sets)
     }
 }
 

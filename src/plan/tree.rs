@@ -123,17 +123,16 @@ pub(super) fn step<K: Constraint + ?Sized>(
     range: f64,
 ) -> Result<Option<Vec<f64>>> {
     let far = distance(from, to);
-    let next = match far <= range {
-        true => to.to_vec(),
-        false => {
-            let Some(next) = checker.projected(between(from, to, range / far))? else {
-                return Ok(None);
-            };
-            if distance(&next, to) > far - NEARER * range || distance(from, &next) > FARTHEST * range {
-                return Ok(None);
-            }
-            next
+    let next = if far <= range {
+        to.to_vec()
+    } else {
+        let Some(next) = checker.projected(between(from, to, range / far))? else {
+            return Ok(None);
+        };
+        if distance(&next, to) > far - NEARER * range || distance(from, &next) > FARTHEST * range {
+            return Ok(None);
         }
+        next
     };
     Ok(checker.is_line_free(from, &next)?.then_some(next))
 }

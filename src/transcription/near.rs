@@ -249,10 +249,7 @@ impl Near {
 
     /// The number of parts of a segment between the points: one for each group, or the segment itself without lists.
     pub fn parts(&self) -> usize {
-        match self.has_lists() {
-            false => 1,
-            true => self.times.len().div_ceil(LANES),
-        }
+        if self.has_lists() { self.times.len().div_ceil(LANES) } else { 1 }
     }
 
     /// The group of a part of a segment, and the part of the times between its first and its last one, `intervals`

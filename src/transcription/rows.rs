@@ -114,17 +114,15 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         let [scales, units] = constraints.factors_and_units();
         let equalities = (0..scales.len()).map(|row| constraints.is_equality(row));
         let states = state.dim();
-        let is_clearance = |row| match row < states {
-            true => state.is_clearance(row, model) && !state.is_equality(row),
-            false => {
+        let is_clearance = |row| {
+            if row < states {
+                state.is_clearance(row, model) && !state.is_equality(row)
+            } else {
                 let kind = constraints.label(row, model).kind;
                 kind == RowKind::Clearance && !constraints.is_equality(row)
             }
         };
-        let cutoff = |row| match row < states {
-            true => state.cutoff(row).unwrap_or(f64::INFINITY),
-            false => f64::INFINITY,
-        };
+        let cutoff = |row| if row < states { state.cutoff(row).unwrap_or(f64::INFINITY) } else { f64::INFINITY };
         let attributes = Attributes {
             clearances: (0..scales.len()).map(is_clearance).collect(),
             cutoffs: (0..scales.len()).map(cutoff).collect(),

@@ -125,10 +125,7 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             _ => None,
         };
         let (state, scales) = (&self.constraints.state, &self.attributes.scales);
-        let from = match follows {
-            true => f64::INFINITY,
-            false => self.searched_from,
-        };
+        let from = if follows { f64::INFINITY } else { self.searched_from };
         let known = Pieces::new(&noted.pieces).and_above(from);
         let is_beside = group.is_none() && noted.are_known;
         let beside = PlacedState { pieces: (follows || is_beside).then_some(known), ..at };

@@ -163,9 +163,10 @@ impl Srdf {
         }
         let mut carriers = model.frames().iter().filter_map(|f| f.carrier.as_ref());
         let to_world = name == ROOT || self.virtual_joints.iter().any(|joint| joint == name);
-        match to_world || carriers.any(|carrier| carrier.joint == name) {
-            true => Ok(None),
-            false => Err(model.no_moving_joint(name)),
+        if to_world || carriers.any(|carrier| carrier.joint == name) {
+            Ok(None)
+        } else {
+            Err(model.no_moving_joint(name))
         }
     }
 

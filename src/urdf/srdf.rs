@@ -164,10 +164,7 @@ impl Srdf {
 /// The link named by an attribute.
 fn link(node: Node<'_, '_>, attribute: &str, model: &Model) -> Read<String> {
     let name = required(node, attribute)?;
-    match has_link(model, name) {
-        true => Ok(name.to_owned()),
-        false => Err(format!("{attribute}: {}", model.no_link(name))),
-    }
+    if has_link(model, name) { Ok(name.to_owned()) } else { Err(format!("{attribute}: {}", model.no_link(name))) }
 }
 
 fn required<'a>(node: Node<'a, '_>, attribute: &str) -> Read<&'a str> {

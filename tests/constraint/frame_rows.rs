@@ -144,9 +144,8 @@ proptest! {
 fn violations_grow_to_half_a_turn() {
     let e = Vector3::new(1.0, -2.0, 0.5).normalize();
     let violation = |angle: f64, axis: bool| {
-        let rows = move |rows: FrameRows| match axis {
-            true => rows.axis_along(&Vector3::z(), &Vector3::z()),
-            false => Ok(rows.oriented()),
+        let rows = move |rows: FrameRows| {
+            if axis { rows.axis_along(&Vector3::z(), &Vector3::z()) } else { Ok(rows.oriented()) }
         };
         let axis = if axis { Vector3::y() } else { e };
         let g = scaled(rows, placement((axis * angle).into(), [0.0; 3]));

@@ -50,9 +50,8 @@ fn by_pieces<K: Constraint>(model: &Model, rows: &K, x: &[Wide], pieces: &[Piece
 
 /// The state of seven joints at rest in lanes with these positions moved by an angle.
 fn state(numbers: &[f64], by: f64) -> Vec<Wide> {
-    let entry = |i: usize| match i < 7 {
-        true => Lanes(std::array::from_fn(|lane| numbers[LANES * i + lane] + by)),
-        false => Wide::splat(0.0),
+    let entry = |i: usize| {
+        if i < 7 { Lanes(std::array::from_fn(|lane| numbers[LANES * i + lane] + by)) } else { Wide::splat(0.0) }
     };
     (0..14).map(entry).collect()
 }

@@ -176,10 +176,7 @@ fn a_half_space_ends_at_its_offset_along_its_normal() {
             assert!((found.normal - normal.normalize()).norm() < 1e-15);
             assert_eq!(found.curvature, Matrix3::zeros());
         }
-        let lower = match height(&ends[0]) < height(&ends[1]) {
-            true => ends[0],
-            false => ends[1],
-        };
+        let lower = if height(&ends[0]) < height(&ends[1]) { ends[0] } else { ends[1] };
         let nearest = solid.nearest_on_segment(&ends).expect("in closed form");
         assert!((nearest - lower).norm() < 1e-15);
     }

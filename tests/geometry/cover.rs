@@ -203,9 +203,8 @@ fn a_gap_or_an_inner_wall_changes_little() {
     };
     let walls = |h: [f64; 2]| {
         [[h[0], -h[1], h[0], h[1]], [-h[0], h[1], h[0], h[1]]].into_iter().flat_map(|[a, b, c, d]| {
-            let at = move |side: f64, z: f64, first: bool| match first {
-                true => Vector3::new(side * a, side * b, z),
-                false => Vector3::new(side * c, side * d, z),
+            let at = move |side: f64, z: f64, first: bool| {
+                if first { Vector3::new(side * a, side * b, z) } else { Vector3::new(side * c, side * d, z) }
             };
             [-1.0, 1.0].into_iter().flat_map(move |side| {
                 let [p, q] = [at(side, -0.05, true), at(side, -0.05, false)];

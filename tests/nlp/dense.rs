@@ -135,10 +135,7 @@ impl Nlp for Dense {
         let all = self.all(&x);
         self.evaluations += 1;
         h.clear();
-        let margin = |row: &(usize, f64, f64, bool)| match row.3 || !self.tightened {
-            true => 0.0,
-            false => self.margin,
-        };
+        let margin = |row: &(usize, f64, f64, bool)| if row.3 || !self.tightened { 0.0 } else { self.margin };
         let rows = all[1..].iter().zip(&self.rows);
         h.extend(rows.map(|(h, row)| h.re + margin(row)));
         Ok(all[0].re)

@@ -138,10 +138,7 @@ impl<S: Scalar> PointCost<S> for OfJerk {
         let n = jerks.nrows();
         for g in 0..points.count() {
             let q = points.point(g).q;
-            let hessian = DMatrix::from_fn(3 * n, 3 * n, |i, j| match i == j && i < n {
-                true => two,
-                false => S::zero(),
-            });
+            let hessian = DMatrix::from_fn(3 * n, 3 * n, |i, j| if i == j && i < n { two } else { S::zero() });
             out.hessians.set(g, &hessian);
             for x in 0..3 {
                 let slopes = DVector::from_fn(n, |i, _| if x == 0 { two * q[i] } else { S::zero() });

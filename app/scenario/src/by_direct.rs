@@ -135,9 +135,12 @@ fn failure_of(solution: &DirectSolution, settings: &DirectSettings) -> Option<St
         ];
         let off = off.into_iter().filter(|(_, reached, asked)| reached.is_nan() || reached > asked);
         let off: Vec<_> = off
-            .map(|(what, reached, asked)| match reached.is_finite() {
-                true => format!("the {what} is {reached:.1e}, {asked:e} was asked for"),
-                false => format!("the {what} is not known"),
+            .map(|(what, reached, asked)| {
+                if reached.is_finite() {
+                    format!("the {what} is {reached:.1e}, {asked:e} was asked for")
+                } else {
+                    format!("the {what} is not known")
+                }
             })
             .collect();
         return Some(if off.is_empty() {

@@ -35,9 +35,10 @@ impl Scenario {
 
     /// The measure by which ends are compared before any search, in words.
     pub(super) fn measure(&self) -> &'static str {
-        match self.has_free_horizon() {
-            true => "the least duration within the limits of the joints, then the distance",
-            false => "the effort of a cubic",
+        if self.has_free_horizon() {
+            "the least duration within the limits of the joints, then the distance"
+        } else {
+            "the effort of a cubic"
         }
     }
 
@@ -232,10 +233,7 @@ fn beyond_reach(goal: &Goal, model: &Model) -> Option<String> {
     let (name, origin) = first?;
     let distance = (position - origin).norm() - goal.tolerance_m.unwrap_or(0.0);
     (distance > reach + f64::EPSILON.sqrt()).then(|| {
-        let units = match distance > FAR * reach {
-            true => format!("; {MILLIMETRES}"),
-            false => String::new(),
-        };
+        let units = if distance > FAR * reach { format!("; {MILLIMETRES}") } else { String::new() };
         let [distance, reach] = [distance, reach].map(|x| plain((1e4 * x).round() / 1e4));
         format!(
             "its position is {distance} m from joint '{name}', and the links to frame '{}' add up to {reach} m{units}",

@@ -229,9 +229,10 @@ impl ScenarioFile {
     /// The highest continuous derivative of motions by the direct method.
     #[must_use]
     pub fn continuity(&self) -> Continuous {
-        let default = match self.passive.is_empty() && self.phases.is_empty() {
-            true => Continuous::Acceleration,
-            false => Continuous::Velocity,
+        let default = if self.passive.is_empty() && self.phases.is_empty() {
+            Continuous::Acceleration
+        } else {
+            Continuous::Velocity
         };
         self.continuity.unwrap_or(default)
     }

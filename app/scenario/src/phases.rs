@@ -95,10 +95,7 @@ pub(super) struct PhaseTerms {
 pub(super) fn complete(file: &mut ScenarioFile, path: &str) -> Result<()> {
     let refuse = |key: &str, condition: &str| Err(Error::input(path, key, format!("phases: {condition}")));
     let Some((first, last)) = file.phases.first().zip(file.phases.last()) else {
-        return match file.periodic {
-            true => refuse("periodic", "there are none"),
-            false => Ok(()),
-        };
+        return if file.periodic { refuse("periodic", "there are none") } else { Ok(()) };
     };
     for (key, given) in [
         ("waypoints", !file.waypoints.is_empty()),

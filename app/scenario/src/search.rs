@@ -99,10 +99,7 @@ impl<'s, 'o> Search<'s, 'o> {
         let fixed = DirectSettings { free_horizon: None, ..settings };
         let before = self.solve(&problem, fixed)?;
         if self.goes_on(&before) {
-            let horizon = match self.settings.parts.is_empty() {
-                true => problem.horizon(),
-                false => before.curve.horizon(),
-            };
+            let horizon = if self.settings.parts.is_empty() { problem.horizon() } else { before.curve.horizon() };
             let found = self.from(&before, horizon, Some(free), None, 0)?;
             if is_valid(&found) {
                 return Ok(joined(before, found));

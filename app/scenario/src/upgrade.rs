@@ -283,8 +283,9 @@ fn pose(position: Vector3<f64>, z: &Vector3<f64>, at: &Place<'_>) -> Result<Valu
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
     // A zero without a sign.
     let position: Vec<_> = position.iter().map(|x| x + 0.0).collect();
-    Ok(match turn == UnitQuaternion::identity() {
-        true => json!({ "position_m": position }),
-        false => json!({ "position_m": position, "orientation_xyzw": turn.coords.as_slice() }),
+    Ok(if turn == UnitQuaternion::identity() {
+        json!({ "position_m": position })
+    } else {
+        json!({ "position_m": position, "orientation_xyzw": turn.coords.as_slice() })
     })
 }

@@ -24,10 +24,7 @@ pub(super) struct LinearRow {
 
 /// The row of a bound of a horizon, a lower one with a negative sign, and its slope.
 fn bound_of_horizon(horizon: f64, bound: f64, sign: f64) -> (f64, f64) {
-    match sign > 0.0 {
-        true => (horizon / bound - 1.0, 1.0 / bound),
-        false => (bound / horizon - 1.0, -bound / horizon.powi(2)),
-    }
+    if sign > 0.0 { (horizon / bound - 1.0, 1.0 / bound) } else { (bound / horizon - 1.0, -bound / horizon.powi(2)) }
 }
 
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {

@@ -25,10 +25,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// The term of a row: with its multiplier as slope for the Lagrangian.
     pub(super) fn term(&self, iterate: &Iterate, state: &RowState, h: f64) -> Term {
         let term = iterate.term(state, h);
-        match self.lagrangian {
-            false => term,
-            true => Term { slope: term.multiplier, cost: 0.0, ..term },
-        }
+        if self.lagrangian { Term { slope: term.multiplier, cost: 0.0, ..term } } else { term }
     }
 
     /// The smallest curvature at the unknowns of an iterate.

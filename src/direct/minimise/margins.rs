@@ -158,9 +158,10 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// They raise the rows at the two points of the segment next to a maximum to the height of the maximum, or only
     /// `grow`, by twice the excess of the maximum.
     pub(super) fn set_margins(&mut self, grow: bool) {
-        match grow {
-            true => self.set_reserves(),
-            false => self.reserve(),
+        if grow {
+            self.set_reserves()
+        } else {
+            self.reserve()
         }
         let fixed = self.fixed_ends();
         let (grid, integrand) = (&self.grid, self.objective.cost());
@@ -179,10 +180,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
                 continue;
             }
             for at in self.rows_beside(maximum).into_iter().flatten() {
-                let share = match of_phase {
-                    true => share_in_phase(phases, grid.times[at / count]),
-                    false => 1.0,
-                };
+                let share = if of_phase { share_in_phase(phases, grid.times[at / count]) } else { 1.0 };
                 let reserve = share * self.reserves[maximum.row];
                 if !grow {
                     let beside = reserve + maximum.height - self.value_of(at);

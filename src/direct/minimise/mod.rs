@@ -194,10 +194,8 @@ fn take_end<K: Constraint, P: CostWithControl>(
     if stage.last {
         candidate.stationarity = program.stationarity(&x, &end.iterate)?;
         // Elsewhere the gradient does not vanish, and curvature does not show a minimum.
-        candidate.smallest_curvature = match candidate.converged {
-            true => program.smallest_curvature(&end.x, &end.iterate)?,
-            false => f64::NAN,
-        };
+        candidate.smallest_curvature =
+            if candidate.converged { program.smallest_curvature(&end.x, &end.iterate)? } else { f64::NAN };
     }
     Ok(())
 }
@@ -261,12 +259,11 @@ fn grid<K: Constraint, P: CostWithControl>(
     basis: &Basis,
     points: usize,
 ) -> Arc<Grid<f64>> {
-    match context.rows.attributes().equalities.contains(&true) {
-        true => {
-            let held = collocated_points(context, basis);
-            context.grids.collocated(basis, [points, held])
-        }
-        false => context.grids.with_ends(basis, points),
+    if context.rows.attributes().equalities.contains(&true) {
+        let held = collocated_points(context, basis);
+        context.grids.collocated(basis, [points, held])
+    } else {
+        context.grids.with_ends(basis, points)
     }
 }
 

@@ -264,15 +264,9 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         if self.horizons.parts().iter().any(|horizon| *horizon <= 0.0) {
             return Ok(f64::INFINITY);
         }
-        let objective = match self.free.parts.is_empty() {
-            true => cost,
-            false => cost + self.free.weight * self.horizons.whole(),
-        };
+        let objective = if self.free.parts.is_empty() { cost } else { cost + self.free.weight * self.horizons.whole() };
         let rows = &self.objective.cost().rows;
-        Ok(match self.working.is_left(rows, &h[..self.first_of_points]) {
-            true => f64::INFINITY,
-            false => objective,
-        })
+        Ok(if self.working.is_left(rows, &h[..self.first_of_points]) { f64::INFINITY } else { objective })
     }
 
     fn value_beside(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {

@@ -76,10 +76,7 @@ impl<'g> RateRows<'g> {
             let weights = Weights { first_order: &alone, gauss_newton: None };
             let found = placed.weighted_derivatives(self.constraints, weights)?;
             let gradient = found.gradient();
-            let gradient = DVector::from_fn(2 * n, |i, _| match i < n {
-                true => gradient[i].eps,
-                false => gradient[i - n].re,
-            });
+            let gradient = DVector::from_fn(2 * n, |i, _| if i < n { gradient[i].eps } else { gradient[i - n].re });
             out.gradient.axpy(term.slope, &gradient, 1.0);
             out.of_multipliers.axpy(term.multiplier, &gradient, 1.0);
             out.hessian.ger(term.curvature, &gradient, &gradient, 1.0);

@@ -62,9 +62,8 @@ impl WorkingSet {
         let cutoffs = rows.attributes().cutoffs[..state.dim()].iter();
         let both = self.nearest.iter().zip(cutoffs);
         // A scan needs no row with a cutoff that is not in the working set.
-        let far = both.clone().map(|(nearest, cutoff)| match cutoff.is_finite() {
-            true => nearest - search.reserve,
-            false => nearest.min(-search.scan_depth) - search.reserve,
+        let far = both.clone().map(|(nearest, cutoff)| {
+            if cutoff.is_finite() { nearest - search.reserve } else { nearest.min(-search.scan_depth) - search.reserve }
         });
         let far: Vec<_> = far.collect();
         // Two balls may move before a row that was at its cutoff is near.
@@ -88,10 +87,11 @@ impl WorkingSet {
         };
         let attributes = rows.attributes();
         let rows = attributes.clearances.iter().zip(&attributes.cutoffs);
-        let nearest = rows.map(|(clearance, cutoff)| match clearance {
-            true => -near.min(search.share_of_cutoff * cutoff),
-            false => f64::NEG_INFINITY,
-        });
+        let nearest = rows.map(
+            |(clearance, cutoff)| {
+                if *clearance { -near.min(search.share_of_cutoff * cutoff) } else { f64::NEG_INFINITY }
+            },
+        );
         self.outside.clear();
         self.inside.clear();
         let others = !nearest.clone().eq(self.nearest.iter().copied());
@@ -185,9 +185,10 @@ pub(crate) fn equalities<K: Constraint, P: CostWithControl>(
     for g in (0..grid.times.len()).filter(|g| grid.collocated[g % grid.points()]) {
         let weight = grid.weights[g % grid.points()] / Grid::COLLOCATED;
         all.extend(held.iter().map(|row| {
-            let first = match rows.constraints.is_passive(*row) {
-                true => search.motor_penalty,
-                false => search.equality_penalty * density,
+            let first = if rows.constraints.is_passive(*row) {
+                search.motor_penalty
+            } else {
+                search.equality_penalty * density
             };
             let at = g * count + row;
             Equality::new(Row { at, weight }, first, factor)

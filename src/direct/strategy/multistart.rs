@@ -86,10 +86,7 @@ pub(crate) fn multistart<'c, K: Constraint + Send + Sync, P: CostWithControl>(
     };
     // The stages after the starts need their part of the time.
     let goes_on = settings.free_horizon.is_some() || settings.degree_tolerance.is_some();
-    let share = match goes_on {
-        true => settings.search.share_of_starts,
-        false => 1.0,
-    };
+    let share = if goes_on { settings.search.share_of_starts } else { 1.0 };
     let mut next = 0;
     loop {
         let batch = all.batch(next);
@@ -140,10 +137,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
         let (context, settings) = (&self.context, self.context.settings);
         let problem = self.planned.problem(number)?;
         // Paths are for motions that are not found otherwise; bent starts lead to more minima in the same time.
-        let planned = match self.is_found() {
-            true => None,
-            false => self.planned.start(number, &problem)?,
-        };
+        let planned = if self.is_found() { None } else { self.planned.start(number, &problem)? };
         // A planned start has its own basis and enters at the highest degree.
         let (first, mut candidate) = match planned {
             Some(candidate) => (self.levels.len() - 1, candidate),

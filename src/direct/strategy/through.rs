@@ -91,10 +91,7 @@ fn nearer(path: &Path, waypoint: &Waypoint, [before, first, after]: [f64; 3]) ->
     let mut time = first;
     for _ in 0..GAUSS_NEWTON {
         let [q, slope, bend] = path.basis.evaluate(&path.coefficients, time);
-        let (off, rate) = match waypoint.stop {
-            true => (slope, bend),
-            false => (q - DVector::from_column_slice(guess), slope),
-        };
+        let (off, rate) = if waypoint.stop { (slope, bend) } else { (q - DVector::from_column_slice(guess), slope) };
         time -= off.dot(&rate) / rate.norm_squared();
         if !(time > before && time < after) {
             return first;

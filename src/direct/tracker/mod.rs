@@ -293,12 +293,11 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
         if !(is_current && short) {
             let mut begin = std::mem::take(&mut self.begin);
             begin.clear();
-            match left {
-                true => begin.extend(state),
-                false => {
-                    begin.extend(&self.commander.command.q);
-                    begin.extend(&self.commander.command.v);
-                }
+            if left {
+                begin.extend(state)
+            } else {
+                begin.extend(&self.commander.command.q);
+                begin.extend(&self.commander.command.v);
             }
             searched = self.search(&begin, now, is_current)?;
             self.begin = begin;
@@ -310,10 +309,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
         self.commander.command(self.model, state, &self.options)?;
         let finished = self.aims && !left && self.plan.left(now) == 0.0;
         Ok(Step {
-            outcome: match finished {
-                true => Outcome::Finished,
-                false => Outcome::Working,
-            },
+            outcome: if finished { Outcome::Finished } else { Outcome::Working },
             command: &self.commander.command,
             safety: match self.violated {
                 Some(Violation { row, by, at_s }) => Safety::Violated { row, by, after: at_s },

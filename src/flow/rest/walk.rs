@@ -205,10 +205,7 @@ impl Walk {
     ) -> Result<()> {
         let of_slips = program.slip_multipliers().as_slice().to_vec();
         let grid = program.free.grid;
-        let times = match of_slips.is_empty() {
-            true => Vec::new(),
-            false => grid.times.clone(),
-        };
+        let times = if of_slips.is_empty() { Vec::new() } else { grid.times.clone() };
         let rows = &program.free.objective.cost().cost.rows;
         let of_rows = end.iterate.multipliers(grid.times.len() * rows.count());
         let mut multipliers = Multipliers::default();

@@ -75,10 +75,7 @@ impl Certify {
         }
         write_text(&text, &self.out)?;
         print(&format!("wrote {}", self.out.display()))?;
-        Ok(match certificate.complete {
-            true => ExitCode::SUCCESS,
-            false => ExitCode::from(IN_PART),
-        })
+        Ok(if certificate.complete { ExitCode::SUCCESS } else { ExitCode::from(IN_PART) })
     }
 
     /// The text of the scenario as it was given, if it is a file.

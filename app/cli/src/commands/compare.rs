@@ -45,10 +45,7 @@ impl Compare {
 /// The path of the summary in a folder, or of the file itself.
 pub(super) fn summary_at(path: &Path) -> Result<String> {
     let summaries = SUMMARIES.map(|name| path.join(name));
-    let found = match path.is_dir() {
-        false => Some(path),
-        true => summaries.iter().find(|p| p.is_file()).map(PathBuf::as_path),
-    };
+    let found = if path.is_dir() { summaries.iter().find(|p| p.is_file()).map(PathBuf::as_path) } else { Some(path) };
     let found = found.ok_or_else(|| {
         let [success, failure] = SUMMARIES;
         let condition = format!("there is neither '{success}' nor '{failure}' in this folder");

@@ -39,9 +39,10 @@ impl Doctor {
             packages: self.packages.folders(),
             excess: self.excess,
         })?;
-        match self.json {
-            true => print_json(&diagnosis)?,
-            false => print(&page(&diagnosis))?,
+        if self.json {
+            print_json(&diagnosis)?
+        } else {
+            print(&page(&diagnosis))?
         }
         Ok(match diagnosis.plannable {
             Plannable::Yes | Plannable::WithKeys => ExitCode::SUCCESS,

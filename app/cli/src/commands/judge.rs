@@ -77,9 +77,6 @@ fn table_at(path: &Path) -> Result<PathBuf> {
         return Ok(path.to_owned());
     }
     let found = PathBuf::from(summary_at(path)?);
-    let table = match found.ends_with(failed_summary) {
-        true => failed_table,
-        false => table,
-    };
+    let table = if found.ends_with(failed_summary) { failed_table } else { table };
     Ok(found.with_file_name(table))
 }

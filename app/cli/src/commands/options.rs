@@ -20,10 +20,7 @@ impl OptionArgs {
     /// The given options, completed by those of the repeated solve if that used the same method.
     pub fn over(self, repeated: &SolveOptions) -> Result<SolveOptions> {
         let method = self.method.unwrap_or(repeated.method());
-        let mut keys = match method == repeated.method() {
-            true => repeated.keys()?,
-            false => Map::new(),
-        };
+        let mut keys = if method == repeated.method() { repeated.keys()? } else { Map::new() };
         keys.extend(self.keys);
         SolveOptions::from_keys(method, keys)
     }

@@ -31,10 +31,7 @@ impl OutArgs {
             let condition = "its name is not that of a folder; --out chooses one";
             return Err(Error::input(name, "output", condition));
         }
-        match self.force {
-            true => OutputFolder::open(&path, files, true),
-            false => OutputFolder::fresh(&path),
-        }
+        if self.force { OutputFolder::open(&path, files, true) } else { OutputFolder::fresh(&path) }
     }
 }
 

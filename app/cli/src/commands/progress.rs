@@ -69,10 +69,7 @@ impl Progress {
         let best = self
             .least
             .map_or_else(|| "nothing within the constraints yet".to_owned(), |least| format!("best {least:.5e}"));
-        let off = match violation > 0.0 {
-            true => format!(", violation {violation:.1e}"),
-            false => String::new(),
-        };
+        let off = if violation > 0.0 { format!(", violation {violation:.1e}") } else { String::new() };
         format!(
             "{best}; {stage}, degree {}: cost {cost:.4e}{off}, gradient {:.1e}",
             iteration.degree, iteration.gradient_norm

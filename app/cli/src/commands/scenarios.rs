@@ -67,9 +67,10 @@ impl Scenarios {
         if let Some(path) = &self.out {
             refuse_existing(path, self.force)?;
         }
-        let scenario = match self.upgrade {
-            true => ScenarioFile::upgrade(&read_named(Path::new(name), "scenario")?, name)?,
-            false => self.robot.scenario(name)?.file,
+        let scenario = if self.upgrade {
+            ScenarioFile::upgrade(&read_named(Path::new(name), "scenario")?, name)?
+        } else {
+            self.robot.scenario(name)?.file
         };
         match &self.out {
             None => print_json(&scenario),

@@ -88,9 +88,10 @@ impl SolveArgs {
         }
         let folder = (self.out).folder(Path::new("out"), &scenario.name, &REPORT_FILES)?;
         let folders = phase_folders(&folder, scenario.file.phases.len())?;
-        let interrupt = match options.keys()?.contains_key("time_limit_s") {
-            true => Interrupt::default(),
-            false => Interrupt::after(TIME_LIMIT),
+        let interrupt = if options.keys()?.contains_key("time_limit_s") {
+            Interrupt::default()
+        } else {
+            Interrupt::after(TIME_LIMIT)
         };
         signals::stop_first(&interrupt);
         let hidden = self.json || self.verbose;
@@ -119,10 +120,7 @@ impl SolveArgs {
         stages.finish();
         progress.finish();
 
-        let page = match self.no_report {
-            true => None,
-            false => Some(page(&[Motion::of_report(&scenario, &outcome)])?),
-        };
+        let page = if self.no_report { None } else { Some(page(&[Motion::of_report(&scenario, &outcome)])?) };
         let page = page.as_deref();
         let files = write_report(&scenario, &outcome, page, &folder, sampling).or_else(|error| {
             let spare = spare(&error, &scenario.name)?;
@@ -160,10 +158,7 @@ impl SolveArgs {
     /// Writes the files of the phases; returns the folder that has theirs.
     fn write_phases(&self, walk: &Walk, folders: &[OutputFolder]) -> Result<PathBuf> {
         for ((phase, outcome), folder) in walk.phases.iter().zip(folders) {
-            let page = match self.no_report {
-                true => None,
-                false => Some(page(&[Motion::of_report(phase, outcome)])?),
-            };
+            let page = if self.no_report { None } else { Some(page(&[Motion::of_report(phase, outcome)])?) };
             let sampling = self.sampling.sampling();
             write_report(phase, outcome, page.as_deref(), folder, sampling)?;
         }
@@ -186,8 +181,5 @@ fn phase_folders(folder: &OutputFolder, phases: usize) -> Result<Vec<OutputFolde
 
 /// The exit code of a solve.
 fn code(success: bool) -> ExitCode {
-    match success {
-        true => ExitCode::SUCCESS,
-        false => ExitCode::from(FAILED),
-    }
+    if success { ExitCode::SUCCESS } else { ExitCode::from(FAILED) }
 }

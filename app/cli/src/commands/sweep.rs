@@ -52,10 +52,7 @@ impl Sweep {
         let folder = (self.out).unwrap_or_else(|| PathBuf::from("out/sweeps").join(&sweep.name));
         let shard = self.shard.unwrap_or(Shard::WHOLE);
         let (rows, path) = if self.merge {
-            let files = match self.files.is_empty() {
-                true => shard_files(&folder)?,
-                false => self.files,
-            };
+            let files = if self.files.is_empty() { shard_files(&folder)? } else { self.files };
             merge(&sweep, &files, &folder)?
         } else {
             let results = Results::open(&sweep, shard, &folder)?;

@@ -61,9 +61,10 @@ impl TradeoffArgs {
         for file in files {
             print(&format!("wrote {}", file.display()))?;
         }
-        Ok(match found.iter().all(|(_, report)| report.summary.success) {
-            true => ExitCode::SUCCESS,
-            false => ExitCode::from(FAILED),
+        Ok(if found.iter().all(|(_, report)| report.summary.success) {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::from(FAILED)
         })
     }
 }

@@ -85,17 +85,18 @@ fn not_disabled(
     let missing = sampled.iter();
     let missing = missing.filter(|pair| !disabled.contains(&sorted(&pair.links)));
     let names = missing.map(|IgnoredPair { links: [a, b], reason }| format!("{a} and {b} ({reason})"));
-    let (condition, remedy) = match with_srdf {
-        true => (
+    let (condition, remedy) = if with_srdf {
+        (
             "they are neighbours, or overlap in all samples, and the SRDF does not disable them",
             "disable_collisions in the SRDF where they touch, or \"self_collision\": {\"ignored_pairs\": [...]}, which \
              takes the place of the pairs of the SRDF"
                 .to_owned(),
-        ),
-        false => (
+        )
+    } else {
+        (
             "they are neighbours, or overlap in all samples, and need not keep clear of each other",
             format!("nothing is needed; aghf pairs {robot} lists them"),
-        ),
+        )
     };
     Finding::about(Severity::Note, "pair", names, [condition, &remedy])
 }

@@ -150,9 +150,10 @@ pub fn examine(examination: &Examination) -> Result<Diagnosis> {
         links: robot.links.len(),
         joints: kinds(robot),
         mass_kg: None,
-        kept_clear: match robot.links.iter().any(|link| !link.collision.is_empty()) {
-            true => "collision shapes of obstacles, and of each other but for neighbours",
-            false => "origins of joint frames of obstacles, links not of each other",
+        kept_clear: if robot.links.iter().any(|link| !link.collision.is_empty()) {
+            "collision shapes of obstacles, and of each other but for neighbours"
+        } else {
+            "origins of joint frames of obstacles, links not of each other"
         },
         shapes: Shapes::default(),
         states: Vec::new(),
@@ -285,10 +286,8 @@ fn of_model(model: &Model, robot: &Robot) -> Result<Vec<Finding>> {
                      sets another";
         let alike = "\"losses\": {\"armature\": {JOINT: KG_M2}}, \"locked_joints\": {JOINT: POSITION}, or a \
                      \"group\" without it";
-        let (severity, remedy) = match model.substitute_rotors()?.is_empty() {
-            false => (Severity::Note, rotor),
-            true => (Severity::NeedsKey, alike),
-        };
+        let (severity, remedy) =
+            if model.substitute_rotors()?.is_empty() { (Severity::NeedsKey, alike) } else { (Severity::Note, rotor) };
         let (reason, _) = condition.split_once(';').unwrap_or((condition, ""));
         (findings).extend(Finding::about(severity, "joint", names, [reason, remedy]));
     }

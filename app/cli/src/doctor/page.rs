@@ -97,9 +97,10 @@ fn of_shapes(shapes: &Shapes) -> String {
 fn row(shapes: &[LinkShape]) -> [String; 4] {
     let mut kinds: Vec<(String, usize)> = Vec::new();
     for shape in shapes {
-        let name = match shape.mesh {
-            true => format!("mesh {}", shape.shape.rsplit('/').next().unwrap_or_default()),
-            false => shape.shape.clone(),
+        let name = if shape.mesh {
+            format!("mesh {}", shape.shape.rsplit('/').next().unwrap_or_default())
+        } else {
+            shape.shape.clone()
         };
         match kinds.iter_mut().find(|(kind, _)| *kind == name) {
             Some((_, count)) => *count += 1,

@@ -54,10 +54,7 @@ fn failure_text(failure: &Failure) -> String {
         "" => String::new(),
         place => format!(" by {place}"),
     };
-    let at = match failure.at_s.is_nan() {
-        true => String::new(),
-        false => format!(" at {:.6} s", failure.at_s),
-    };
+    let at = if failure.at_s.is_nan() { String::new() } else { format!(" at {:.6} s", failure.at_s) };
     let by = (value - bound).abs();
     format!("{}: {outcome}{place}{at}: {value} where {bound} is allowed, by {by:.1e}", failure.promise)
 }

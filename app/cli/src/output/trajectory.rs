@@ -155,10 +155,7 @@ pub fn write_report(
 ) -> Result<Vec<PathBuf>> {
     let (summary, curve) = (&outcome.summary, &outcome.curve);
     let (success, failure) = REPORT_FILES.split_at(REPORT_FILES.len() / 2);
-    let (own, other) = match summary.success {
-        true => (success, failure),
-        false => (failure, success),
-    };
+    let (own, other) = if summary.success { (success, failure) } else { (failure, success) };
     let mut paths: Vec<_> = own.iter().map(|name| folder.path().join(name)).collect();
     let times = Sampling::or_sufficient(sampling, scenario, curve)?.times(curve.horizon())?;
     let comments: Vec<String> = failure_comment(summary.failure.as_deref()).into_iter().collect();

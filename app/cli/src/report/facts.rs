@@ -68,10 +68,7 @@ impl SolveFacts {
 
 /// The commands that repeat a solve: from its summary in its folder, and by all options if the scenario is built in.
 fn commands(summary: &Summary) -> Vec<String> {
-    let file = match summary.success {
-        true => "summary.json",
-        false => "summary.failed.json",
-    };
+    let file = if summary.success { "summary.json" } else { "summary.failed.json" };
     let mut commands = vec![format!("aghf solve {file}")];
     let name = &summary.scenario;
     if builtin_scenarios().any(|other| other == name) || is_generated(name) {

@@ -120,12 +120,11 @@ fn label(x: f64, range: &Range<f64>) -> String {
     }
     let rounded = format!("{x:.3e}");
     let (digits, exponent) = rounded.split_once('e').unwrap_or((&rounded, "0"));
-    match (1e-3..1e5).contains(&x.abs()) {
-        true => rounded.parse::<f64>().unwrap_or(x).to_string(),
-        false => {
-            let digits = digits.trim_end_matches('0').trim_end_matches('.');
-            format!("{digits}e{exponent}")
-        }
+    if (1e-3..1e5).contains(&x.abs()) {
+        rounded.parse::<f64>().unwrap_or(x).to_string()
+    } else {
+        let digits = digits.trim_end_matches('0').trim_end_matches('.');
+        format!("{digits}e{exponent}")
     }
 }
 
@@ -242,10 +241,7 @@ fn draw(root: &DrawingArea<SVGBackend<'_>, Shift>, axes: &Axes, lines: &[Line], 
         rectangle(strip, INK.mix(ALONE))?;
     }
     let few = up.end - up.start < 1.5;
-    let up_label = |y: &f64| match axes.logarithmic {
-        true => power_label(*y, few),
-        false => label(*y, &up),
-    };
+    let up_label = |y: &f64| if axes.logarithmic { power_label(*y, few) } else { label(*y, &up) };
     let font = ("sans-serif", f64::from(fine(FONT)) * 1.24);
     chart
         .configure_mesh()

@@ -49,9 +49,10 @@ fn inertias_beyond_the_extent_of_a_link_are_asked_about() {
         for each in [gyration, centre, angle] {
             let names = found(&diagnosis, each).into_iter().flat_map(|(_, names)| names);
             let names: Vec<_> = names.collect();
-            match words == Some(each) {
-                true => assert!(names[0].starts_with("upper"), "{inertial}: {diagnosis}"),
-                false => assert!(names.is_empty(), "{inertial}: {each}: {diagnosis}"),
+            if words == Some(each) {
+                assert!(names[0].starts_with("upper"), "{inertial}: {diagnosis}")
+            } else {
+                assert!(names.is_empty(), "{inertial}: {each}: {diagnosis}")
             }
         }
     }

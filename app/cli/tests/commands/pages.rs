@@ -99,10 +99,7 @@ fn the_keys_of_the_pages_are_those_of_a_scenario() {
         for keys in blocks(&text, "json") {
             if keys.starts_with('"') {
                 let keys = keys.trim_end().trim_end_matches(',');
-                let robot = match keys.starts_with("\"robot\"") {
-                    true => "",
-                    false => "\"robot\": \"r\",",
-                };
+                let robot = if keys.starts_with("\"robot\"") { "" } else { "\"robot\": \"r\"," };
                 let others = "\"horizon_s\": 1, \"q_start\": [], \"v_start\": []";
                 let scenario = format!("{{{robot} {others}, {keys}}}");
                 let file = serde_json::from_str::<ScenarioFile>(&scenario);

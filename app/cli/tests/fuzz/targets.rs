@@ -161,10 +161,8 @@ const BESIDE: [(&str, &str); 3] = [
 /// A planning problem of MoveIt of which the file called `mutated` is the one at `path`.
 fn moveit(path: &Path, mutated: &str) -> Result<Outcome, String> {
     let folder = path.parent().ok_or("it is in a folder")?;
-    let [urdf, scene, request] = BESIDE.map(|(name, _)| match name == mutated {
-        true => path.to_owned(),
-        false => folder.join(name),
-    });
+    let [urdf, scene, request] =
+        BESIDE.map(|(name, _)| if name == mutated { path.to_owned() } else { folder.join(name) });
     for (name, text) in BESIDE {
         std::fs::write(folder.join(name), text).map_err(|e| e.to_string())?;
     }

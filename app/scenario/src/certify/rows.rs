@@ -100,10 +100,8 @@ pub(super) fn rows_of(promise: Promise, constraints: &[AnyConstraint], model: &M
     let mut scales = vec![1.0; constraints.dim()];
     constraints.row_scales(&mut scales);
     let row = |(i, scale): (usize, &f64)| {
-        let bounds = match constraints.is_equality(i) {
-            true => [-EQUALITY * scale, EQUALITY * scale],
-            false => [f64::NEG_INFINITY, 0.0],
-        };
+        let bounds =
+            if constraints.is_equality(i) { [-EQUALITY * scale, EQUALITY * scale] } else { [f64::NEG_INFINITY, 0.0] };
         Row { scale: *scale, ..Row::new(promise, constraints.label(i, model).name, bounds) }
     };
     scales.iter().enumerate().map(row).collect()
@@ -145,9 +143,10 @@ impl Nearest {
 
     /// The value that is not excluded, if the claim is not accepted.
     pub(super) fn not_excluded(&self, row: &Row) -> f64 {
-        match self.bound == row.bounds[1] {
-            true => self.bound - self.claim * row.scale,
-            false => self.bound + self.claim * row.scale,
+        if self.bound == row.bounds[1] {
+            self.bound - self.claim * row.scale
+        } else {
+            self.bound + self.claim * row.scale
         }
     }
 
@@ -159,10 +158,7 @@ impl Nearest {
     /// True if the value exceeds the bound by more than is accepted.
     pub(super) fn is_beyond(&self, row: &Row) -> bool {
         let beyond = (self.value - self.bound).abs();
-        let out = match self.bound == row.bounds[1] {
-            true => self.value > self.bound,
-            false => self.value < self.bound,
-        };
+        let out = if self.bound == row.bounds[1] { self.value > self.bound } else { self.value < self.bound };
         out && beyond > TOLERANCE * row.scale
     }
 }
@@ -241,10 +237,7 @@ impl<'a> Rows<'a> {
 
     /// The nearest value of a row whose values are those of a polynomial.
     pub(super) fn nearest_of(&self, row: &Row, polynomial: &Polynomial) -> Nearest {
-        let basis = match polynomial.coefficients.len() <= ORDER {
-            true => &self.of_models,
-            false => &self.of_motion,
-        };
+        let basis = if polynomial.coefficients.len() <= ORDER { &self.of_models } else { &self.of_motion };
         let (scale, [least, most]) = (row.scale, row.bounds);
         let of = |range: Range| {
             let below = ((range.lower - least) / scale, range.least_at_most, least, range.places[0]);

@@ -50,10 +50,8 @@ fn outcomes(scenario: &Scenario, is_known: bool) -> Vec<(&'static str, String)> 
         (true, true) => PROVED.to_owned(),
         (true, false) => format!("{LEFT_OUT}{MESHES}"),
     };
-    let left_out = |is_asked: bool, reason: &str| match is_asked {
-        true => format!("{LEFT_OUT}{reason}"),
-        false => NO_PROMISE.to_owned(),
-    };
+    let left_out =
+        |is_asked: bool, reason: &str| if is_asked { format!("{LEFT_OUT}{reason}") } else { NO_PROMISE.to_owned() };
     #[rustfmt::skip]
     let ScenarioFile {
         schema, robot, packages, root, mount, gravity, mimic, srdf, group, held_state, locked_joints, losses,

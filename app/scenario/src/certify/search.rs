@@ -112,10 +112,7 @@ impl Failure {
             promise,
             place: row.place.clone(),
             at_s,
-            value: match is_broken {
-                true => nearest.value,
-                false => nearest.not_excluded(row),
-            },
+            value: if is_broken { nearest.value } else { nearest.not_excluded(row) },
             bound: nearest.bound,
             is_broken,
         }

@@ -142,10 +142,7 @@ fn smoothest(whole: Hermite, q: [f64; 2], v: [f64; 2], a: [Option<f64>; 2], inte
         let [[least, most], _] = of.bounds(3, [0.0, 1.0]);
         least.abs().max(most.abs())
     };
-    let smoother = others.into_iter().reduce(|a, b| match roughness(&b) < roughness(&a) {
-        true => b,
-        false => a,
-    });
+    let smoother = others.into_iter().reduce(|a, b| if roughness(&b) < roughness(&a) { b } else { a });
     // A jump that is large beside the other changes of the acceleration makes jerks many times as large.
     smoother.filter(|other| 2.0 * roughness(other) < roughness(&whole)).unwrap_or(whole)
 }

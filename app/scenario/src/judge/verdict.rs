@@ -289,9 +289,10 @@ impl Row {
 
     /// Notes that nothing is proved at a time after the start, which is due to derived rates or to the limit of work.
     pub(super) fn leave(&mut self, derived: bool, at_s: f64) {
-        let (outcome, note) = match derived {
-            true => (Outcome::NotChecked, format!("the positions alone do not determine it at {at_s:.4} s")),
-            false => (Outcome::Undecided, format!("not proved at {at_s:.4} s")),
+        let (outcome, note) = if derived {
+            (Outcome::NotChecked, format!("the positions alone do not determine it at {at_s:.4} s"))
+        } else {
+            (Outcome::Undecided, format!("not proved at {at_s:.4} s"))
         };
         if outcome > self.outcome {
             (self.outcome, self.note) = (outcome, Some(note));

@@ -14,10 +14,7 @@ fn cost(name: &str, scenario: &Value) -> f64 {
     let Details::Direct(details) = summary.details else {
         panic!("by the direct method");
     };
-    match scenario.file.objective.weighs_time() {
-        true => details.horizon_s,
-        false => details.cost,
-    }
+    if scenario.file.objective.weighs_time() { details.horizon_s } else { details.cost }
 }
 
 /// The limits of accelerations and jerks, with which the duration of a motion is that of a real arm.

@@ -215,10 +215,7 @@ impl Windowed {
         let ends = proptest::array::uniform14(-1.0..1.0);
         let all = (ends, any::<[bool; 3]>(), windows, 0.6..0.95);
         all.prop_map(|(ends, [planar, is_free, is_speed], times, share)| {
-            let (robot, tool, n) = match planar {
-                true => ("pendulum_3", "link_3", 3),
-                false => ("kinova_gen3", TOOL, 7),
-            };
+            let (robot, tool, n) = if planar { ("pendulum_3", "link_3", 3) } else { ("kinova_gen3", TOOL, 7) };
             let rest = [0.0, 0.5, 0.0, 1.6, 0.0, 1.0, 0.0];
             let of_end =
                 |end: usize, range: f64| -> Vec<f64> { (0..n).map(|i| rest[i] + range * ends[7 * end + i]).collect() };
