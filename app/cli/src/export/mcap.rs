@@ -5,7 +5,7 @@ use super::messages::{JointState, Message, Pose, Text, TransformStamped, Transfo
 use super::schemas::schema;
 use aghf::dynamics::{forward_kinematics, frame_placement};
 use aghf::error::Result;
-use aghf::model::Model;
+use aghf::model::{Frame, Model};
 use aghf::spatial::Placement;
 use aghf_scenario::{Header, JointTrajectory, Scenario, Stamp};
 use cdr_encoding::to_vec;
@@ -105,42 +105,53 @@ fn relative(from: &Placement<f64>, to: &Placement<f64>) -> Placement<f64> {
     Placement::new(back * to.rotation, back * (to.translation - from.translation))
 }
 
+/// True for the root of a robot that is mounted somewhere in the world.
+fn is_mounted(root: &Frame<f64>) -> bool {
+    root.body.is_none() && root.carrier.is_none() && root.placement != Placement::identity()
+}
+
 /// The links of a robot.
 struct Links<'m> {
     model: &'m Model,
-    /// The name of the root.
-    root: String,
+    /// The name of the frame in which positions are: the root, or the world in which a robot is mounted.
+    base: String,
 }
+
+/// The name of the world.
+const WORLD: &str = "world";
 
 impl<'m> Links<'m> {
     fn new(model: &'m Model) -> Self {
-        let base = model.frames().iter().find(|f| f.body.is_none() && f.carrier.is_none());
-        Self { model, root: base.map_or("base", |frame| &frame.name).to_owned() }
+        let root = model.frames().iter().find(|f| f.body.is_none() && f.carrier.is_none());
+        let base = root.map_or("base", |root| if is_mounted(root) { WORLD } else { &root.name });
+        Self { model, base: base.to_owned() }
     }
 
-    /// A header in the frame of the root.
+    /// A header in the frame in which positions are.
     fn header(&self, stamp: Stamp) -> Header {
-        Header { stamp, frame_id: self.root.clone() }
+        Header { stamp, frame_id: self.base.clone() }
     }
 
-    /// The transforms from each link to its parent at a configuration.
+    /// The transforms from each link to its parent at a configuration, and from the root of a mounted robot to the
+    /// world.
     fn transforms(&self, q: &[f64], stamp: Stamp) -> Result<Transforms> {
         let mut placements = vec![Placement::identity(); self.model.dof()];
         forward_kinematics(self.model, q, &mut placements)?;
         let frames = self.model.frames();
         let mut transforms = Vec::new();
         for frame in frames {
-            let Some(carrier) = &frame.carrier else {
+            if frame.carrier.is_none() && !is_mounted(frame) {
                 continue;
-            };
+            }
             let own = frame_placement(frame, &placements)?;
-            let parent = carrier.parent.map(|parent| &frames[parent]);
+            let parent = frame.carrier.as_ref().and_then(|carrier| carrier.parent);
+            let parent = parent.map(|parent| &frames[parent]);
             let transform = match parent {
                 Some(parent) => relative(&frame_placement(parent, &placements)?, &own),
                 None => own,
             };
             transforms.push(TransformStamped {
-                header: Header { stamp, frame_id: parent.map_or(&self.root, |parent| &parent.name).clone() },
+                header: Header { stamp, frame_id: parent.map_or(&self.base, |parent| &parent.name).clone() },
                 child_frame_id: frame.name.clone(),
                 transform: Pose::new(&transform),
             });

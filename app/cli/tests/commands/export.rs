@@ -6,8 +6,8 @@ use byteorder::LittleEndian;
 use cdr_encoding::from_bytes;
 use mcap::MessageStream;
 use serde::Deserialize;
-use serde_json::Value;
-use std::collections::BTreeMap;
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Solves a problem among spheres; the motion is swift at its end.
@@ -136,4 +136,36 @@ fn a_recording_has_the_robot_the_plan_and_the_states() {
     for (x, goal) in last.position.iter().zip(goal.as_array().expect("a list")) {
         assert!((x - goal.as_f64().expect("a number")).abs() < 1e-9);
     }
+}
+
+/// Obstacles of a mounted robot are in the world, and a transform has the place of its root there.
+#[test]
+fn a_recording_of_a_mounted_robot_has_the_world() {
+    let folder = empty_folder("export_mounted");
+    let world = |keys: Value| {
+        let mut scenario = json!({
+            "robot": "pendulum_2", "horizon_s": 1.0, "q_start": [0.1, 0.2], "v_start": [0, 0], "q_goal": [0.5, 0.1],
+            "v_goal": [0, 0], "obstacles": [{ "shape": { "sphere": { "radius_m": 0.1 } },
+                "pose": { "position_m": [9, 9, 9] } }],
+        });
+        scenario.as_object_mut().expect("an object").extend(keys.as_object().expect("an object").clone());
+        std::fs::write(folder.join("own.json"), scenario.to_string()).expect("the folder is writable");
+        let run = aghf(&folder, &["solve", "own.json", "--out", "run", "--no-report", "--force"]);
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        exported(&folder, &["mcap", "--force"]);
+        let bytes = std::fs::read(folder.join("run/motion.mcap")).expect("written");
+        let mut topics = BTreeSet::new();
+        for message in MessageStream::new(&bytes).expect("it is MCAP") {
+            let message = message.expect("it is whole");
+            if message.data.windows(6).any(|text| text == b"world\0") {
+                topics.insert(message.channel.topic.clone());
+            }
+        }
+        topics.into_iter().collect::<Vec<_>>()
+    };
+    assert_eq!(
+        world(json!({ "mount": { "position_m": [0, 0, 2], "orientation_xyzw": [1, 0, 0, 0] } })),
+        ["/joint_states", "/obstacles", "/tf"]
+    );
+    assert!(world(json!({})).is_empty());
 }
