@@ -63,7 +63,7 @@ fn a_failure_is_written_beside_an_earlier_success() {
 fn scenarios_of_the_same_stem_have_folders_of_their_own() {
     let folder = empty_folder("stem");
     let swing = parsed(&aghf(&folder, &["scenarios", SWING]));
-    for (place, goal) in [("a", 1.0), ("b", 2.0)] {
+    for (place, goal) in [("a", 1.0), ("b", 1.25)] {
         let mut scenario = swing.clone();
         scenario["q_goal"] = json!([goal]);
         std::fs::create_dir(folder.join(place)).expect("writable");
@@ -71,7 +71,7 @@ fn scenarios_of_the_same_stem_have_folders_of_their_own() {
         std::fs::write(file, scenario.to_string()).expect("writable");
         solved(&folder, &[&format!("{place}/move.json")]);
     }
-    for (place, goal) in [("out/move", 1.0), ("out/move-2", 2.0)] {
+    for (place, goal) in [("out/move", 1.0), ("out/move-2", 1.25)] {
         let summary: Value = serde_json::from_str(&text(&folder.join(place).join("summary.json"))).expect("JSON");
         assert_eq!(summary["provenance"]["scenario"]["q_goal"], json!([goal]), "{place}");
     }
