@@ -31,19 +31,14 @@ pub(super) fn search_directly(
     let start = start.map(|start| start_from(start, &mut own)).transpose()?;
     let found = search(&mut own)?;
     let seconds = started.elapsed().as_secs_f64();
-    let mut solution = solution_of(scenario, &own.settings, (start, found.clone()), seconds)?;
-    if let (Details::Direct(details), Some(tried)) = (&mut solution.details, own.tried)
-        && let Some(end) = &mut details.end
-    {
-        end.tried = tried;
-    }
+    let solution = solution_of(scenario, (&own.settings, own.tried), (start, found.clone()), seconds)?;
     Ok((found, solution))
 }
 
-/// The result of a direct solve for a report.
+/// The result of a direct solve for a report, with the number of ends to which motions were compared one by one.
 pub(super) fn solution_of(
     scenario: &Scenario,
-    settings: &DirectSettings,
+    (settings, tried): (&DirectSettings, Option<usize>),
     (start, solution): (Option<String>, DirectSolution),
     solve_seconds: f64,
 ) -> Result<Solution> {
@@ -86,7 +81,7 @@ pub(super) fn solution_of(
             goal: solution.alternative,
             measure: scenario.measure().to_owned(),
             found: ends.len(),
-            tried: ends.len().min(starts),
+            tried: tried.unwrap_or(ends.len().min(starts)),
             q: curve.at(horizon).0.as_slice()[..curve.dof()].to_vec(),
         }),
     }));

@@ -66,7 +66,7 @@ impl Search<'_, '_> {
         let settings = &self.settings;
         let left = |limit: std::time::Duration| limit.saturating_sub(self.started.elapsed());
         let mut own = DirectSettings {
-            goal: Some(goal_near(goal, end)),
+            goal: Some(goal_with_end(goal, end)),
             starts: settings.starts.div_ceil(COMPARED),
             time_limit: settings.time_limit.map(|limit| left(limit) / COMPARED as u32),
             ..settings.clone()
@@ -78,7 +78,7 @@ impl Search<'_, '_> {
 }
 
 /// The goal with one alternative, that of an end, and this end alone.
-pub(super) fn goal_near(goal: &GoalSet, end: &GoalEnd) -> GoalSet {
+pub(super) fn goal_with_end(goal: &GoalSet, end: &GoalEnd) -> GoalSet {
     GoalSet {
         alternatives: vec![goal.alternatives[end.alternative].clone()],
         ends: vec![GoalEnd { q: end.q.clone(), alternative: 0 }],

@@ -16,7 +16,7 @@ use super::scenario_file::ScenarioFile;
 use super::scene::scene;
 use super::self_collision::{in_full, name_overlapping};
 use super::stand::standing_foot;
-use super::turns::turn_less;
+use super::turns::shorten_turns;
 use super::waypoints::waypoints;
 use aghf::direct::{GoalEnd, GoalSet, Period, Waypoint};
 use aghf::error::{Error, Result};
@@ -97,7 +97,7 @@ impl Scenario {
         let robot = Robot::read(&mut file, path, folder)?;
         let source = &robot.source;
         let model = &robot.model;
-        let turned = turn_less(&mut file, model);
+        let turned = shorten_turns(&mut file, model);
         let phases = phase_terms(&file, model, (path, folder))?;
         let period = period_of(&mut file, model, &phases, (path, folder))?;
         let goal = goal_set(&mut file, model, path)?;

@@ -35,16 +35,11 @@ impl Scenario {
 
     /// The measure by which ends are compared before any search, in words.
     pub(super) fn measure(&self) -> &'static str {
-        if self.has_free_horizon() {
+        if self.file.has_free_horizon() {
             "the least duration within the limits of the joints, then the distance"
         } else {
             "the effort of a cubic"
         }
-    }
-
-    /// Returns true if the horizon is an unknown.
-    fn has_free_horizon(&self) -> bool {
-        self.file.free_horizon.is_some() || self.file.objective.weighs_time()
     }
 
     /// The goal with the final configurations from which searches start; `None` if the goal is no set. The first ones
@@ -92,7 +87,7 @@ impl Scenario {
 
     /// The measures by which ends are compared before any search, the first one first.
     fn measure_of(&self, end: &[f64]) -> Result<[f64; 2]> {
-        if !self.has_free_horizon() {
+        if !self.file.has_free_horizon() {
             return Ok([effort_to(&self.problem()?, end)?, 0.0]);
         }
         let least = self.least_horizon_to(Some(end));

@@ -171,6 +171,11 @@ impl ScenarioFile {
             || self.keep.iter().any(|kept| kept.speed.is_some())
     }
 
+    /// Returns true if the horizon is an unknown.
+    pub(super) fn has_free_horizon(&self) -> bool {
+        self.free_horizon.is_some() || self.objective.weighs_time()
+    }
+
     /// The shortest and the longest horizon, s: that of the file, those of `free_horizon`, or zero and infinity if the
     /// objective alone makes it free.
     #[must_use]

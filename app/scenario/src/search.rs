@@ -1,6 +1,6 @@
 //! The search of the direct method for the motion of an objective: one solve, or one after the other for a preset.
 
-use super::compared_ends::goal_near;
+use super::compared_ends::goal_with_end;
 use super::{Preset, Scenario};
 use aghf::constraint::{AnyConstraint, Constraints};
 use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, GoalEnd, Iteration, Multipliers};
@@ -274,7 +274,7 @@ impl<'s, 'o> Search<'s, 'o> {
         let goal = goal.map(|goal| {
             let last = curve.x().column(curve.x().ncols() - 1);
             let q = last.as_slice()[..dof].to_vec();
-            goal_near(goal, &GoalEnd { q, alternative })
+            goal_with_end(goal, &GoalEnd { q, alternative })
         });
         let times = &from.waypoint_times;
         let mut waypoints = self.settings.waypoints.clone();

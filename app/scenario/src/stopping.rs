@@ -18,18 +18,18 @@ impl Scenario {
                 continue;
             };
             let is_upwards = (v[i] > 0.0) == is_start;
-            let (room, bound, side) =
+            let (left, bound, side) =
                 if is_upwards { (upper - q[i], upper, "upper") } else { (q[i] - lower, lower, "lower") };
             let most = self.bound(Limit::Acceleration, i).map_or(f64::INFINITY, |[_, most]| most);
             let distance = v[i].powi(2) / (2.0 * most);
-            if v[i].abs() <= TOLERANCE || (room > TOLERANCE && distance <= room + TOLERANCE) {
+            if v[i].abs() <= TOLERANCE || (left > TOLERANCE && distance <= left + TOLERANCE) {
                 continue;
             }
             let unit = Limit::Position.unit(joint.kind());
             let (name, [q, v, bound]) = (joint.name(), [q[i], v[i], bound].map(plain));
             let lacks = if most.is_finite() {
-                let [distance, room] = [distance, room.max(0.0)].map(|x| three_digits(x, f64::round));
-                format!("it needs {distance} {unit} at its enforced acceleration limit, {room} {unit} are left")
+                let [distance, left] = [distance, left.max(0.0)].map(|x| three_digits(x, f64::round));
+                format!("it needs {distance} {unit} at its enforced acceleration limit, {left} {unit} are left")
             } else {
                 "no motion stays within it".to_owned()
             };

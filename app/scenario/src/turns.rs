@@ -21,7 +21,7 @@ const FARTHEST: f64 = 1e6;
 
 /// Replaces the positions of continuous joints in the waypoints and the goal of a file by those that are the nearest
 /// to the configuration before, unless they are meant as given. Returns a note on each that is replaced.
-pub(super) fn turn_less(file: &mut ScenarioFile, robot: &Model) -> Vec<String> {
+pub(super) fn shorten_turns(file: &mut ScenarioFile, robot: &Model) -> Vec<String> {
     let mut notes = Vec::new();
     if file.turns == Turns::AsGiven || file.q_start.len() != robot.dof() {
         return notes;

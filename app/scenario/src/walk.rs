@@ -109,7 +109,7 @@ fn part(
         waypoint_times: times,
         ..found.clone()
     };
-    let part = solution_of(phase, &settings, (None, own), whole.solve_seconds)?;
+    let part = solution_of(phase, (&settings, None), (None, own), whole.solve_seconds)?;
     Ok(Solution { failure: whole.failure.clone(), ..part })
 }
 

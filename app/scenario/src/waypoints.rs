@@ -62,7 +62,7 @@ pub(super) fn waypoints(file: &ScenarioFile, model: &Model, path: &str) -> Resul
 /// Refuses the time of a waypoint on a horizon that is free, or not after the one `before` and before the end.
 fn check_time(file: &ScenarioFile, before: f64, time: f64) -> std::result::Result<(), String> {
     let horizon = file.horizon_s;
-    if file.free_horizon.is_some() || file.objective.weighs_time() {
+    if file.has_free_horizon() {
         return Err("it has a time, which needs a horizon that is fixed".to_owned());
     }
     if time > before && time < horizon {

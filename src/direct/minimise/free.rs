@@ -24,8 +24,9 @@ impl Free {
     /// The unknowns for the bounds of a free horizon and of the lengths of parts, if there are any. A bound is kept
     /// with a `reserve`, as a share of it, like the rows of the motion, so that the horizon is within the bound itself.
     pub fn new(free: Option<FreeHorizon>, parts: &[[f64; 2]], reserve: f64) -> Self {
-        let kept = |[shortest, longest]: [f64; 2], bound: f64, sign: f64| {
-            bound * (1.0 - sign * reserve.min(RANGE * (longest / shortest - 1.0)))
+        let within = |[shortest, longest]: [f64; 2]| {
+            let reserve = reserve.min(RANGE * (longest / shortest - 1.0));
+            [shortest * (1.0 + reserve), longest * (1.0 - reserve)]
         };
         let all = match parts {
             [] => free.iter().map(|free| [free.shortest, free.longest]).collect(),
@@ -34,16 +35,11 @@ impl Free {
         let count = all.len() as f64;
         let is_free = |(_, [shortest, longest]): &(usize, [f64; 2])| parts.is_empty() || shortest < longest;
         let own = all.iter().copied().enumerate().filter(is_free);
-        let own = own.map(|(part, bounds)| {
-            let [shortest, longest] = bounds;
-            let kept = [kept(bounds, shortest, -1.0), kept(bounds, longest, 1.0)];
-            (part, kept.map(|length| count * length))
-        });
+        let own = own.map(|(part, bounds)| (part, within(bounds).map(|length| count * length)));
         let [shortest, longest] = [0, 1].map(|end| all.iter().map(|of| of[end]).sum::<f64>());
         let whole = free.iter().flat_map(|free| {
-            let bounds = [free.shortest, free.longest];
-            [(free.shortest, -1.0, free.shortest > shortest), (free.longest, 1.0, free.longest < longest)]
-                .map(|(bound, sign, is_own)| (kept(bounds, bound, sign), sign, is_own))
+            let [lower, upper] = within([free.shortest, free.longest]);
+            [(lower, -1.0, free.shortest > shortest), (upper, 1.0, free.longest < longest)]
         });
         Self {
             parts: own.filter(|_| free.is_some()).collect(),
