@@ -2,7 +2,7 @@
 //! the joints stay within their limits. Prints for both methods which rows come closest to their bounds, and how close.
 
 use aghf::constraint::{
-    Bounds, CollisionSphere, Constraint, Constraints, PlacedState, RowKind, RowLabel, TorqueLimits,
+    Bounds, CollisionSphere, Constraint, Constraints, PlacedState, Quantity, RowLabel, TorqueLimits,
 };
 use aghf::direct::{Direct, DirectSettings};
 use aghf::flow::{Flow, FlowSettings, Penalised, Penalty, PenaltyWeights};
@@ -28,7 +28,7 @@ impl Constraint for Below {
     }
 
     fn label(&self, _: usize, _: &Model) -> RowLabel {
-        RowLabel { name: "height of the tool".into(), unit: "m", kind: RowKind::Other }
+        RowLabel::new("height of the tool".into(), "m", Quantity::Other)
     }
 }
 

@@ -30,7 +30,7 @@ NOT_UNIT = 2e-3  # the largest deviation of the square of the norm of a quaterni
 LARGEST = 1e6  # the largest length, mass and similar number
 LEVELS, DEGREE, BALLS = 127, 100, 10_000  # at most: of lists and objects, of a motion, along links
 ORDER = 10
-KINDS = ["position", "velocity", "acceleration", "jerk", "torque"]
+KINDS = ["position", "velocity", "acceleration", "jerk", "torque", "power"]
 
 
 class Refused(Exception):
@@ -907,7 +907,7 @@ def limits_of(scenario, robot):
             elif promise == "torque" and part is not None and joint.name not in passive:
                 bounds = [-part * effort, part * effort]
             given = most[i] if isinstance(most, list) else most
-            if promise in ("velocity", "acceleration", "jerk") and given is not None:
+            if promise in ("velocity", "acceleration", "jerk", "power") and given is not None:
                 bounds = [max(bounds[0], -given), min(bounds[1], given)]
             if any(map(math.isfinite, bounds)):
                 limits.append((promise, i, bounds))
@@ -1223,9 +1223,9 @@ def check_intervals(scenario, robot, motion, tube, limits, pairs, promises, inte
     quantities[0] = quantities[0].widened(tube)
     q, v, a = (cut(part) for part in quantities[:3])
     states, rows = States(robot, q, v), []
-    if "torque" in promises or "stand" in promises:
+    if {"torque", "power", "stand"} & set(promises):
         torques, ground = robot.torques(q, v, a)
-        quantities.append(torques)
+        quantities += [torques, torques * v]
         if "stand" in promises:
             rows += [("stand", row, always) for row in states.foot(scenario["stand"], *ground)]
     for promise, joint, bounds in limits:

@@ -1,6 +1,6 @@
 //! Running costs and constraints written in Python.
 
-use aghf::constraint::{Constraint, PlacedState, RowKind, RowLabel, WeightedDerivatives, Weights};
+use aghf::constraint::{Constraint, PlacedState, Quantity, RowLabel, WeightedDerivatives, Weights};
 use aghf::cost::{RunningCost, StageDerivatives, StageInput};
 use aghf::model::Model;
 use aghf::scalar::{AlgebraOver, LANES, Scalar, Wide};
@@ -225,7 +225,7 @@ impl Constraint for PyConstraint {
 
     fn label(&self, row: usize, _: &Model) -> RowLabel {
         match self.names.get(row) {
-            Some(name) => RowLabel { name: name.clone(), unit: "", kind: RowKind::Other },
+            Some(name) => RowLabel::new(name.clone(), "", Quantity::Other),
             None => RowLabel::numbered(row),
         }
     }

@@ -1,7 +1,6 @@
 //! Bounds on single numbers: positions, velocities, torques.
 
-use super::label::unit_of;
-use super::{Constraint, PlacedState, RowKind, RowLabel, WeightedDerivatives, Weights};
+use super::{Constraint, PlacedState, Quantity, RowLabel, WeightedDerivatives, Weights};
 use crate::error::{Error, Result};
 use crate::model::{Limits, Model};
 use crate::scalar::{AlgebraOver, Scalar};
@@ -21,6 +20,14 @@ impl Side {
         match self {
             Self::Lower => "lower",
             Self::Upper => "upper",
+        }
+    }
+
+    /// The slope of a row in the bounded number.
+    pub(crate) fn sign(self) -> f64 {
+        match self {
+            Self::Lower => -1.0,
+            Self::Upper => 1.0,
         }
     }
 }
@@ -106,21 +113,11 @@ impl<C: Scalar> Constraint<C> for Bounds<C> {
         let Some(bound) = self.0.get(row) else {
             return RowLabel::numbered(row);
         };
-        let (index, of_velocity) = match bound.entry.checked_sub(model.dof()) {
-            None => (bound.entry, false),
-            Some(index) => (index, true),
+        let (joint, quantity) = match bound.entry.checked_sub(model.dof()) {
+            None => (bound.entry, Quantity::Position),
+            Some(joint) => (joint, Quantity::Velocity),
         };
-        let Some(joint) = model.joints().get(index) else {
-            return RowLabel::numbered(row);
-        };
-        let (what, unit, kind) = if of_velocity {
-            let unit = unit_of(joint, "rad/s", "m/s");
-            ("velocity", unit, RowKind::Velocity(index))
-        } else {
-            ("position", unit_of(joint, "rad", "m"), RowKind::Position(index))
-        };
-        let (side, joint) = (bound.side.name(), joint.name());
-        RowLabel { name: format!("{side} {what} limit of joint '{joint}'"), unit, kind }
+        RowLabel::limit(quantity, (joint, Some(bound.side)), row, model)
     }
 
     fn add_weighted_derivatives<S: AlgebraOver<C>>(
@@ -138,22 +135,23 @@ impl<C: Scalar> Constraint<C> for Bounds<C> {
     }
 }
 
-/// A limit of a derivative of the motion of one joint.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RateLimit {
+/// A limit of a derivative of the motion of one joint on one side, the row $\pm x / \bar x - 1 \le 0$.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RateLimit {
     /// The number of the derivative in time: 2 for acceleration, 3 for jerk.
     pub order: usize,
+    /// The index of the joint.
     pub joint: usize,
+    /// The side that is bounded.
     pub side: Side,
+    /// The largest absolute value on this side, in rad/s^2 or m/s^2, or rad/s^3 or m/s^3.
     pub limit: f64,
 }
 
 impl RateLimit {
-    /// The slope of the row in the limited number.
-    pub fn sign(&self) -> f64 {
-        match self.side {
-            Side::Upper => 1.0,
-            Side::Lower => -1.0,
-        }
+    /// A limit on both sides.
+    #[must_use]
+    pub fn both(order: usize, joint: usize, limit: f64) -> [Self; 2] {
+        [Side::Upper, Side::Lower].map(|side| Self { order, joint, side, limit })
     }
 }

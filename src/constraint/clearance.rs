@@ -1,7 +1,7 @@
 //! Clearances of balls on the robot from spheres.
 
 use super::label::name_of;
-use super::{CollisionSphere, Constraint, Gap, PlacedState, RowKind, RowLabel, RowList, WeightedDerivatives, Weights};
+use super::{CollisionSphere, Constraint, Gap, PlacedState, Quantity, RowLabel, RowList, WeightedDerivatives, Weights};
 use crate::error::Result;
 use crate::geometry::Sphere;
 use crate::model::Model;
@@ -73,7 +73,7 @@ impl<C: Scalar> Constraint<C> for SphereClearance<C> {
             return RowLabel::numbered(row);
         };
         let (body, sphere) = (name_of(ball.body, model), row % spheres);
-        clearance(format!("distance of {body} from sphere {sphere}"))
+        distance(body, format!("sphere {sphere}"), Quantity::Obstacles)
     }
 
     fn is_clearance(&self, _: usize, _: &Model<C>) -> bool {
@@ -110,7 +110,7 @@ impl<C: Scalar> Constraint<C> for SphereClearance<C> {
     }
 }
 
-/// The label of a distance.
-pub(super) fn clearance(name: String) -> RowLabel {
-    RowLabel { name, unit: "m", kind: RowKind::Clearance }
+/// The label of the distance of two bodies, the second of which may be an obstacle.
+pub(super) fn distance(from: String, to: String, of: Quantity) -> RowLabel {
+    RowLabel::new(format!("distance of {from} from {to}"), "m", of)
 }

@@ -1,11 +1,11 @@
 //! Clearances of a robot that is covered by many balls.
 
 use super::any::distinct;
-use super::clearance::clearance;
+use super::clearance::distance;
 use super::cover_search::length_and_inverse;
 use super::label::name_of;
 use super::solid_clearance::name_of_solid;
-use super::{Constraint, Gap, Piece, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights};
+use super::{Constraint, Gap, Piece, PlacedState, Quantity, RowLabel, RowList, WeightedDerivatives, Weights};
 use crate::error::Result;
 use crate::geometry::{BallTree, Scene, Solid};
 use crate::model::Model;
@@ -157,11 +157,13 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
         let Some(k) = self.pair_of(row) else {
             return RowLabel::numbered(row);
         };
-        let names = match self.solid_pairs.get(k) {
-            Some([i, j]) => [name(*i), name_of_solid(&self.names, &self.solids, *j)],
-            None => self.pairs[k - self.solid_pairs.len()].map(name),
-        };
-        clearance(format!("distance of {} from {}", names[0], names[1]))
+        match self.solid_pairs.get(k) {
+            Some([i, j]) => distance(name(*i), name_of_solid(&self.names, &self.solids, *j), Quantity::Obstacles),
+            None => {
+                let [i, j] = self.pairs[k - self.solid_pairs.len()];
+                distance(name(i), name(j), Quantity::SelfCollision)
+            }
+        }
     }
 
     fn is_clearance(&self, _: usize, _: &Model<C>) -> bool {

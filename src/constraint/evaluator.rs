@@ -140,7 +140,7 @@ impl Placed<'_, f64, f64> {
         let all = rows.map(|(row, (g, scale))| {
             let g = if constraint.is_equality(row) { g.abs() } else { *g };
             let label = constraint.label(row, self.state.model);
-            (label.kind.excess(g / scale, *scale), label)
+            (label.form.excess(g / scale, *scale), label)
         });
         Ok(all.max_by(|(a, _), (b, _)| a.total_cmp(b)))
     }

@@ -1,6 +1,6 @@
 //! Rows on the placement of a frame: goals by pose, a kept orientation, a position in a box.
 
-use super::{Constraint, PlacedState, RowKind, RowLabel, WeightedDerivatives, Weights};
+use super::{Constraint, PlacedState, Quantity, RowForm, RowLabel, WeightedDerivatives, Weights};
 use crate::error::{Error, Result};
 use crate::model::{Frame, Model};
 use crate::scalar::{AlgebraOver, Scalar};
@@ -26,8 +26,8 @@ pub struct FrameRow<C: Scalar = f64> {
     pub what: &'static str,
     /// The unit of that quantity.
     pub unit: &'static str,
-    /// The kind of that quantity.
-    pub kind: RowKind,
+    /// The function of that quantity that the row is.
+    pub form: RowForm,
     /// Whether the row is an equality.
     pub is_equality: bool,
 }
@@ -43,7 +43,7 @@ impl FrameRow {
             scale: 1.0,
             what,
             unit: "m",
-            kind: RowKind::Other,
+            form: RowForm::Linear,
             is_equality: false,
         }
     }
@@ -163,7 +163,7 @@ impl FrameRows {
         self.rows.push(FrameRow {
             square: 1.0,
             scale: 2.0 * r,
-            kind: RowKind::Square,
+            form: RowForm::Square,
             ..FrameRow::of_position("distance", Vector3::zeros(), -r * r)
         });
         Ok(self)
@@ -229,7 +229,7 @@ impl FrameRows {
     fn angle(theta: f64) -> FrameRow {
         let (sin, cos) = theta.sin_cos();
         FrameRow {
-            kind: RowKind::Cosine(theta),
+            form: RowForm::Cosine(theta),
             ..FrameRow::of_rotation("angle", -Matrix3::identity(), 1.0 + 2.0 * cos, 2.0 * sin)
         }
     }
@@ -237,7 +237,7 @@ impl FrameRows {
     fn tilt(axis: &Vector3<f64>, to: &Vector3<f64>, theta: f64) -> FrameRow {
         let (sin, cos) = theta.sin_cos();
         FrameRow {
-            kind: RowKind::Cosine(theta),
+            form: RowForm::Cosine(theta),
             ..FrameRow::of_rotation("tilt of the axis", -outer(to, axis), cos, sin)
         }
     }
@@ -296,7 +296,8 @@ impl<C: Scalar> Constraint<C> for FrameRows<C> {
             None => String::new(),
             Some(_) => format!(" in frame '{}'", reference.name),
         };
-        RowLabel { name: format!("{} of frame '{frame}'{relative}", row.what), unit: row.unit, kind: row.kind }
+        let name = format!("{} of frame '{frame}'{relative}", row.what);
+        RowLabel { form: row.form, ..RowLabel::new(name, row.unit, Quantity::Frame) }
     }
 
     fn is_equality(&self, row: usize) -> bool {

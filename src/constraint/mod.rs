@@ -27,6 +27,7 @@ mod pair_loads;
 mod phase;
 mod piece;
 mod point_speed;
+mod power_limits;
 mod self_clearance;
 mod solid_clearance;
 mod stage;
@@ -36,8 +37,7 @@ mod weighted_derivatives;
 
 pub use any::AnyConstraint;
 pub use between::Between;
-pub(crate) use bounds::RateLimit;
-pub use bounds::{Bound, Bounds, Side};
+pub use bounds::{Bound, Bounds, RateLimit, Side};
 pub use clearance::SphereClearance;
 pub use cover_clearance::CoverClearance;
 pub(crate) use cover_search::place;
@@ -45,12 +45,13 @@ pub use dynamic::{DynConstraint, Functions};
 pub use evaluator::{Evaluator, Placed};
 pub use frame_rows::{FrameRow, FrameRows};
 pub use gap::{Gap, RowList};
-pub use label::{RowKind, RowLabel};
+pub use label::{Quantity, RowForm, RowLabel};
 pub use phase::Phase;
 pub(crate) use phase::is_permutation;
 pub(crate) use piece::searched_from;
 pub use piece::{Piece, Pieces};
 pub use point_speed::PointSpeedLimit;
+pub use power_limits::PowerLimits;
 pub use self_clearance::SelfClearance;
 pub use solid_clearance::SolidClearance;
 pub(crate) use stage::still;
@@ -91,17 +92,17 @@ pub trait Constraint<C: Scalar = f64> {
         scales.fill(C::one());
     }
 
-    /// The name of row `row` and the unit of its [excess](RowKind::excess), for reports. By default the number of the
+    /// The name of row `row` and the unit of its [excess](RowForm::excess), for reports. By default the number of the
     /// row, without a unit.
     fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
         let _ = model;
         RowLabel::numbered(row)
     }
 
-    /// Returns true if row `row` is a [clearance](RowKind::Clearance), without its name. By default that of the
+    /// Returns true if row `row` is a [clearance](Quantity::is_clearance), without its name. By default that of the
     /// [label](Self::label).
     fn is_clearance(&self, row: usize, model: &Model<C>) -> bool {
-        self.label(row, model).kind == RowKind::Clearance
+        self.label(row, model).quantity.is_clearance()
     }
 
     /// Returns true if row `row` is an equality $g_j(x) = 0$, violated by $|g_j|$, and not an inequality

@@ -1,6 +1,6 @@
 //! A bound on the speed of a point.
 
-use super::{Constraint, PlacedState, RowKind, RowLabel};
+use super::{Constraint, PlacedState, Quantity, RowForm, RowLabel};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -45,6 +45,7 @@ impl<C: Scalar> Constraint<C> for PointSpeedLimit<C> {
     }
 
     fn label(&self, _: usize, _: &Model<C>) -> RowLabel {
-        RowLabel { name: format!("speed of frame '{}'", self.name), unit: "m/s", kind: RowKind::Square }
+        let name = format!("speed of frame '{}'", self.name);
+        RowLabel { form: RowForm::Square, ..RowLabel::new(name, "m/s", Quantity::Frame) }
     }
 }

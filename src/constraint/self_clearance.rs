@@ -1,8 +1,8 @@
 //! Clearances between balls on the robot.
 
-use super::clearance::clearance;
+use super::clearance::distance;
 use super::label::name_of;
-use super::{CollisionSphere, Constraint, Gap, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights};
+use super::{CollisionSphere, Constraint, Gap, PlacedState, Quantity, RowLabel, RowList, WeightedDerivatives, Weights};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -96,7 +96,7 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
             return RowLabel::numbered(row);
         };
         let [first, second] = pair.map(|ball| name_of(ball.body, model));
-        clearance(format!("distance of {first} from {second}"))
+        distance(first, second, Quantity::SelfCollision)
     }
 
     fn is_clearance(&self, _: usize, _: &Model<C>) -> bool {

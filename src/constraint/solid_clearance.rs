@@ -1,8 +1,8 @@
 //! Clearances of balls on the robot from solids of every shape.
 
-use super::clearance::clearance;
+use super::clearance::distance;
 use super::label::name_of;
-use super::{CollisionSphere, Constraint, Gap, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights};
+use super::{CollisionSphere, Constraint, Gap, PlacedState, Quantity, RowLabel, RowList, WeightedDerivatives, Weights};
 use crate::error::Result;
 use crate::geometry::Solid;
 use crate::model::Model;
@@ -70,7 +70,7 @@ impl<C: Scalar> Constraint<C> for SolidClearance<C> {
         };
         let body = name_of(ball.body, model);
         let solid = name_of_solid(&self.names, &self.solids, row % solids);
-        clearance(format!("distance of {body} from {solid}"))
+        distance(body, solid, Quantity::Obstacles)
     }
 
     fn is_clearance(&self, _: usize, _: &Model<C>) -> bool {

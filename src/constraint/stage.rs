@@ -1,8 +1,7 @@
 //! Constraints on a motion at one time: limits of acceleration and jerk, a standing foot, and user-defined rows in
 //! $(t, q, v, a, u)$.
 
-use super::label::unit_of;
-use super::{Between, Phase, RateLimit, RowKind, RowLabel, Side, StandingFoot};
+use super::{Between, Phase, Quantity, RateLimit, RowLabel, StandingFoot};
 use crate::error::{Error, Result, check_length};
 use crate::model::Model;
 use crate::scalar::Scalar;
@@ -223,10 +222,8 @@ where
 /// All constraints on a motion at one time beyond those of state and torque; none by default.
 #[derive(Clone, Debug, Default)]
 pub struct StageConstraints {
-    /// Limits $|a_i| \le \bar a_i$ in rad/s^2 or m/s^2, one entry per joint; no entries if there are none.
-    pub acceleration: Vec<Option<f64>>,
-    /// Limits of the rate of the acceleration in rad/s^3 or m/s^3, one entry per joint; no entries if there are none.
-    pub jerk: Vec<Option<f64>>,
+    /// Limits of the acceleration of joints and of its rate.
+    pub rates: Vec<RateLimit>,
     /// A foot on which the robot stands, in the first phase if there are several.
     pub foot: Option<StandingFoot>,
     /// The phases, which the direct method alone knows; none for one foot, or none.
@@ -239,8 +236,7 @@ pub struct StageConstraints {
 impl PartialEq for StageConstraints {
     fn eq(&self, other: &Self) -> bool {
         let same = |(a, b): (&Arc<dyn StageConstraint>, &Arc<dyn StageConstraint>)| Arc::ptr_eq(a, b);
-        self.acceleration == other.acceleration
-            && self.jerk == other.jerk
+        self.rates == other.rates
             && self.foot == other.foot
             && self.phases == other.phases
             && self.others.len() == other.others.len()
@@ -250,37 +246,24 @@ impl PartialEq for StageConstraints {
 
 impl StageConstraints {
     /// None.
-    pub const NONE: Self =
-        Self { acceleration: Vec::new(), jerk: Vec::new(), foot: None, phases: Vec::new(), others: Vec::new() };
-
-    /// The limits of acceleration, then those of jerk, two rows each.
-    pub(crate) fn rates(&self) -> impl Iterator<Item = RateLimit> {
-        let orders = [(2, &self.acceleration), (3, &self.jerk)].into_iter();
-        let limits = orders.flat_map(|(order, limits)| {
-            let joints = limits.iter().enumerate();
-            joints.filter_map(move |(joint, limit)| limit.map(|limit| (order, joint, limit)))
-        });
-        limits.flat_map(|(order, joint, limit)| {
-            [Side::Upper, Side::Lower].map(|side| RateLimit { order, joint, side, limit })
-        })
-    }
+    pub const NONE: Self = Self { rates: Vec::new(), foot: None, phases: Vec::new(), others: Vec::new() };
 
     /// Returns true if any row depends on the jerk.
     pub(crate) fn has_jerk(&self) -> bool {
-        self.jerk.iter().any(Option::is_some)
+        self.rates.iter().any(|rate| rate.order == 3)
     }
 
     /// The foot with its first row.
     pub(crate) fn foot(&self) -> Option<(usize, &StandingFoot)> {
-        self.foot.as_ref().map(|foot| (self.rates().count(), foot))
+        self.foot.as_ref().map(|foot| (self.rates.len(), foot))
     }
 
     /// The first row of the other constraints.
     fn first_of_others(&self) -> usize {
-        self.rates().count() + self.foot.as_ref().map_or(0, StandingFoot::dim)
+        self.rates.len() + self.foot.as_ref().map_or(0, StandingFoot::dim)
     }
 
-    /// The number of rows: two for each limit, then those of the foot, then those of the others.
+    /// The number of rows: one for each limit, then those of the foot, then those of the others.
     #[must_use]
     pub fn dim(&self) -> usize {
         self.first_of_others() + self.others.iter().map(|other| other.dim()).sum::<usize>()
@@ -300,14 +283,14 @@ impl StageConstraints {
         let others = self.others.iter();
         let others = others.flat_map(|other| (0..other.dim()).map(|row| other.scale(row)));
         let foot = self.foot.iter().flat_map(StandingFoot::scales);
-        let rates = self.rates().map(|rate| rate.limit);
+        let rates = self.rates.iter().map(|rate| rate.limit);
         rates.chain(foot).chain(others).collect()
     }
 
     /// The name of a row and its unit.
     #[must_use]
     pub fn label(&self, row: usize, model: &Model) -> RowLabel {
-        let Some(rate) = self.rates().nth(row) else {
+        let Some(rate) = self.rates.get(row) else {
             if let Some((first, foot)) = self.foot().filter(|_| row < self.first_of_others()) {
                 return foot.label(row - first);
             }
@@ -315,21 +298,7 @@ impl StageConstraints {
             let label = |(first, of): (usize, &dyn StageConstraint)| of.label(row - first, model);
             return other.map_or_else(|| RowLabel::numbered(row), label);
         };
-        let Some(joint) = model.joints().get(rate.joint) else {
-            return RowLabel::numbered(row);
-        };
-        let (what, unit, kind) = match rate.order {
-            2 => {
-                let unit = unit_of(joint, "rad/s^2", "m/s^2");
-                ("acceleration", unit, RowKind::Acceleration(rate.joint))
-            }
-            _ => {
-                let unit = unit_of(joint, "rad/s^3", "m/s^3");
-                ("jerk", unit, RowKind::Jerk(rate.joint))
-            }
-        };
-        let (side, joint) = (rate.side.name(), joint.name());
-        RowLabel { name: format!("{side} {what} limit of joint '{joint}'"), unit, kind }
+        RowLabel::limit(Quantity::JOINT[rate.order], (rate.joint, Some(rate.side)), row, model)
     }
 
     /// Refuses any row but those of a foot where it may stand: a flow keeps rows of the state and the torque alone, the
@@ -351,20 +320,20 @@ impl StageConstraints {
     /// Checks the limits for `model`, and the foot.
     ///
     /// # Errors
-    /// The number of entries is not the number of joints, or a limit is not positive and finite; the error names the
-    /// joint. Those of [`StandingFoot::check`].
+    /// A limit is not one of acceleration or jerk, of a joint that the robot does not have, or not positive and finite;
+    /// the error names the joint. Those of [`StandingFoot::check`].
     pub fn check(&self, model: &Model) -> Result<()> {
-        for (what, limits) in [("acceleration", &self.acceleration), ("jerk", &self.jerk)] {
-            if limits.is_empty() {
-                continue;
+        for RateLimit { order, joint, limit, .. } in &self.rates {
+            let refuse = |element: &str, condition: String| Err(Error::input(model.name(), element, condition));
+            let Some(joint) = model.joints().get(*joint) else {
+                return refuse("joints", format!("there is no joint {joint}, whose rate is limited"));
+            };
+            if !matches!(order, 2 | 3) {
+                return refuse("limits", format!("the derivative of order {order} is limited, 2 or 3 is needed"));
             }
-            check_length("limits of acceleration or jerk", model.dof(), limits.len())?;
-            for (joint, limit) in model.joints().iter().zip(limits) {
-                if let Some(limit) = limit.filter(|limit| !(limit.is_finite() && *limit > 0.0)) {
-                    let element = format!("joint '{}': {what} limit", joint.name());
-                    let condition = format!("it is {limit}, a positive number is needed");
-                    return Err(Error::input(model.name(), element, condition));
-                }
+            if !(limit.is_finite() && *limit > 0.0) {
+                let element = format!("joint '{}': {} limit", joint.name(), Quantity::JOINT[*order].name());
+                return refuse(&element, format!("it is {limit}, a positive number is needed"));
             }
         }
         self.foot.as_ref().map_or(Ok(()), StandingFoot::check)

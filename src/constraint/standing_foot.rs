@@ -1,6 +1,6 @@
 //! A foot that stands: bounds of the force of the ground on it.
 
-use super::{RowKind, RowLabel};
+use super::{Quantity, RowLabel};
 use crate::dynamics::{Data, RneaWeightedHessian, RootWrenchDerivatives, root_wrench, root_wrench_second_order};
 use crate::error::{Error, Result, check_length};
 use crate::model::Model;
@@ -232,7 +232,7 @@ impl<C: Scalar> StandingFoot<C> {
             (_, (_, true)) => ("friction", ""),
             _ => ("torsion", "m"),
         };
-        RowLabel { name: format!("{what} of foot '{}'", self.name), unit, kind: RowKind::Other }
+        RowLabel::new(format!("{what} of foot '{}'", self.name), unit, Quantity::Foot)
     }
 }
 

@@ -1,7 +1,6 @@
 //! Limits on the torque of each joint, and the set of all constraints of a motion.
 
-use super::label::unit_of;
-use super::{Constraint, RowKind, RowLabel, Side, StageConstraints};
+use super::{Constraint, Quantity, RowForm, RowLabel, Side, StageConstraints};
 use crate::error::{Error, Result, check_length};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -80,20 +79,12 @@ impl<C: Scalar> TorqueLimits<C> {
     /// The name of a row and its unit, N m or N.
     #[must_use]
     pub fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
-        let Some((index, _, side)) = self.rows().nth(row) else {
-            return RowLabel::numbered(row);
-        };
-        let Some(joint) = model.joints().get(index) else {
-            return RowLabel::numbered(row);
-        };
-        let (what, name) = (unit_of(joint, "torque", "force"), joint.name());
-        RowLabel {
-            name: match side.map(Side::name) {
-                None => format!("{what} of the passive joint '{name}'"),
-                Some(side) => format!("{side} {what} limit of joint '{name}'"),
-            },
-            unit: unit_of(joint, "N m", "N"),
-            kind: RowKind::Torque(index),
+        match self.rows().nth(row) {
+            Some((joint, _, side)) => {
+                let quantity = if side.is_some() { Quantity::Torque } else { Quantity::Passive };
+                RowLabel::limit(quantity, (joint, side), row, model)
+            }
+            None => RowLabel::numbered(row),
         }
     }
 }
@@ -167,16 +158,16 @@ impl<K: Constraint> Constraints<K> {
     /// [violation](crate::motion::Violation) of the row.
     #[must_use]
     pub fn excess(&self, row: usize, by: f64, model: &Model) -> f64 {
-        let kind = self.label(row, model).kind;
-        if !matches!(kind, RowKind::Square | RowKind::Cosine(_)) {
+        let form = self.label(row, model).form;
+        if form == RowForm::Linear {
             return by;
         }
         match row.checked_sub(self.first_of_stage()) {
-            None => kind.excess(by, self.row_scales()[row]),
+            None => form.excess(by, self.row_scales()[row]),
             // Rows of the stage are not divided by their scales.
             Some(row) => {
                 let scale = self.stage.scales()[row];
-                kind.excess(by / scale, scale)
+                form.excess(by / scale, scale)
             }
         }
     }

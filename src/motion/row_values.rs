@@ -1,8 +1,6 @@
 //! The rows of constraints at times of a motion.
 
-use crate::constraint::{
-    Constraint, Constraints, Evaluator, Piece, Pieces, PlacedState, RateLimit, StageInput, searched_from,
-};
+use crate::constraint::{Constraint, Constraints, Evaluator, Piece, Pieces, PlacedState, StageInput, searched_from};
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
 use crate::model::Model;
@@ -20,7 +18,6 @@ pub(super) struct Rows<'a, K> {
     z: Vec<Wide>,
     u: Vec<Wide>,
     g: Vec<Wide>,
-    rates: Vec<RateLimit>,
     /// The active pieces at the last times if they are known, memory for others, and the value of a row above which
     /// active pieces are searched.
     pieces: Vec<Piece>,
@@ -61,7 +58,6 @@ impl<'a, K: Constraint> Rows<'a, K> {
             evaluator: Evaluator::new(model),
             data: Data::new(model),
             z: vec![zero; 4 * n],
-            rates: constraints.stage.rates().collect(),
             pieces: Vec::new(),
             are_known: false,
             active: Vec::new(),
@@ -103,9 +99,9 @@ impl<'a, K: Constraint> Rows<'a, K> {
                     torque.value(&self.u, of_torque)?;
                 }
             }
-            for (g, rate) in of_stage.iter_mut().zip(&self.rates) {
+            for (g, rate) in of_stage.iter_mut().zip(&self.constraints.stage.rates) {
                 let of_joint = self.z[rate.order * n + rate.joint];
-                *g = of_joint * Wide::splat(rate.sign()) - Wide::splat(rate.limit);
+                *g = of_joint * Wide::splat(rate.side.sign()) - Wide::splat(rate.limit);
             }
             if let Some((row, foot)) = stage.foot() {
                 let z = [0, 1, 2].map(|part| &self.z[part * n..(part + 1) * n]);

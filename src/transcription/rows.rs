@@ -1,9 +1,7 @@
 //! The rows of constraints at the points of a curve.
 
 use super::{Near, Shared, Which};
-use crate::constraint::{
-    Constraint, Constraints, Evaluator, Phase, Piece, RateLimit, RowKind, StandingFoot, searched_from,
-};
+use crate::constraint::{Constraint, Constraints, Evaluator, Phase, Piece, StandingFoot, searched_from};
 use crate::cost::{CostWithControl, Points};
 use crate::dynamics::Data;
 use crate::error::Result;
@@ -16,8 +14,6 @@ use nalgebra::DMatrix;
 pub(crate) struct Rows<'a, K, P> {
     pub model: &'a Model,
     pub constraints: Shared<'a, Constraints<K>>,
-    /// The limits of acceleration and jerk, after the rows of state and torque.
-    pub rates: Vec<RateLimit>,
     /// The running cost.
     pub cost: P,
     /// The controls at the points.
@@ -85,7 +81,6 @@ impl<K, P: Clone> Clone for Rows<'_, K, P> {
         Self {
             model: self.model,
             constraints: self.constraints.clone(),
-            rates: self.rates.clone(),
             cost: self.cost.clone(),
             controls: self.controls.clone(),
             data: self.data.clone(),
@@ -118,8 +113,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             if row < states {
                 state.is_clearance(row, model) && !state.is_equality(row)
             } else {
-                let kind = constraints.label(row, model).kind;
-                kind == RowKind::Clearance && !constraints.is_equality(row)
+                constraints.label(row, model).quantity.is_clearance() && !constraints.is_equality(row)
             }
         };
         let cutoff = |row| if row < states { state.cutoff(row).unwrap_or(f64::INFINITY) } else { f64::INFINITY };
@@ -133,7 +127,6 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         };
         Ok(Self {
             model,
-            rates: constraints.stage.rates().collect(),
             cost,
             controls: DMatrix::zeros(n, 0),
             data: Data::new(model),
@@ -254,12 +247,12 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         let first = self.constraints.first_of_stage();
         let rows = h.chunks_exact_mut(self.count().max(1)).take(points.count());
         for (g, h) in rows.enumerate() {
-            for (h, rate) in h[first..].iter_mut().zip(&self.rates) {
+            for (h, rate) in h[first..].iter_mut().zip(&self.constraints.stage.rates) {
                 let of_joint = match points.jerks {
                     Some(jerks) if rate.order == 3 => jerks[(rate.joint, g)],
                     _ => points.states[(rate.joint, 3 * g + 2)],
                 };
-                *h = rate.sign() * of_joint / rate.limit - 1.0;
+                *h = rate.side.sign() * of_joint / rate.limit - 1.0;
             }
         }
     }

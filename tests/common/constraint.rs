@@ -1,6 +1,6 @@
 //! Constraints of the tests.
 
-use aghf::constraint::{CollisionSphere, Constraint, CoverClearance, PlacedState, RowKind, RowLabel};
+use aghf::constraint::{CollisionSphere, Constraint, CoverClearance, PlacedState, Quantity, RowLabel};
 use aghf::geometry::{BallTree, Solid};
 use aghf::model::Model;
 use aghf::scalar::AlgebraOver;
@@ -21,7 +21,8 @@ impl Constraint for Held {
     }
 
     fn label(&self, row: usize, model: &Model) -> RowLabel {
-        RowLabel { name: format!("row {row} of {}", model.name()), unit: "rad", kind: RowKind::Position(0) }
+        let name = format!("row {row} of {}", model.name());
+        RowLabel { joint: Some(0), ..RowLabel::new(name, "rad", Quantity::Position) }
     }
 
     fn is_equality(&self, _: usize) -> bool {

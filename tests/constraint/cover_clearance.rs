@@ -3,7 +3,7 @@
 use crate::common::{any_model, config, numbers, robot, wave};
 use crate::derivatives::{ValueAlone, contracted};
 use crate::solid_clearance::sizes;
-use aghf::constraint::{CollisionSphere, Constraint, CoverClearance, Evaluator, RowKind, RowList, Weights};
+use aghf::constraint::{CollisionSphere, Constraint, CoverClearance, Evaluator, Quantity, RowList, Weights};
 use aghf::geometry::{BallTree, Solid, Sphere};
 use aghf::model::Model;
 use aghf::scalar::{LANES, Lanes, Wide};
@@ -180,7 +180,7 @@ fn rows_are_named_by_links_and_solids() {
     let model = robot("kinova_gen3");
     let constraint = covered(&model, 0.1);
     let names = [0, 8, constraint.dim() - 1].map(|row| constraint.label(row, &model));
-    assert!(names.iter().all(|label| label.kind == RowKind::Clearance));
+    assert!(names.iter().all(|label| label.quantity.is_clearance()));
     assert!(names[0].name.ends_with("from 'crate'"), "{}", names[0].name);
     // The third shape of the second link, which has two sets.
     assert!(names[1].name.ends_with("from capsule 2"), "{}", names[1].name);
@@ -190,5 +190,5 @@ fn rows_are_named_by_links_and_solids() {
         "{}",
         names[2].name
     );
-    assert_eq!(constraint.label(constraint.dim(), &model).kind, RowKind::Other);
+    assert_eq!(constraint.label(constraint.dim(), &model).quantity, Quantity::Other);
 }

@@ -54,7 +54,7 @@ fn excess(rows: impl Fn(FrameRows) -> aghf::Result<FrameRows>, there: Placement<
     one.row_scales(&mut scale);
     let model = robot("pendulum_1");
     let g = values(&model, &one, &[0.0; 2]);
-    one.label(0, &model).kind.excess(g[0] / scale[0], scale[0])
+    one.label(0, &model).form.excess(g[0] / scale[0], scale[0])
 }
 
 fn unit() -> impl Strategy<Value = Vector3<f64>> {

@@ -14,6 +14,7 @@ mod gap;
 mod phase;
 mod piece;
 mod point_speed;
+mod power_limits;
 mod self_clearance;
 mod solid_clearance;
 mod stage;

@@ -2,7 +2,7 @@
 
 use crate::common::{any_model, assert_refused, config, numbers, robot, wave};
 use crate::derivatives::{ValueAlone, contracted};
-use aghf::constraint::{CollisionSphere, Constraint, Evaluator, RowKind, SelfClearance, Weights};
+use aghf::constraint::{CollisionSphere, Constraint, Evaluator, Quantity, SelfClearance, Weights};
 use aghf::model::{Model, random_tree};
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -104,7 +104,7 @@ fn labels_and_errors() {
     let clearance = |pairs: &[[usize; 2]]| SelfClearance { balls: balls.clone(), pairs: pairs.to_vec() };
     let label = clearance(&[[0, 1]]).label(0, &model);
     assert!(label.name.starts_with("distance of link '") && label.name.contains("' from link '"), "{}", label.name);
-    assert_eq!((label.unit, label.kind), ("m", RowKind::Clearance));
+    assert_eq!((label.unit, label.quantity), ("m", Quantity::SelfCollision));
     assert_eq!(clearance(&[[0, 3]]).label(0, &model).name, "row 0 of the constraint");
 
     let x = wave(14, 0.4);

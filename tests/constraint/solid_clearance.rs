@@ -3,7 +3,7 @@
 use crate::common::{assert_refused, config, robot};
 use crate::derivatives::contracted;
 use aghf::constraint::{
-    CollisionSphere, Constraint, Evaluator, RowKind, SolidClearance, Sphere, SphereClearance, Weights,
+    CollisionSphere, Constraint, Evaluator, Quantity, SolidClearance, Sphere, SphereClearance, Weights,
 };
 use aghf::geometry::{Distance, FLAT, Shape, Solid};
 use aghf::scalar::{AlgebraOver, Jet, Lanes};
@@ -229,7 +229,7 @@ fn labels_name_the_body_and_the_obstacle() {
     assert_eq!(name(&clearance, 5), format!("{body} from cylinder 1"));
     assert_eq!(name(&clearance, 8), "row 8 of the constraint");
     let label = clearance.label(1, &model);
-    assert_eq!((label.unit, label.kind), ("m", RowKind::Clearance));
+    assert_eq!((label.unit, label.quantity), ("m", Quantity::Obstacles));
 }
 
 /// A state of three joints.

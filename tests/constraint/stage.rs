@@ -1,7 +1,9 @@
 //! Rows in $(t, q, v, a, u)$: their derivatives, names and checks.
 
 use crate::common::{robot, slider};
-use aghf::constraint::{Constraints, RowKind, StageConstraint, StageConstraints, StageInput, StageRows, TorqueLimits};
+use aghf::constraint::{
+    Constraints, Quantity, RateLimit, StageConstraint, StageConstraints, StageInput, StageRows, TorqueLimits,
+};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
@@ -42,8 +44,7 @@ fn derivatives_of_a_closure_are_those_by_hand() {
 fn rows_have_names_and_units() {
     let model = robot("pendulum_2");
     let limits = StageConstraints {
-        acceleration: vec![None, Some(4.0)],
-        jerk: vec![Some(9.0), None],
+        rates: [RateLimit::both(2, 1, 4.0), RateLimit::both(3, 0, 9.0)].concat(),
         foot: None,
         phases: Vec::new(),
         others: vec![rows()],
@@ -57,22 +58,24 @@ fn rows_have_names_and_units() {
     let name = format!("lower acceleration limit of joint '{}'", joint(1));
     assert_eq!((label(3).name, label(3).unit), (name, "rad/s^2"));
     let name = format!("upper jerk limit of joint '{}'", joint(0));
-    assert_eq!((label(4).name, label(4).kind), (name, RowKind::Jerk(0)));
+    assert_eq!((label(4).name, label(4).quantity, label(4).joint), (name, Quantity::Jerk, Some(0)));
     assert_eq!(label(7).name, "row 1 of power");
-    assert_eq!(label(1).kind, RowKind::Torque(0));
+    assert_eq!((label(1).quantity, label(1).joint), (Quantity::Torque, Some(0)));
 }
 
 #[test]
 fn invalid_limits_are_refused_by_joint() {
     let model = slider(1.0);
-    let refused = |acceleration: Vec<Option<f64>>| {
-        let limits = StageConstraints { acceleration, ..StageConstraints::default() };
+    let refused = |order: usize, joint: usize, limit: f64| {
+        let rates = RateLimit::both(order, joint, limit).to_vec();
+        let limits = StageConstraints { rates, ..StageConstraints::default() };
         limits.check(&model).expect_err("invalid").to_string()
     };
     let name = model.joints()[0].name();
-    let zero = refused(vec![Some(0.0)]);
+    let zero = refused(2, 0, 0.0);
     assert!(zero.contains(name) && zero.contains("acceleration limit: it is 0"), "{zero}");
-    assert!(refused(vec![None, None]).contains('2'));
+    assert!(refused(2, 1, 3.0).contains("there is no joint 1"));
+    assert!(refused(1, 0, 3.0).contains("order 1"));
 }
 
 #[test]

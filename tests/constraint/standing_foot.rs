@@ -2,7 +2,7 @@
 //! `derivatives`.
 
 use crate::common::{assert_refused, point_mass};
-use aghf::constraint::{Constraints, StageConstraints, StandingFoot, TorqueLimits};
+use aghf::constraint::{Constraints, RateLimit, StageConstraints, StandingFoot, TorqueLimits};
 use aghf::dynamics::{Data, root_wrench};
 use aghf::model::Model;
 use aghf::spatial::{Inertia, Placement};
@@ -88,7 +88,7 @@ fn rows_have_names_and_units() {
         state: (),
         torque: TorqueLimits(Vec::new()),
         stage: StageConstraints {
-            acceleration: vec![Some(1.0), None, None],
+            rates: RateLimit::both(2, 0, 1.0).to_vec(),
             foot: Some(foot),
             ..StageConstraints::default()
         },

@@ -2,7 +2,7 @@
 
 use crate::common::direct::{solved, solved_within};
 use crate::common::{assert_refused, robot, slider};
-use aghf::constraint::{Constraints, StageConstraints, StageRows, StandingFoot, TorqueLimits};
+use aghf::constraint::{Constraints, RateLimit, StageConstraints, StageRows, StandingFoot, TorqueLimits};
 use aghf::curve::Curve;
 use aghf::direct::{DirectSettings, DirectSolution, FreeHorizon};
 use aghf::flow::rest::FlowToRest;
@@ -60,7 +60,8 @@ fn an_acceleration_limit_gives_the_known_optimum() {
     let (mass, d, horizon, limit) = (2.0, 1.0, 1.0_f64, 4.5);
     let model = slider(mass);
     let problem = Problem::new(&model, vec![0.0, 0.0], vec![d, 0.0], horizon).expect("valid");
-    let limits = within(StageConstraints { acceleration: vec![Some(limit)], ..StageConstraints::default() });
+    let limits =
+        within(StageConstraints { rates: RateLimit::both(2, 0, limit).to_vec(), ..StageConstraints::default() });
     let settings = DirectSettings { continuous_acceleration: false, ..smooth(16, 6) };
     let found = solved_within(&problem, &settings, &limits);
     let w = (3.0 * (horizon * horizon / 4.0 - d / limit)).sqrt();
@@ -78,7 +79,8 @@ fn a_jerk_limit_bounds_the_time() {
     let (d, limit) = (1.0, 20.0);
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0, 0.0], vec![d, 0.0], 2.0).expect("valid");
-    let limits = within(StageConstraints { jerk: vec![Some(limit)], ..StageConstraints::default() });
+    let limits =
+        within(StageConstraints { rates: RateLimit::both(3, 0, limit).to_vec(), ..StageConstraints::default() });
     let least = (32.0 * d / limit).cbrt();
     // A single polynomial cannot follow the jumps of the jerk as closely.
     for (segments, degree, share) in [(8, 6, 0.03), (1, 16, 0.2)] {
@@ -130,7 +132,7 @@ fn a_closure_limits_the_power() {
 fn flows_refuse_limits_of_acceleration() {
     let model = robot("pendulum_2");
     let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, -0.7, 0.0, 0.0], 1.0).expect("valid");
-    let limits = within(StageConstraints { acceleration: vec![Some(5.0); 2], ..StageConstraints::default() });
+    let limits = within(StageConstraints { rates: RateLimit::both(2, 1, 5.0).to_vec(), ..StageConstraints::default() });
     let refused = FlowToRest::new(&problem, 1e3).constraints(&limits).run();
     assert_refused(refused, "acceleration");
 }

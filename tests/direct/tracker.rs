@@ -2,8 +2,8 @@
 
 use crate::common::{assert_refused, robot};
 use aghf::constraint::{
-    AnyConstraint, Bounds, CollisionSphere, Constraints, CoverClearance, RowKind, SelfClearance, SolidClearance,
-    Sphere, SphereClearance, TorqueLimits,
+    AnyConstraint, Bounds, CollisionSphere, Constraints, CoverClearance, SelfClearance, SolidClearance, Sphere,
+    SphereClearance, TorqueLimits,
 };
 use aghf::cost::ControlEffort;
 use aghf::direct::{Direct, DirectSettings, FreeHorizon, Outcome, Safety, Tracker, TrackerOptions};
@@ -210,7 +210,7 @@ fn an_obstacle_on_the_plan_is_reported() {
         x = [&step.command.q[..], &step.command.v].concat();
         match step.safety {
             Safety::Violated { row, by, after } => {
-                assert_eq!(on.label(row, &model).kind, RowKind::Clearance);
+                assert!(on.label(row, &model).quantity.is_clearance());
                 assert!(by > 1e-3 && after > 0.0 && after < 1.5, "{by} {after}");
                 assert!(!step.replaced);
                 reported += 1;

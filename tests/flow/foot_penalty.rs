@@ -1,7 +1,7 @@
 //! The rows of a standing foot in the published flow.
 
 use crate::common::{assert_refused, point_mass, tree};
-use aghf::constraint::{Bounds, Constraints, StageConstraints, StandingFoot, TorqueLimits};
+use aghf::constraint::{Bounds, Constraints, RateLimit, StageConstraints, StandingFoot, TorqueLimits};
 use aghf::curve::Curve;
 use aghf::dynamics::Data;
 use aghf::flow::jacobian::{CentralDifference, ForwardDual, JacobianKind, NodeBlocks, NodeJacobian};
@@ -106,7 +106,7 @@ fn jacobians_of_the_terms_agree() {
 fn other_rows_are_refused() {
     let model = point_mass(&[Vector3::x()]);
     let problem = Problem::new(&model, vec![0.0; 2], vec![0.2, 0.0], 1.4).expect("valid");
-    let stage = StageConstraints { acceleration: vec![Some(1.0)], ..standing(foot(10.0)) };
+    let stage = StageConstraints { rates: RateLimit::both(2, 0, 1.0).to_vec(), ..standing(foot(10.0)) };
     let constraints = penalised(stage, 1.0);
     let flow = Flow::new(&problem, FlowSettings::new(6, 1e2, 1.0)).constraints(&constraints);
     assert_refused(flow.run(), "the published one also a foot that stands");

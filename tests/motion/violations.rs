@@ -3,7 +3,7 @@
 use crate::common::constraint::{Held, in_balls};
 use crate::common::{assert_refused, robot, slider, wave};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, CoverClearance, Evaluator, RowKind,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, CoverClearance, Evaluator, Quantity,
     RowLabel, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::curve::{Chebyshev, Curve};
@@ -245,25 +245,25 @@ fn labels_name_joint_and_unit() {
     let all = Constraints { state, torque, stage: Default::default() };
     let joints = model.joints();
     let label = |row| {
-        let RowLabel { name, unit, kind } = all.label(row, &model);
-        (name, unit, kind)
+        let RowLabel { name, unit, quantity, joint, .. } = all.label(row, &model);
+        (name, unit, quantity, joint)
     };
     let (link, joint) = (&model.frames()[1].name, joints[0].name());
     let n = model.dof();
     assert_eq!(model.frames()[1].body, Some(0));
     let distance = format!("distance of link '{link}' from sphere 2");
-    assert_eq!(label(2), (distance, "m", RowKind::Clearance));
+    assert_eq!(label(2), (distance, "m", Quantity::Obstacles, None));
     let behind_a_pointer = format!("row 0 of {}", model.name());
-    assert_eq!(label(3 * n), (behind_a_pointer, "rad", RowKind::Position(0)));
+    assert_eq!(label(3 * n), (behind_a_pointer, "rad", Quantity::Position, Some(0)));
     let speed = format!("upper velocity limit of joint '{joint}'");
-    assert_eq!(label(3 * n + 1), (speed, "rad/s", RowKind::Velocity(0)));
+    assert_eq!(label(3 * n + 1), (speed, "rad/s", Quantity::Velocity, Some(0)));
     let height = format!("distance of link '{link}' from half-space 0");
-    assert_eq!(label(3 * n + 2), (height, "m", RowKind::Clearance));
+    assert_eq!(label(3 * n + 2), (height, "m", Quantity::Obstacles, None));
     let position = format!("lower position limit of joint '{joint}'");
-    assert_eq!(label(4 * n + 2), (position, "rad", RowKind::Position(0)));
+    assert_eq!(label(4 * n + 2), (position, "rad", Quantity::Position, Some(0)));
     let last = joints[n - 1].name();
     let torque = format!("lower torque limit of joint '{last}'");
-    assert_eq!(label(all.dim() - 1), (torque, "N m", RowKind::Torque(n - 1)));
+    assert_eq!(label(all.dim() - 1), (torque, "N m", Quantity::Torque, Some(n - 1)));
     let equalities: Vec<_> = (0..all.dim()).filter(|row| all.is_equality(*row)).collect();
     assert_eq!(equalities, [3 * n]);
     // A row beyond the last one is a number in the last part.

@@ -7,11 +7,8 @@ use crate::json::{entries, list, number, number_or, option, require, three};
 use crate::motion::{Motion, cut, middle};
 use crate::robot::Robot;
 use crate::rows::{Row, State};
-use crate::scenario::{Limit, Obstacle, Pair, obstacles, pairs};
+use crate::scenario::{KINDS, Limit, Obstacle, Pair, obstacles, pairs};
 use serde_json::Value;
-
-/// The kinds of limits.
-const KINDS: [&str; 5] = ["position", "velocity", "acceleration", "jerk", "torque"];
 
 /// The accepted difference of times, of the horizon: more than rounding.
 const SAME_TIME: f64 = 1e-12;
@@ -142,16 +139,18 @@ impl<'a> Promised<'a> {
         let [mut q, v, a, jerk] = self.motion.expand(segment, [m, w]);
         q.iter_mut().for_each(|(_, radius)| *radius = (*radius + self.tube) * UP);
         let [qs, vs, accelerations] = [&q, &v, &a].map(|all| all.iter().map(cut).collect::<Vec<Tm>>());
-        let (mut torques, mut foot) = (Vec::new(), Vec::new());
+        let (mut torques, mut powers, mut foot) = (Vec::new(), Vec::new(), Vec::new());
         let stand = option(self.scenario, "stand");
-        let loads = if stand.is_some() || self.limits.iter().any(|limit| limit.0 == "torque") {
+        let loads = if stand.is_some() || self.limits.iter().any(|limit| matches!(limit.0, "torque" | "power")) {
             Some(self.robot.torques(&qs, &vs, &accelerations))
         } else {
             None
         };
         let state = State::new(&self.robot, qs, vs);
         if let Some((all, ground)) = loads {
-            torques = all.iter().map(|torque| (torque.c.to_vec(), torque.r)).collect();
+            let polynomial = |x: Tm| (x.c.to_vec(), x.r);
+            torques = all.iter().map(|torque| polynomial(*torque)).collect();
+            powers = all.iter().zip(&state.v).map(|(torque, v)| polynomial(*torque * *v)).collect();
             foot = stand.map_or(Ok(Vec::new()), |stand| state.foot(stand, ground))?;
         }
         let mut kept = Vec::new();
@@ -163,7 +162,7 @@ impl<'a> Promised<'a> {
                 kept.extend(state.kept(condition)?);
             }
         }
-        let all = [q, v, a, jerk, torques];
+        let all = [q, v, a, jerk, torques, powers];
         let limit = |Limit(kind, joint, bounds): &Limit| {
             let at = KINDS.iter().position(|known| known == kind).ok_or("a limit of an unknown kind")?;
             let scale = bounds.iter().filter(|b| b.is_finite()).fold(0.0_f64, |scale, b| scale.max(b.abs()));

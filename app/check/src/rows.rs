@@ -23,7 +23,7 @@ pub(crate) struct Row {
 pub(crate) struct State<'a> {
     robot: &'a Robot,
     pub(crate) q: Vec<Tm>,
-    v: Vec<Tm>,
+    pub(crate) v: Vec<Tm>,
     pub(crate) places: Vec<Pose>,
 }
 

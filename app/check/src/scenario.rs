@@ -7,6 +7,9 @@ use crate::shape::{Solid, solid_of};
 use serde_json::Value;
 use std::collections::BTreeSet;
 
+/// The kinds of limits of joints, in the order of their promises.
+pub(crate) const KINDS: [&str; 6] = ["position", "velocity", "acceleration", "jerk", "torque", "power"];
+
 /// A limit of a joint: the name of the promise, the joint, and the bounds.
 pub(crate) struct Limit(pub(crate) &'static str, pub(crate) usize, pub(crate) [f64; 2]);
 
@@ -36,12 +39,12 @@ pub(crate) fn limits(scenario: &Value, robot: &Robot) -> Checked<Vec<Limit>> {
         same => same.map(number),
     };
     let mut all = Vec::new();
-    for promise in ["position", "velocity", "acceleration", "jerk", "torque"] {
+    for promise in KINDS {
         for (i, joint) in robot.joints.iter().enumerate() {
             let [lower, upper, velocity, effort] = joint.limits;
             let given = match promise {
                 "velocity" => most("max_velocity", i),
-                "acceleration" | "jerk" => most(promise, i),
+                "acceleration" | "jerk" | "power" => most(promise, i),
                 _ => None,
             };
             let share = share(promise, &joint.name);

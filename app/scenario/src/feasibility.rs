@@ -1,11 +1,10 @@
 //! The feasibility of a motion: its clearance, and the limits that it violates.
 
 use super::{FootLoad, PASSIVE_TORQUE_SHARE, Scenario};
-use aghf::constraint::{Constraint, Constraints, RowKind, RowLabel};
+use aghf::constraint::{Constraint, Constraints, Quantity, RowLabel};
 use aghf::curve::Curve;
 use aghf::direct::DirectSettings;
 use aghf::error::Result;
-use aghf::model::JointKind;
 use aghf::motion::{Violation, largest_torques, sample, violations};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -85,8 +84,8 @@ impl fmt::Display for Nearest {
 pub struct LimitViolation {
     /// The joint, for a limit of a joint.
     pub joint: Option<String>,
-    /// The kind of the limit.
-    pub limit: Limit,
+    /// The limited quantity.
+    pub limit: Quantity,
     /// The limit in words.
     pub name: String,
     /// The largest excess over the limit, or over the enforced share of it, see [`Constraints::excess`].
@@ -120,82 +119,6 @@ pub(crate) fn three_digits(x: f64, round: fn(f64) -> f64) -> String {
     // Zero, subnormal and infinite numbers have no scale.
     let x = if scale.is_normal() { round(x * scale) / scale } else { x };
     if (1e-3..1e4).contains(&x) { format!("{x:.*}", digits as usize) } else { format!("{x:.2e}") }
-}
-
-/// The kind of a limit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Limit {
-    /// The position of a joint.
-    Position,
-    /// The speed of a joint.
-    Velocity,
-    /// The torque or force of a joint.
-    Torque,
-    /// The acceleration of a joint.
-    Acceleration,
-    /// The rate of the acceleration of a joint.
-    Jerk,
-    /// The torque or force of a joint without a motor, which is zero.
-    Passive,
-    /// The distance from an obstacle.
-    Clearance,
-    /// Any other quantity.
-    Other,
-}
-
-impl Limit {
-    /// The kinds of limits that belong to a joint.
-    pub(super) const OF_JOINTS: [Self; 5] =
-        [Self::Position, Self::Velocity, Self::Torque, Self::Acceleration, Self::Jerk];
-
-    /// The name of the limit, which is its key in a scenario.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Position => "position",
-            Self::Velocity => "velocity",
-            Self::Torque => "torque",
-            Self::Acceleration => "acceleration",
-            Self::Jerk => "jerk",
-            Self::Passive => "passive torque",
-            Self::Clearance => "clearance",
-            Self::Other => "other",
-        }
-    }
-
-    /// The unit of the limit for a joint of this kind.
-    pub(super) fn unit(self, kind: JointKind) -> &'static str {
-        let slides = kind == JointKind::Prismatic;
-        match self {
-            Self::Position if slides => "m",
-            Self::Position => "rad",
-            Self::Velocity if slides => "m/s",
-            Self::Velocity => "rad/s",
-            Self::Acceleration if slides => "m/s^2",
-            Self::Acceleration => "rad/s^2",
-            Self::Jerk if slides => "m/s^3",
-            Self::Jerk => "rad/s^3",
-            Self::Torque | Self::Passive if slides => "N",
-            Self::Torque | Self::Passive => "N m",
-            Self::Clearance => "m",
-            Self::Other => "",
-        }
-    }
-}
-
-impl From<RowKind> for Limit {
-    fn from(kind: RowKind) -> Self {
-        match kind {
-            RowKind::Position(_) => Self::Position,
-            RowKind::Velocity(_) => Self::Velocity,
-            RowKind::Torque(_) => Self::Torque,
-            RowKind::Acceleration(_) => Self::Acceleration,
-            RowKind::Jerk(_) => Self::Jerk,
-            RowKind::Clearance => Self::Clearance,
-            RowKind::Square | RowKind::Cosine(_) | RowKind::Other => Self::Other,
-        }
-    }
 }
 
 impl Feasibility {
@@ -242,7 +165,7 @@ impl Feasibility {
     #[must_use]
     pub fn reason(&self, tolerance: f64) -> Option<String> {
         let in_words = |violation: &LimitViolation| match violation.limit {
-            Limit::Passive => {
+            Quantity::Passive => {
                 let largest = three_digits(self.largest_torque, f64::round);
                 format!("{violation}, above {PASSIVE_TORQUE_SHARE} of the largest torque, {largest}")
             }
@@ -267,9 +190,9 @@ impl Feasibility {
     }
 
     /// The allowed violation of a kind of limit.
-    fn allowed(&self, limit: Limit, tolerance: f64) -> f64 {
+    fn allowed(&self, limit: Quantity, tolerance: f64) -> f64 {
         match limit {
-            Limit::Passive => tolerance.max(PASSIVE_TORQUE_SHARE * self.largest_torque),
+            Quantity::Passive => tolerance.max(PASSIVE_TORQUE_SHARE * self.largest_torque),
             _ => tolerance,
         }
     }
@@ -284,7 +207,7 @@ fn add_goal(scenario: &Scenario, curve: &Curve, found: &mut Vec<LimitViolation>)
     let off = off.filter(|(by, _)| *by > 0.1 * DirectSettings::FEASIBLE);
     found.extend(off.map(|(by, RowLabel { name, unit, .. })| LimitViolation {
         joint: None,
-        limit: Limit::Other,
+        limit: Quantity::Other,
         name,
         by,
         unit: unit.to_owned(),
@@ -296,7 +219,7 @@ fn add_goal(scenario: &Scenario, curve: &Curve, found: &mut Vec<LimitViolation>)
 
 /// The largest acceleration of the joints for which the scenario has no limit of it.
 fn unlimited_acceleration(scenario: &Scenario, curve: &Curve) -> Result<Option<Acceleration>> {
-    let (model, limit) = (&scenario.model, Limit::Acceleration);
+    let (model, limit) = (&scenario.model, Quantity::Acceleration);
     let is_free = |i: &usize| scenario.bound(limit, *i).is_none();
     let joints: Vec<_> = (0..model.dof()).filter(is_free).collect();
     let samples = sample(model, curve, COARSE)?;
@@ -326,13 +249,9 @@ fn add<K: Constraint>(
         if by <= 0.0 || constraints.excess(row, by, model) <= 0.0 {
             continue;
         }
-        let RowLabel { name, unit, kind } = constraints.label(row, model);
+        let RowLabel { name, unit, quantity: limit, joint, .. } = constraints.label(row, model);
         let by = constraints.excess(row, by, model);
-        let joint = kind.joint().and_then(|i| model.joints().get(i)).map(|joint| joint.name().to_owned());
-        let limit = match kind {
-            RowKind::Torque(_) if constraints.is_equality(row) => Limit::Passive,
-            kind => kind.into(),
-        };
+        let joint = joint.and_then(|i| model.joints().get(i)).map(|joint| joint.name().to_owned());
         let new = LimitViolation { joint, limit, name, by, unit: unit.to_owned(), at_s, enforced };
         let same = |old: &&mut LimitViolation| {
             old.limit == new.limit && old.joint == new.joint && (new.joint.is_some() || old.name == new.name)

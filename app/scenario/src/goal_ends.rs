@@ -2,7 +2,7 @@
 
 use super::own_terms::worst_row;
 use super::scene::{FAR, MILLIMETRES};
-use super::{Goal, Limit, Scenario};
+use super::{Goal, Quantity, Scenario};
 use aghf::constraint::{AnyConstraint, RowLabel};
 use aghf::curve::{Chebyshev, Curve};
 use aghf::direct::{GoalEnd, GoalSet};
@@ -111,7 +111,7 @@ impl Scenario {
             return Ok(Err(condition));
         }
         let all = [f64::NEG_INFINITY, f64::INFINITY];
-        let bounds = (0..model.dof()).map(|i| self.bound(Limit::Position, i).unwrap_or(all));
+        let bounds = (0..model.dof()).map(|i| self.bound(Quantity::Position, i).unwrap_or(all));
         // The end also keeps the conditions that hold throughout.
         let rows = &[rows, self.own.constraints.as_slice()].concat()[..];
         let mut search = InverseKinematics::new(model, rows, bounds.collect())?;

@@ -1,6 +1,6 @@
 //! MoveIt's `joint_limits.yaml`.
 
-use super::Limit;
+use super::Quantity;
 use super::json::by_name;
 use super::moveit::check_fields;
 use super::yaml::{of_value, yaml_value};
@@ -61,11 +61,11 @@ fn written(key: &'static str, flag: Option<bool>, number: Option<f64>) -> Writte
 
 impl JointLimits {
     /// The limits of a kind, acceleration before deceleration.
-    fn of(&self, limit: Limit) -> Vec<Written> {
+    fn of(&self, limit: Quantity) -> Vec<Written> {
         let deceleration = self.max_deceleration.map(f64::abs);
         match limit {
-            Limit::Velocity => vec![written("max_velocity", self.has_velocity_limits, self.max_velocity)],
-            Limit::Jerk => vec![written("max_jerk", self.has_jerk_limits, self.max_jerk)],
+            Quantity::Velocity => vec![written("max_velocity", self.has_velocity_limits, self.max_velocity)],
+            Quantity::Jerk => vec![written("max_jerk", self.has_jerk_limits, self.max_jerk)],
             _ => vec![
                 written("max_acceleration", self.has_acceleration_limits, self.max_acceleration),
                 written("max_deceleration", self.has_deceleration_limits, deceleration),
@@ -89,7 +89,7 @@ impl JointLimitsFile {
             check_fields(joint, "a joint of joint_limits.yaml", [&file, &key])?;
         }
         let read = Self { read: of_value(value, &file, what)?, file };
-        for limit in [Limit::Velocity, Limit::Acceleration] {
+        for limit in [Quantity::Velocity, Quantity::Acceleration] {
             read.factor(limit)?;
         }
         for joint in joints {
@@ -105,10 +105,10 @@ impl JointLimitsFile {
     ///
     /// # Errors
     /// A factor that is not above 0 and at most 1.
-    pub fn factor(&self, limit: Limit) -> Result<f64> {
+    pub fn factor(&self, limit: Quantity) -> Result<f64> {
         let (key, factor) = match limit {
-            Limit::Velocity => ("default_velocity_scaling_factor", self.read.default_velocity_scaling_factor),
-            Limit::Acceleration => {
+            Quantity::Velocity => ("default_velocity_scaling_factor", self.read.default_velocity_scaling_factor),
+            Quantity::Acceleration => {
                 ("default_acceleration_scaling_factor", self.read.default_acceleration_scaling_factor)
             }
             _ => return Ok(1.0),
@@ -128,7 +128,7 @@ impl JointLimitsFile {
     /// A limit that holds without a number, and one that is not positive.
     pub fn limits(
         &self,
-        limit: Limit,
+        limit: Quantity,
         joints: &[&Joint<f64>],
         factor: f64,
         notes: &mut LoadReport,
@@ -140,7 +140,7 @@ impl JointLimitsFile {
                 None => None,
             };
             let velocity = joint.limits().velocity;
-            let of_robot = limit == Limit::Velocity && factor < 1.0 && velocity.is_finite();
+            let of_robot = limit == Quantity::Velocity && factor < 1.0 && velocity.is_finite();
             let number = of_file.or(of_robot.then_some(velocity));
             Ok(number.map(|number| factor * number))
         };

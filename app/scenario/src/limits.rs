@@ -1,12 +1,16 @@
 //! The joint limits that act as constraints.
 
-use super::{Limit, RateLimits, Scenario};
-use aghf::constraint::{AnyConstraint, Bound, Bounds, Constraint, Constraints, Side, StageConstraints, TorqueLimits};
+use super::{Quantity, RateLimits, Scenario};
+use aghf::constraint::{
+    AnyConstraint, Bound, Bounds, Constraint, Constraints, PowerLimits, RateLimit, Side, StageConstraint,
+    StageConstraints, TorqueLimits,
+};
 use aghf::error::{Error, Result, plain};
 use aghf::geometry::Scene;
 use aghf::model::Model;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// The joint limits that act as constraints; by default all limits of the robot. Violations of the others are only
 /// reported.
@@ -14,7 +18,7 @@ use serde::{Deserialize, Serialize};
 #[serde(
     deny_unknown_fields,
     default,
-    expecting = "an object with some of the keys position, velocity, torque, max_velocity, acceleration and jerk"
+    expecting = "an object with some of the keys position, velocity, torque, max_velocity, acceleration, jerk and power"
 )]
 pub struct EnforcedLimits {
     /// The position limits. A share of a range is centred; a range with one finite end is not scaled.
@@ -32,6 +36,9 @@ pub struct EnforcedLimits {
     /// For the direct method: the largest rates of accelerations, rad/s^3 or m/s^3; none by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jerk: Option<RateLimits>,
+    /// For the direct method: the largest absolute powers of the motors, torque times velocity, W; none by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub power: Option<RateLimits>,
 }
 
 /// The enforced part of one kind of limit.
@@ -68,7 +75,28 @@ impl EnforcedLimits {
         max_velocity: None,
         acceleration: None,
         jerk: None,
+        power: None,
     };
+
+    /// The limits that are numbers, with their keys.
+    pub(super) fn numbers(&self) -> [(Quantity, &'static str, &Option<RateLimits>); 4] {
+        [
+            (Quantity::Velocity, "max_velocity", &self.max_velocity),
+            (Quantity::Acceleration, "acceleration", &self.acceleration),
+            (Quantity::Jerk, "jerk", &self.jerk),
+            (Quantity::Power, "power", &self.power),
+        ]
+    }
+
+    /// The same to change them.
+    pub(super) fn numbers_mut(&mut self) -> [(Quantity, &'static str, &mut Option<RateLimits>); 4] {
+        [
+            (Quantity::Velocity, "max_velocity", &mut self.max_velocity),
+            (Quantity::Acceleration, "acceleration", &mut self.acceleration),
+            (Quantity::Jerk, "jerk", &mut self.jerk),
+            (Quantity::Power, "power", &mut self.power),
+        ]
+    }
 
     /// Returns true if limits of any kind are enforced, whether or not the robot has such limits.
     #[must_use]
@@ -76,19 +104,14 @@ impl EnforcedLimits {
         *self != Self::NONE
     }
 
-    /// The enforced lower and upper bound on the position, velocity or torque of joint `joint` of `model`, in rad or m,
-    /// rad/s or m/s, N m or N; one of them may be infinite. `None` if nothing is enforced, or if `limit` is not a limit
-    /// of a joint.
+    /// The enforced lower and upper bound on a quantity of joint `joint` of `model`, in its unit; one of them may be
+    /// infinite. `None` if nothing is enforced, or if `limit` is not a limit of a joint.
     #[must_use]
-    pub fn bound(&self, model: &Model, limit: Limit, joint: usize) -> Option<[f64; 2]> {
-        let rates = match limit {
-            Limit::Velocity => &self.max_velocity,
-            Limit::Acceleration => &self.acceleration,
-            Limit::Jerk => &self.jerk,
-            _ => &None,
-        };
+    pub fn bound(&self, model: &Model, limit: Quantity, joint: usize) -> Option<[f64; 2]> {
         let of_robot = self.bound_of_robot(model, limit, joint);
-        match rates.as_ref().and_then(|rates| rates.of(joint)) {
+        let number =
+            self.numbers().into_iter().find(|(of, ..)| *of == limit).and_then(|(.., numbers)| numbers.as_ref());
+        match number.and_then(|numbers| numbers.of(joint)) {
             None => of_robot,
             Some(most) => {
                 let [lower, upper] = of_robot.unwrap_or([-most, most]);
@@ -98,40 +121,38 @@ impl EnforcedLimits {
     }
 
     /// The enforced part of a limit of the robot.
-    fn bound_of_robot(&self, model: &Model, limit: Limit, joint: usize) -> Option<[f64; 2]> {
+    fn bound_of_robot(&self, model: &Model, limit: Quantity, joint: usize) -> Option<[f64; 2]> {
         let joint = model.joints().get(joint)?;
         let share = self.of(limit)?.share(joint.name())?;
         let limits = joint.limits();
         let both = |most: f64| [-share * most, share * most];
         let [lower, upper] = match limit {
-            Limit::Position => within([limits.lower, limits.upper], share),
-            Limit::Velocity => both(limits.velocity),
-            Limit::Torque => both(limits.effort),
+            Quantity::Position => within([limits.lower, limits.upper], share),
+            Quantity::Velocity => both(limits.velocity),
+            Quantity::Torque => both(limits.effort),
             _ => return None,
         };
         (lower.is_finite() || upper.is_finite()).then_some([lower, upper])
     }
 
     /// The enforced part of a kind of limit.
-    fn of(&self, limit: Limit) -> Option<&Enforced> {
+    fn of(&self, limit: Quantity) -> Option<&Enforced> {
         match limit {
-            Limit::Position => Some(&self.position),
-            Limit::Velocity => Some(&self.velocity),
-            Limit::Torque => Some(&self.torque),
+            Quantity::Position => Some(&self.position),
+            Quantity::Velocity => Some(&self.velocity),
+            Quantity::Torque => Some(&self.torque),
             _ => None,
         }
     }
 
     /// Refuses invalid shares and limits, and unknown joint names. `path` names the scenario.
     pub(super) fn check(&self, model: &Model, path: &str) -> Result<()> {
-        for (key, limits) in
-            [("max_velocity", &self.max_velocity), ("acceleration", &self.acceleration), ("jerk", &self.jerk)]
-        {
+        for (_, key, limits) in self.numbers() {
             if let Some(limits) = limits {
                 limits.check(model.dof(), &format!("enforced_limits.{key}"), path)?;
             }
         }
-        for limit in Limit::OF_JOINTS {
+        for limit in Quantity::JOINT {
             let Some(Enforced::Share { share, joints }) = self.of(limit) else {
                 continue;
             };
@@ -176,8 +197,8 @@ impl Scenario {
     /// The enforced bounds of this scenario, as [`EnforcedLimits::bound`] defines them. The bounds on the torque of a
     /// passive joint are always zero.
     #[must_use]
-    pub fn bound(&self, limit: Limit, joint: usize) -> Option<[f64; 2]> {
-        if limit == Limit::Torque && self.is_passive(joint) {
+    pub fn bound(&self, limit: Quantity, joint: usize) -> Option<[f64; 2]> {
+        if limit == Quantity::Torque && self.is_passive(joint) {
             return Some([0.0; 2]);
         }
         (self.file.enforced_limits).bound(&self.model, limit, joint)
@@ -197,7 +218,7 @@ impl Scenario {
     /// Returns true if any joint has a bound, which includes the zero torque of a passive joint.
     pub(super) fn limits_are_enforced(&self) -> bool {
         let bounded = |limit| (0..self.model.dof()).any(|i| self.bound(limit, i).is_some());
-        Limit::OF_JOINTS.into_iter().any(bounded)
+        Quantity::JOINT.into_iter().any(bounded)
     }
 
     /// The constraints on the state: clearance from obstacles, enforced limits, and user-defined constraints.
@@ -234,21 +255,22 @@ impl Scenario {
         }
     }
 
-    /// The enforced limits of acceleration and jerk, a standing foot, and user-defined rows.
+    /// The enforced limits of acceleration, jerk and power, a standing foot, and user-defined rows.
     #[must_use]
     pub fn stage_constraints(&self) -> StageConstraints {
-        let all = |limit| {
-            let most = |joint| self.bound(limit, joint).map(|[_, most]| most);
-            let limits: Vec<_> = (0..self.model.dof()).map(most).collect();
-            let any = limits.iter().any(Option::is_some);
-            if any { limits } else { Vec::new() }
+        let all = [2, 3].into_iter().flat_map(|order| (0..self.model.dof()).map(move |joint| (order, joint)));
+        let limit = |(order, joint): (usize, usize)| {
+            let bound = self.bound(Quantity::JOINT[order], joint);
+            bound.map(|[_, most]| RateLimit::both(order, joint, most))
         };
+        let power = |joint| self.bound(Quantity::Power, joint).map(|[_, most]| most);
+        let powers = PowerLimits((0..self.model.dof()).map(power).collect());
+        let powers = (powers.dim() > 0).then(|| Arc::new(powers) as Arc<dyn StageConstraint>);
         StageConstraints {
-            acceleration: all(Limit::Acceleration),
-            jerk: all(Limit::Jerk),
+            rates: all.filter_map(limit).flatten().collect(),
             foot: self.own.foot.clone(),
             phases: Vec::new(),
-            others: self.own.stage.clone(),
+            others: powers.into_iter().chain(self.own.stage.iter().cloned()).collect(),
         }
     }
 
@@ -272,9 +294,9 @@ impl Scenario {
 }
 
 /// The bounds on the positions and velocities of `n` joints as constraints, without those that have no rows.
-fn limits_of_state(n: usize, bound: impl Fn(Limit, usize) -> Option<[f64; 2]>) -> Vec<AnyConstraint> {
+fn limits_of_state(n: usize, bound: impl Fn(Quantity, usize) -> Option<[f64; 2]>) -> Vec<AnyConstraint> {
     let mut constraints = Vec::new();
-    for (limit, first) in [(Limit::Position, 0), (Limit::Velocity, n)] {
+    for (limit, first) in [(Quantity::Position, 0), (Quantity::Velocity, n)] {
         let bounds: Vec<Bound> = (0..n)
             .filter_map(|i| Some((first + i, bound(limit, i)?)))
             .flat_map(|(entry, bound)| {
@@ -291,8 +313,8 @@ fn limits_of_state(n: usize, bound: impl Fn(Limit, usize) -> Option<[f64; 2]>) -
 }
 
 /// The bounds on the torques of `n` joints; empty if there are none.
-fn limits_of_torque(n: usize, bound: impl Fn(Limit, usize) -> Option<[f64; 2]>) -> TorqueLimits {
-    let limits: Vec<Option<f64>> = (0..n).map(|i| bound(Limit::Torque, i).map(|[_, most]| most)).collect();
+fn limits_of_torque(n: usize, bound: impl Fn(Quantity, usize) -> Option<[f64; 2]>) -> TorqueLimits {
+    let limits: Vec<Option<f64>> = (0..n).map(|i| bound(Quantity::Torque, i).map(|[_, most]| most)).collect();
     let any = limits.iter().any(Option::is_some);
     TorqueLimits(if any { limits } else { Vec::new() })
 }

@@ -1,7 +1,7 @@
 //! The keys of a scenario that change the objective of the direct method from least control effort between two states.
 
 use super::schema::one_of;
-use super::{Method, Scenario, ScenarioFile};
+use super::{Method, Quantity, Scenario, ScenarioFile};
 use aghf::direct::FreeHorizon;
 use aghf::error::{Error, Result, plain};
 use aghf::model::Model;
@@ -305,14 +305,15 @@ impl Scenario {
             ("waypoints", !file.waypoints.is_empty()),
             ("stand", file.stand.is_some() && method != Method::Flow),
             ("free_horizon", file.free_horizon.is_some()),
-            ("enforced_limits.acceleration", file.enforced_limits.acceleration.is_some()),
-            ("enforced_limits.jerk", file.enforced_limits.jerk.is_some()),
             ("rows in (t, q, v, a, u)", !self.own.stage.is_empty()),
         ];
-        let unknown = keys.iter().find(|(_, given)| *given);
-        if let (Some((key, _)), true) = (unknown, method != Method::Direct) {
+        let limits = file.enforced_limits.numbers().into_iter();
+        let limits = limits.filter(|(quantity, _, given)| *quantity != Quantity::Velocity && given.is_some());
+        let mut unknown = keys.iter().filter(|(_, given)| *given).map(|(key, _)| (*key).to_owned());
+        let unknown = unknown.next().or(limits.map(|(_, key, _)| format!("enforced_limits.{key}")).next());
+        if let (Some(key), true) = (unknown, method != Method::Direct) {
             let condition = format!("the method '{method}' does not know it, only 'direct' does");
-            return Err(Error::input(&self.name, *key, condition));
+            return Err(Error::input(&self.name, key, condition));
         }
         if method == Method::Flow && self.own.running_cost.is_some() {
             let condition = "the published flow does not know it, all other methods do";

@@ -13,7 +13,7 @@ use nalgebra::DMatrix;
 use std::fmt::{self, Debug};
 use std::sync::{Arc, OnceLock};
 
-/// The most violated row of constraints at a state $[q; v]$, and its [excess](aghf::constraint::RowKind::excess), which
+/// The most violated row of constraints at a state $[q; v]$, and its [excess](aghf::constraint::RowForm::excess), which
 /// is negative if all rows are satisfied; `None` without rows.
 pub(super) fn worst_row(constraints: &[AnyConstraint], model: &Model, x: &[f64]) -> Result<Option<(f64, RowLabel)>> {
     Evaluator::new(model).at(x)?.worst_row(constraints)

@@ -1,7 +1,7 @@
 //! Checks, before any search, for conditions that no motion can meet.
 
 use super::feasibility::three_digits;
-use super::{Continuous, HorizonBounds, Limit, Scenario};
+use super::{Continuous, HorizonBounds, Quantity, Scenario};
 use aghf::direct::DirectSettings;
 use aghf::dynamics::{Data, forward_kinematics, rnea};
 use aghf::error::{Error, Result, check_length, plain};
@@ -59,23 +59,23 @@ impl Scenario {
     /// velocity; from rest to rest $2 \sqrt{d / \bar a}$, or $d / \bar v + \bar v / \bar a$ if it reaches its velocity,
     /// and $(32 d / \bar\jmath)^{1/3}$. `None` if no joint with such a limit moves; a goal that is a set has no part.
     #[must_use]
-    pub fn least_horizon(&self) -> Option<(usize, Limit, f64)> {
+    pub fn least_horizon(&self) -> Option<(usize, Quantity, f64)> {
         self.least_horizon_to(self.known_goal())
     }
 
     /// The same with another final configuration, or without one.
-    pub(super) fn least_horizon_to(&self, goal: Option<&[f64]>) -> Option<(usize, Limit, f64)> {
+    pub(super) fn least_horizon_to(&self, goal: Option<&[f64]>) -> Option<(usize, Quantity, f64)> {
         let file = &self.file;
         let at_rest = rests(&file.v_start) && rests(&file.v_goal) && !file.free_final_velocity;
         let times = (0..self.model.dof()).flat_map(|i| {
             let most = |limit| self.bound(limit, i).map_or(f64::INFINITY, |[_, most]| most);
             let way = self.way_of(i, goal);
-            let (v, a, j) = (most(Limit::Velocity), most(Limit::Acceleration), most(Limit::Jerk));
+            let (v, a, j) = (most(Quantity::Velocity), most(Quantity::Acceleration), most(Quantity::Jerk));
             let accelerated = if way * a > v * v { way / v + v / a } else { 2.0 * (way / a).sqrt() };
-            let of_rest = [(Limit::Acceleration, a, accelerated), (Limit::Jerk, j, (32.0 * way / j).cbrt())];
+            let of_rest = [(Quantity::Acceleration, a, accelerated), (Quantity::Jerk, j, (32.0 * way / j).cbrt())];
             let of_rest = of_rest.into_iter().filter(move |(_, most, _)| at_rest && most.is_finite());
             let of_rest = of_rest.map(move |(limit, _, time)| (i, limit, time));
-            of_rest.chain([(i, Limit::Velocity, way / v)])
+            of_rest.chain([(i, Quantity::Velocity, way / v)])
         });
         // A joint that does not move takes no time, even at a velocity limit of zero.
         let moving = times.filter(|(.., time)| *time > 0.0);
@@ -141,18 +141,18 @@ impl Scenario {
 
     /// Checks a configuration on the way, named by a key: limits of positions, and collisions.
     pub(super) fn check_on_the_way(&self, key: &str, q: &[f64]) -> Result<()> {
-        self.check_bounds(Limit::Position, key, q)?;
+        self.check_bounds(Quantity::Position, key, q)?;
         self.check_clear(&End { keys: [key, key], q, v: None })
     }
 
     /// Refuses a boundary state beyond a limit of a joint.
     fn check_state(&self, end: &End<'_>) -> Result<()> {
         let [q_key, v_key] = end.keys;
-        self.check_bounds(Limit::Position, q_key, end.q)?;
+        self.check_bounds(Quantity::Position, q_key, end.q)?;
         let Some(v) = end.v else {
             return Ok(());
         };
-        self.check_bounds(Limit::Velocity, v_key, v)?;
+        self.check_bounds(Quantity::Velocity, v_key, v)?;
         self.check_stopping(v_key, (end.q, v), v_key == "v_start")
     }
 
@@ -172,7 +172,7 @@ impl Scenario {
     }
 
     /// Refuses an entry of `x` beyond the limit of its joint.
-    fn check_bounds(&self, limit: Limit, key: &str, x: &[f64]) -> Result<()> {
+    fn check_bounds(&self, limit: Quantity, key: &str, x: &[f64]) -> Result<()> {
         for (i, (joint, x)) in self.model.joints().iter().zip(x).enumerate() {
             let Some([lower, upper]) = self.bound(limit, i) else {
                 continue;
@@ -276,11 +276,11 @@ impl Scenario {
         let data = &mut Data::new(&self.model);
         rnea(&self.model, data, end.q, &zeros, &zeros, &mut torques)?;
         for (i, (joint, torque)) in self.model.joints().iter().zip(torques).enumerate() {
-            let Some([_, most]) = self.bound(Limit::Torque, i) else {
+            let Some([_, most]) = self.bound(Quantity::Torque, i) else {
                 continue;
             };
             if torque.abs() > most + TOLERANCE {
-                let (name, unit) = (joint.name(), Limit::Torque.unit(joint.kind()));
+                let (name, unit) = (joint.name(), Quantity::Torque.unit(joint.kind()));
                 let (torque, most) = (three_digits(torque.abs(), f64::ceil), plain(most));
                 let but = if self.is_passive(i) {
                     "it is passive".to_owned()

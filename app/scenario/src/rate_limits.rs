@@ -1,7 +1,7 @@
-//! Limits of velocity, acceleration and jerk that a scenario gives.
+//! Limits of velocity, acceleration, jerk and power that a scenario gives.
 
 use super::joint_limits::JointLimitsFile;
-use super::{EnforcedLimits, Limit};
+use super::{EnforcedLimits, Quantity};
 use aghf::error::{Error, Result, plain};
 use aghf::model::Model;
 use aghf::urdf::{LoadReport, RobotSource};
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use urdf_rs::Robot;
 
-/// The largest velocities, accelerations or jerks of the joints.
+/// The largest velocities, accelerations, jerks or powers of the joints.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(
     untagged,
@@ -22,7 +22,7 @@ pub enum RateLimits {
     Same(f64),
     /// A number for each joint, in their order; null for none.
     Each(Vec<Option<f64>>),
-    /// Those of the URDF. They become a list when the scenario is read, as those of a file do.
+    /// Those of the URDF, which has no powers. They become a list when the scenario is read, as those of a file do.
     Urdf(Urdf),
     /// Those of a file.
     File {
@@ -83,7 +83,7 @@ impl RateLimits {
     /// Replaces a source by its numbers for the joints of `model`, so that the scenario depends on no other file.
     fn read(
         &mut self,
-        limit: Limit,
+        limit: Quantity,
         model: &Model,
         source: &RobotSource,
         folder: &Path,
@@ -91,6 +91,10 @@ impl RateLimits {
     ) -> Result<()> {
         let (file, numbers) = match self {
             Self::Same(_) | Self::Each(_) => return Ok(()),
+            Self::Urdf(_) | Self::File { .. } if limit == Quantity::Power => {
+                let condition = "files of robots have no limits of power; a number is needed, or a list";
+                return Err(Error::input(source.name(), "joints", condition));
+            }
             Self::Urdf(_) => (source.name(), of_urdf(&source.elements()?, limit, model)),
             Self::File { file } => {
                 let path = folder.join(file);
@@ -120,13 +124,13 @@ impl RateLimits {
 }
 
 /// The limits of the joints of a model in its URDF; the smaller one of acceleration and deceleration.
-fn of_urdf(robot: &Robot, limit: Limit, model: &Model) -> Vec<Option<f64>> {
+fn of_urdf(robot: &Robot, limit: Quantity, model: &Model) -> Vec<Option<f64>> {
     let of = |name: &str| {
         let joint = robot.joints.iter().find(|joint| joint.name == name)?;
         let written = &joint.limit;
         let numbers = match limit {
-            Limit::Velocity => [written.velocity; 2],
-            Limit::Jerk => [written.jerk; 2],
+            Quantity::Velocity => [written.velocity; 2],
+            Quantity::Jerk => [written.jerk; 2],
             _ => [written.acceleration, written.deceleration],
         };
         smallest(numbers.into_iter().filter(|x| *x != f64::INFINITY))
@@ -142,13 +146,11 @@ fn smallest(numbers: impl Iterator<Item = f64>) -> Option<f64> {
 impl EnforcedLimits {
     /// The same limits for a robot whose joint `i` is joint `order[i]` of this one.
     pub(super) fn in_order(&self, order: &[usize]) -> Self {
-        let sorted = |of: &Option<RateLimits>| of.as_ref().map(|of| of.in_order(order));
-        Self {
-            max_velocity: sorted(&self.max_velocity),
-            acceleration: sorted(&self.acceleration),
-            jerk: sorted(&self.jerk),
-            ..self.clone()
+        let mut sorted = self.clone();
+        for numbers in sorted.numbers_mut().into_iter().filter_map(|(.., numbers)| numbers.as_mut()) {
+            *numbers = numbers.in_order(order);
         }
+        sorted
     }
 
     /// Replaces limits that come with the robot by their numbers. `folder` is that of the scenario, called `path`.
@@ -159,11 +161,7 @@ impl EnforcedLimits {
         (path, folder): (&str, &Path),
         notes: &mut LoadReport,
     ) -> Result<()> {
-        for (limit, key, limits) in [
-            (Limit::Velocity, "max_velocity", &mut self.max_velocity),
-            (Limit::Acceleration, "acceleration", &mut self.acceleration),
-            (Limit::Jerk, "jerk", &mut self.jerk),
-        ] {
+        for (limit, key, limits) in self.numbers_mut() {
             if let Some(limits) = limits {
                 let key = format!("enforced_limits.{key}");
                 let read = limits.read(limit, model, source, folder, notes);

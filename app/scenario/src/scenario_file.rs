@@ -14,7 +14,7 @@ use super::schema::{self, FeedbackKeys, one_of};
 use super::stand::Stand;
 use super::turns::Turns;
 use super::waypoints::PointOnTheWay;
-use super::{EnforcedLimits, Limit};
+use super::{EnforcedLimits, Quantity};
 use aghf::curve::Chebyshev;
 use aghf::error::{Error, Result, plain};
 use aghf::model::Model;
@@ -165,9 +165,9 @@ pub struct ScenarioFile {
 impl ScenarioFile {
     /// Returns true if a velocity, an acceleration, a jerk, a torque or a kept speed is bounded, as a least time needs.
     pub(super) fn bounds_time(&self, model: &Model) -> bool {
-        let limits = [Limit::Velocity, Limit::Acceleration, Limit::Jerk, Limit::Torque];
+        let limits = Quantity::JOINT.into_iter().filter(|of| *of != Quantity::Position);
         let is_bounded = |joint, limit| self.enforced_limits.bound(model, limit, joint).is_some();
-        (0..model.dof()).any(|joint| limits.iter().any(|limit| is_bounded(joint, *limit)))
+        (0..model.dof()).any(|joint| limits.clone().any(|limit| is_bounded(joint, limit)))
             || self.keep.iter().any(|kept| kept.speed.is_some())
     }
 

@@ -1,6 +1,6 @@
 //! The result of a solve in numbers.
 
-use super::{CurveFile, Feasibility, Limit, Method, MultipliersFile, Provenance};
+use super::{CurveFile, Feasibility, Method, MultipliersFile, Provenance, Quantity};
 use aghf::direct::{DegreeRefinement, LocalMinimum};
 use aghf::flow::jacobian::JacobianKind;
 use aghf::motion::{Feedback, Guess};
@@ -256,7 +256,7 @@ pub struct HorizonBound {
     /// The joint that takes longest.
     pub joint: String,
     /// The limit at which it takes that long: of velocity, acceleration or jerk.
-    pub limit: Limit,
+    pub limit: Quantity,
 }
 
 /// The end of a motion in a goal that is a set.

@@ -3,7 +3,7 @@
 use super::durations::sum_of;
 use super::own_terms::ScenarioCost;
 use super::{HorizonBounds, Objective, ObjectiveWeights, Scenario, Units};
-use aghf::constraint::{RowKind, RowLabel};
+use aghf::constraint::{Quantity, RowLabel};
 use aghf::cost::{ControlEffort, CostWithControl, InPhases, Point, WeightedSquares};
 use aghf::direct::FreeHorizon;
 use aghf::error::Result;
@@ -165,7 +165,7 @@ impl Scenario {
         let below = (bounds.shortest_s - horizon, "lower");
         let above = (horizon - bounds.longest_s, "upper");
         let (by, side) = if below.0 > above.0 { below } else { above };
-        Some((by, RowLabel { name: format!("{side} bound of the horizon"), unit: "s", kind: RowKind::Other }))
+        Some((by, RowLabel::new(format!("{side} bound of the horizon"), "s", Quantity::Duration)))
     }
 
     /// The bounds of the horizon and the cost of a second, if it is an unknown.

@@ -141,10 +141,10 @@ impl<K: Constraint, P: CostWithControl> Integrand<'_, K, P> {
         for g in 0..points.count() {
             for (row, term) in &self.terms[points.first + g] {
                 let row = row.checked_sub(first);
-                let Some(rate) = row.and_then(|row| self.rows.rates.get(row)) else {
+                let Some(rate) = row.and_then(|row| self.rows.constraints.stage.rates.get(row)) else {
                     continue;
                 };
-                let (slope, i) = (rate.sign() / rate.limit, rate.joint);
+                let (slope, i) = (rate.side.sign() / rate.limit, rate.joint);
                 let curvature = term.curvature * slope * slope;
                 if rate.order == 2 {
                     out.gradients[(i, 3 * g + 2)] += term.slope * slope;

@@ -354,8 +354,13 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
             self.kept.push(x.clone());
         }
         // Exact margins at first; then they only grow, so that the search ends.
-        self.set_margins(round > self.search.exact_margins);
-        Ok(Tightened::Violation(violation))
+        let grow = round > self.search.exact_margins;
+        self.set_margins(grow);
+        // The reserve is there to keep the bounds themselves: within the tolerance a row is beyond them only if margins
+        // that are set exactly do not help.
+        let is_beyond = self.look.found.iter().any(|maximum| maximum.height > 0.0);
+        let again = end && !grow && self.stage.last && is_beyond;
+        Ok(Tightened::Violation(if again { violation + self.stage.feasible } else { violation }))
     }
 
     fn violation(&mut self, x: &DVector<f64>) -> Result<f64> {

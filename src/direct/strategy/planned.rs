@@ -1,6 +1,6 @@
 //! Starts along planned paths.
 
-use crate::constraint::{Constraint, RowKind};
+use crate::constraint::{Constraint, Quantity};
 use crate::cost::CostWithControl;
 use crate::curve::Basis;
 use crate::direct::minimise::{Candidate, Context};
@@ -28,7 +28,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         let settings = context.settings;
         let (state, model) = (&context.rows.constraints.state, context.problem.model());
         let rows = 0..state.dim();
-        let bounds = |row: usize| matches!(state.label(row, model).kind, RowKind::Position(_) | RowKind::Velocity(_));
+        let bounds = |row: usize| matches!(state.label(row, model).quantity, Quantity::Position | Quantity::Velocity);
         let wanted = settings.planned_starts != PlannedStarts::Never
             && settings.start.is_none()
             && sets_with_equalities(state).is_ok()

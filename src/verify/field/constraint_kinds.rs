@@ -3,7 +3,7 @@
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
 use crate::constraint::{
     AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, Evaluator, FrameRow, FrameRows,
-    PlacedState, RowKind, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits, WeightedDerivatives, Weights,
+    PlacedState, RowForm, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits, WeightedDerivatives, Weights,
 };
 use crate::dynamics::forward_kinematics;
 use crate::error::Result;
@@ -198,7 +198,7 @@ fn frames(p: &RandomInstance) -> Result<Vec<Equality>> {
         scale: s[i + 3],
         what: "row",
         unit: "",
-        kind: RowKind::Other,
+        form: RowForm::Linear,
         is_equality: false,
     };
     let bodies = [[Some(n - 1), None], [Some(2), Some(3)], [Some(3), Some(n - 1)], [Some(2), Some(0)], [None, Some(3)]];

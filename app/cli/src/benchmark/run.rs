@@ -123,7 +123,7 @@ fn solve(problem: &Problem) -> Result<Row> {
     let trajectory = Trajectory::of_samples(sample(model, curve, intervals)?);
     let judgement = judge(&scenario, &trajectory, Tolerances::default())?;
     let of_clearance = judgement.checks.iter().filter_map(|row| {
-        let clearance = matches!(row.check, Check::Obstacles | Check::SelfCollision);
+        let clearance = matches!(row.check, Check::Bounds(of) if of.is_clearance());
         clearance.then_some(row.proved_at_least).flatten()
     });
     row.least_clearance_m = of_clearance.reduce(f64::min);

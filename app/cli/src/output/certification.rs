@@ -1,8 +1,8 @@
 //! The result of a certification in words.
 
 use super::table::short;
-use aghf_scenario::RobotShape;
-use aghf_scenario::certify::{Certificate, Certification, Failure, Passage, Promise, TableDifference};
+use aghf_scenario::certify::{Certificate, Certification, Failure, Passage, TableDifference};
+use aghf_scenario::{Quantity, RobotShape, promise_in_words};
 
 /// Formats the result of a certification of a robot in this shape, which took this time.
 #[must_use]
@@ -66,9 +66,9 @@ fn promise_lines(certificate: &Certificate, shape: RobotShape) -> impl Iterator<
         let reserves = certificate.intervals.iter().map(|interval| interval.3[i]);
         let least = reserves.fold(f64::INFINITY, f64::min);
         let unit = match promise {
-            Promise::Obstacles | Promise::SelfCollision => "m",
-            Promise::Keep => "m, rad or m/s",
-            Promise::Stand => "of the weight, m or of the ratio of friction",
+            Quantity::Obstacles | Quantity::SelfCollision => "m",
+            Quantity::Frame => "m, rad or m/s",
+            Quantity::Foot => "of the weight, m or of the ratio of friction",
             _ => "of the limit",
         };
         // Beside a tube no reserve is claimed.
@@ -77,11 +77,11 @@ fn promise_lines(certificate: &Certificate, shape: RobotShape) -> impl Iterator<
             _ => String::new(),
         };
         let of = match (promise, shape) {
-            (Promise::Obstacles, RobotShape::JointFrames) => {
+            (Quantity::Obstacles, RobotShape::JointFrames) => {
                 " for the origins of joint frames and a load, not for links"
             }
             _ => "",
         };
-        format!("{}: proved{of}{reserve}", promise.name())
+        format!("{}: proved{of}{reserve}", promise_in_words(*promise))
     })
 }

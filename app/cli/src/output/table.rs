@@ -7,8 +7,8 @@ use aghf::model::Model;
 use aghf::verify::duals::Finding;
 use aghf::verify::field::Verdict;
 use aghf_scenario::{
-    Details, DirectDetails, FAMILIES, Feasibility, FlowDetails, HorizonBound, Limit, RestDetails, RobotShape, Scenario,
-    Summary, builtin_scenarios, generated_scenarios,
+    Details, DirectDetails, FAMILIES, Feasibility, FlowDetails, HorizonBound, Quantity, RestDetails, RobotShape,
+    Scenario, Summary, builtin_scenarios, generated_scenarios,
 };
 use comfy_table::{CellAlignment, Table, presets};
 
@@ -108,7 +108,7 @@ fn feasibility_rows(found: &Feasibility) -> Vec<[String; 2]> {
     }
     let limits = found.limit_violations.iter();
     // The torques of passive joints have their own row.
-    for violation in limits.filter(|violation| violation.limit != Limit::Passive) {
+    for violation in limits.filter(|violation| violation.limit != Quantity::Passive) {
         add("limit exceeded", violation.to_string());
     }
     rows

@@ -1,7 +1,6 @@
 //! Lower bounds on clearances on a piece of a motion.
 
-use super::Promise;
-use crate::Scenario;
+use crate::{Quantity, Scenario};
 use aghf::certify::{Bernstein, ORDER, Polynomial};
 use aghf::error::Result;
 use aghf::geometry::{CollisionSphere, Shape, Solid};
@@ -34,10 +33,10 @@ pub(super) struct Pair {
 }
 
 /// The pairs of the promise.
-pub(super) fn pairs(scenario: &Scenario, promise: Promise) -> Result<Vec<Pair>> {
+pub(super) fn pairs(scenario: &Scenario, promise: Quantity) -> Result<Vec<Pair>> {
     let scene = &scenario.scene;
     let balls = |tree: usize| scene.trees()[tree].nodes.iter().filter_map(|node| node.leaf);
-    if promise == Promise::Obstacles {
+    if promise == Quantity::Obstacles {
         let moving = (0..scene.robot().balls.len()).filter(|i| scene.robot().balls[*i].body.is_some());
         let beside = scene.obstacle_margins().iter().enumerate();
         let of = |ball| {

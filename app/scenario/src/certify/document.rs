@@ -1,6 +1,8 @@
 //! The document of a certificate.
 
-use serde::{Deserialize, Serialize};
+use crate::Quantity;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 
 /// The name and version of the format, which `proofs/certificate_format.md` in the repository defines.
@@ -35,7 +37,8 @@ pub struct Certificate {
     /// The places at which the motion passes the waypoints, in their order.
     pub waypoints: Vec<Passage>,
     /// The promises for which each interval has a reserve.
-    pub promises: Vec<Promise>,
+    #[serde(serialize_with = "names", deserialize_with = "by_names")]
+    pub promises: Vec<Quantity>,
     /// The intervals, which cover each segment from -1 to 1 in order.
     pub intervals: Vec<Interval>,
 }
@@ -51,46 +54,23 @@ impl Certificate {
     }
 }
 
-/// A kind of promise that is kept at all times.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Promise {
-    /// Limits of positions.
-    Position,
-    /// Limits of velocities.
-    Velocity,
-    /// Limits of accelerations.
-    Acceleration,
-    /// Limits of jerks.
-    Jerk,
-    /// Limits of torques and forces.
-    Torque,
-    /// Poses and speeds along the way.
-    Keep,
-    /// The force of the ground on a standing foot.
-    Stand,
-    /// Clearances from obstacles.
-    Obstacles,
-    /// Clearances between links.
-    SelfCollision,
+/// The name of a promise in a certificate: that of the key that asks for it, or of the limited quantity.
+fn name_of(promise: Quantity) -> &'static str {
+    match promise {
+        Quantity::Frame => "keep",
+        Quantity::Foot => "stand",
+        other => other.name(),
+    }
 }
 
-impl Promise {
-    /// The name for readers.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Position => "position limits",
-            Self::Velocity => "velocity limits",
-            Self::Acceleration => "acceleration limits",
-            Self::Jerk => "jerk limits",
-            Self::Torque => "torque limits",
-            Self::Keep => "conditions along the way",
-            Self::Stand => "standing foot",
-            Self::Obstacles => "clearance from obstacles",
-            Self::SelfCollision => "clearance between links",
-        }
-    }
+fn names<S: Serializer>(promises: &[Quantity], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(promises.iter().map(|promise| name_of(*promise)))
+}
+
+fn by_names<'d, D: Deserializer<'d>>(from: D) -> Result<Vec<Quantity>, D::Error> {
+    let found = |name: &String| Quantity::ALL.into_iter().find(|promise| name_of(*promise) == name);
+    let named = |name: String| found(&name).ok_or_else(|| D::Error::custom(format!("there is no promise '{name}'")));
+    Vec::deserialize(from)?.into_iter().map(named).collect()
 }
 
 /// An interval of a segment, on which `x` goes from -1 to 1, the reserve of each promise there, and directions that

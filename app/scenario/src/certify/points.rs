@@ -1,8 +1,8 @@
 //! States at the ends, between segments and at waypoints.
 
 use super::rows::{EQUALITY, Nearest, Row, Rows, rows_of, values_of};
-use super::{Failure, Passage, Promise};
-use crate::{Continuous, CurveFile, Kept, Scenario};
+use super::{Failure, Passage};
+use crate::{Continuous, CurveFile, Kept, Quantity, Scenario};
 use aghf::certify::{Motion, Part, Piece, Polynomial};
 use aghf::constraint::AnyConstraint;
 use aghf::error::Result;
@@ -130,7 +130,7 @@ impl Points<'_> {
         let near = |aims: &[f64], all: &[Polynomial], what: &str| -> Vec<_> {
             let rows = joints.clone().zip(aims).map(|(joint, aim)| {
                 let place = format!("{what} of joint '{}'", joint.name());
-                Row::new(Promise::Position, place, [aim - EQUALITY, aim + EQUALITY])
+                Row::new(Quantity::Position, place, [aim - EQUALITY, aim + EQUALITY])
             });
             rows.zip(all.iter().map(|p| Polynomial::from(p.middle()))).collect()
         };
@@ -156,7 +156,7 @@ impl Points<'_> {
         let (piece, model) = (self.motion.piece(part), &self.scenario.model);
         let state = [&piece.q, &piece.v].map(|all| all.iter().map(Polynomial::middle).collect());
         let values = values_of(constraints, model, state)?;
-        let rows = rows_of(Promise::Keep, constraints, model);
+        let rows = rows_of(Quantity::Frame, constraints, model);
         all.extend(rows.into_iter().zip(values));
         let nearest = all.into_iter().map(|(row, value)| {
             let nearest = self.rows.nearest_of(&row, &value);

@@ -1,7 +1,7 @@
 //! Rows: quantities of a motion with their bounds.
 
-use super::{Promise, TOLERANCE};
-use crate::{Limit, Scenario};
+use super::TOLERANCE;
+use crate::{Promise, Quantity, Scenario};
 use aghf::certify::{Bernstein, Motion, ORDER, Part, Piece, Polynomial, Range};
 use aghf::constraint::{AnyConstraint, Constraint, PlacedState};
 use aghf::dynamics::{Data, forward_kinematics};
@@ -25,36 +25,10 @@ const LARGEST_ERROR: f64 = 1e-3;
 /// the 1e-6 by which the checkers bound the sine of the angle from it.
 pub(super) const EQUALITY: f64 = 0.7e-6;
 
-/// The kinds of limits, in the order of the quantities of a piece.
-const LIMITS: [(Promise, Limit); 5] = [
-    (Promise::Position, Limit::Position),
-    (Promise::Velocity, Limit::Velocity),
-    (Promise::Acceleration, Limit::Acceleration),
-    (Promise::Jerk, Limit::Jerk),
-    (Promise::Torque, Limit::Torque),
-];
-
-/// A limit of a joint, in rad or m, per s, s^2 or s^3, N m or N.
-pub(super) struct LimitRow {
-    pub(super) promise: Promise,
-    pub(super) joint: usize,
-    /// The bounds; infinite without one.
-    pub(super) bounds: [f64; 2],
-}
-
-impl LimitRow {
-    /// The unit of reserves: the larger absolute value of the bounds, or one if that is zero.
-    fn scale(&self) -> f64 {
-        let bounds = self.bounds.into_iter().filter(|bound| bound.is_finite());
-        let largest = bounds.fold(0.0, |scale: f64, bound| scale.max(bound.abs()));
-        if largest > 0.0 { largest } else { 1.0 }
-    }
-}
-
 /// A quantity with its bounds.
 #[derive(Clone, Debug)]
 pub(super) struct Row {
-    pub(super) promise: Promise,
+    pub(super) promise: Quantity,
     /// The joint, the frame or the foot.
     pub(super) place: String,
     /// The bounds; infinite without one.
@@ -67,7 +41,7 @@ pub(super) struct Row {
 
 impl Row {
     /// A row of scale one that is kept throughout.
-    pub(super) fn new(promise: Promise, place: String, bounds: [f64; 2]) -> Self {
+    pub(super) fn new(promise: Quantity, place: String, bounds: [f64; 2]) -> Self {
         Self { promise, place, bounds, scale: 1.0, times: [f64::NEG_INFINITY, f64::INFINITY] }
     }
 
@@ -78,25 +52,14 @@ impl Row {
     }
 }
 
-/// The limits that a scenario enforces, without the zero torques of passive joints.
-pub(super) fn limits(scenario: &Scenario) -> Vec<LimitRow> {
-    let passive = scenario.passive();
-    let mut rows = Vec::new();
-    for (promise, limit) in LIMITS {
-        for joint in 0..scenario.model.dof() {
-            if promise == Promise::Torque && passive.contains(&joint) {
-                continue;
-            }
-            if let Some(bounds) = scenario.bound(limit, joint) {
-                rows.push(LimitRow { promise, joint, bounds });
-            }
-        }
-    }
-    rows
+/// The limits of joints that are proved: without the zero torques of passive joints.
+fn limits(scenario: &Scenario) -> Vec<(usize, Promise)> {
+    let all = scenario.limits().into_iter().filter(|limit| limit.quantity != Quantity::Passive);
+    all.filter_map(|limit| Some((limit.index?, limit))).collect()
 }
 
 /// The rows of constraints on the state, an equality to within [`EQUALITY`].
-pub(super) fn rows_of(promise: Promise, constraints: &[AnyConstraint], model: &Model) -> Vec<Row> {
+pub(super) fn rows_of(promise: Quantity, constraints: &[AnyConstraint], model: &Model) -> Vec<Row> {
     let mut scales = vec![1.0; constraints.dim()];
     constraints.row_scales(&mut scales);
     let row = |(i, scale): (usize, &f64)| {
@@ -166,7 +129,7 @@ impl Nearest {
 /// All rows of a scenario that are kept along the way, with the bases and the scratch for their bounds.
 pub(super) struct Rows<'a> {
     scenario: &'a Scenario,
-    limits: &'a [LimitRow],
+    limits: Vec<(usize, Promise)>,
     kept: Vec<AnyConstraint>,
     pub(super) all: Vec<Row>,
     of_motion: Bernstein,
@@ -175,25 +138,27 @@ pub(super) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    pub(super) fn new(scenario: &'a Scenario, limits: &'a [LimitRow], motion: &Motion) -> Result<Self> {
-        let model = &scenario.model;
-        let of_limit = |row: &LimitRow| {
-            let place = format!("joint '{}'", model.joints()[row.joint].name());
-            Row { scale: row.scale(), ..Row::new(row.promise, place, row.bounds) }
+    pub(super) fn new(scenario: &'a Scenario, motion: &Motion) -> Result<Self> {
+        let (model, limits) = (&scenario.model, limits(scenario));
+        let of_limit = |(joint, limit): &(usize, Promise)| {
+            let place = format!("joint '{}'", model.joints()[*joint].name());
+            let largest = limit.bounds.into_iter().filter(|bound| bound.is_finite()).map(f64::abs).fold(0.0, f64::max);
+            let scale = if largest > 0.0 { largest } else { 1.0 };
+            Row { scale, ..Row::new(limit.quantity, place, limit.bounds) }
         };
         let mut all: Vec<Row> = limits.iter().map(of_limit).collect();
         let mut kept = Vec::new();
         for (i, condition) in scenario.file.keep.iter().enumerate() {
             let rows = condition.rows(model, &format!("keep[{i}]"), &scenario.name)?;
             let times = condition.times();
-            let own = rows_of(Promise::Keep, &rows, model).into_iter();
+            let own = rows_of(Quantity::Frame, &rows, model).into_iter();
             all.extend(own.map(|row| Row { times, ..row }));
             kept.extend(rows);
         }
         if let Some(foot) = scenario.foot() {
             let row = |i| {
                 let (place, bounds) = (foot.label(i).name, [f64::NEG_INFINITY, 0.0]);
-                Row::new(Promise::Stand, place, bounds)
+                Row::new(Quantity::Foot, place, bounds)
             };
             all.extend((0..foot.dim()).map(row));
         }
@@ -211,18 +176,19 @@ impl<'a> Rows<'a> {
     /// The nearest values of all rows on a piece.
     pub(super) fn nearest(&mut self, piece: &Piece) -> Result<Vec<Nearest>> {
         let model = &self.scenario.model;
-        let mut torques = Vec::new();
-        if self.limits.iter().any(|row| row.promise == Promise::Torque) {
+        let [q, v, a] = piece.models();
+        let (mut torques, mut powers) = (Vec::new(), Vec::new());
+        if self.limits.iter().any(|(_, limit)| matches!(limit.quantity, Quantity::Torque | Quantity::Power)) {
             let all = piece.torques(model, &mut self.data)?;
+            powers.extend(all.iter().zip(&v).map(|(torque, v)| Polynomial::from(*torque * *v)));
             torques.extend(all.into_iter().map(Polynomial::from));
         }
-        let of_joints = [&piece.q, &piece.v, &piece.a, &piece.jerk, &torques];
-        let of_limit = |row: &LimitRow| {
-            let order = LIMITS.iter().position(|(promise, _)| *promise == row.promise);
-            of_joints[order.unwrap_or_default()][row.joint].clone()
+        let of_joints = [&piece.q, &piece.v, &piece.a, &piece.jerk, &torques, &powers];
+        let of_limit = |(joint, limit): &(usize, Promise)| {
+            let of = Quantity::JOINT.iter().position(|quantity| *quantity == limit.quantity);
+            of_joints[of.unwrap_or_default()][*joint].clone()
         };
         let mut values: Vec<Polynomial> = self.limits.iter().map(of_limit).collect();
-        let [q, v, a] = piece.models();
         if !self.kept.is_empty() {
             values.extend(values_of(&self.kept, model, [q.clone(), v.clone()])?);
         }

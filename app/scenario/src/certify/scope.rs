@@ -2,7 +2,8 @@
 
 use super::LEFT_OUT;
 use super::shapes::parts;
-use crate::{ObstacleShape, RobotShape, Scenario, ScenarioFile, sha256};
+use crate::promise::{Role, roles};
+use crate::{ObstacleShape, Quantity, RobotShape, Scenario, sha256};
 use aghf::error::{Error, Result};
 use aghf::geometry::Shape;
 use aghf::input::read_bytes;
@@ -20,17 +21,17 @@ const MESHES: &str = "a shape of the robot is a mesh, or it consists of balls an
                       the robot_shape swept_links or joint_frames, with a ball for a load, can be certified";
 
 /// The keys of a scenario and those that promise something by default, each with its outcome, and constraints that were
-/// added in code. A key without an outcome does not compile.
+/// added in code.
 pub(super) fn keys(scenario: &Scenario) -> Result<BTreeMap<String, String>> {
     let is_known = has_balls(scenario) || parts(scenario)?.is_some();
     let (own, file) = (scenario.added_constraints(), &scenario.file);
     let written = serde_json::to_value(file);
     let written = written.map_err(|e| Error::input("certify", "scenario", e.to_string()))?;
     let by_default = ["continuity", "enforced_limits", "self_collision"];
-    let all = outcomes(scenario, is_known).into_iter();
-    let mut all: BTreeMap<String, String> = all
+    let mut all: BTreeMap<String, String> = roles(scenario)
+        .into_iter()
         .filter(|(key, _)| written.get(key).is_some() || by_default.contains(key))
-        .map(|(key, outcome)| (key.to_owned(), outcome))
+        .map(|(key, role)| (key.to_owned(), outcome(&role, is_known)))
         .collect();
     if own > 0 {
         let reason = format!("{LEFT_OUT}no key of the scenario has these, {own} in number");
@@ -39,76 +40,37 @@ pub(super) fn keys(scenario: &Scenario) -> Result<BTreeMap<String, String>> {
     Ok(all)
 }
 
-/// The outcome of each key.
-fn outcomes(scenario: &Scenario, is_known: bool) -> Vec<(&'static str, String)> {
-    fn row<T>(key: &'static str, _value: &T, outcome: impl Into<String>) -> (&'static str, String) {
-        (key, outcome.into())
+/// The outcome of a key.
+fn outcome(role: &Role, is_known: bool) -> String {
+    match role {
+        Role::Assumed => ASSUMED.to_owned(),
+        Role::NoPromise => NO_PROMISE.to_owned(),
+        Role::OfPhases => format!("{LEFT_OUT}a walk is certified phase by phase"),
+        Role::Promised(all) => match all.iter().find_map(|promise| missing_proof(promise.quantity, is_known)) {
+            Some(reason) => format!("{LEFT_OUT}{reason}"),
+            None => PROVED.to_owned(),
+        },
     }
-    let unless = |is_free: bool| if is_free { NO_PROMISE } else { PROVED };
-    let clear = |is_asked: bool| match (is_asked, is_known) {
-        (false, _) => NO_PROMISE.to_owned(),
-        (true, true) => PROVED.to_owned(),
-        (true, false) => format!("{LEFT_OUT}{MESHES}"),
-    };
-    let left_out =
-        |is_asked: bool, reason: &str| if is_asked { format!("{LEFT_OUT}{reason}") } else { NO_PROMISE.to_owned() };
-    #[rustfmt::skip]
-    let ScenarioFile {
-        schema, robot, packages, root, mount, gravity, mimic, srdf, group, held_state, locked_joints, losses,
-        payload, passive, horizon_s, q_start, v_start, q_goal, v_goal, turns, goal, keep, waypoints, stand,
-        phases, periodic, free_final_velocity, continuity, objective, free_horizon, obstacles, robot_shape,
-        self_collision, clearance_m, enforced_limits, flow, feedback, success_threshold,
-    } = &scenario.file;
-    let apart = scenario.keeps_links_clear();
-    let is_free = scenario.file.has_free_horizon();
-    let walk = "a walk is certified phase by phase";
-    vec![
-        row("$schema", schema, NO_PROMISE),
-        row("robot", robot, ASSUMED),
-        row("packages", packages, NO_PROMISE),
-        row("root", root, ASSUMED),
-        row("mount", mount, ASSUMED),
-        row("gravity", gravity, ASSUMED),
-        row("mimic", mimic, ASSUMED),
-        row("srdf", srdf, NO_PROMISE),
-        row("group", group, NO_PROMISE),
-        row("held_state", held_state, NO_PROMISE),
-        row("locked_joints", locked_joints, ASSUMED),
-        row("losses", losses, ASSUMED),
-        row("payload", payload, ASSUMED),
-        row(
-            "passive",
-            passive,
-            left_out(
-                !passive.is_empty(),
-                "a polynomial keeps the torque of a joint without a motor at zero at finitely many times only",
-            ),
-        ),
-        row("horizon_s", horizon_s, unless(is_free)),
-        row("q_start", q_start, PROVED),
-        row("v_start", v_start, PROVED),
-        row("q_goal", q_goal, unless(!goal.is_empty())),
-        row("v_goal", v_goal, unless(*free_final_velocity)),
-        row("turns", turns, NO_PROMISE),
-        row("goal", goal, PROVED),
-        row("keep", keep, PROVED),
-        row("waypoints", waypoints, PROVED),
-        row("stand", stand, PROVED),
-        row("phases", phases, left_out(!phases.is_empty(), walk)),
-        row("periodic", periodic, left_out(*periodic, walk)),
-        row("free_final_velocity", free_final_velocity, NO_PROMISE),
-        row("continuity", continuity, PROVED),
-        row("objective", objective, NO_PROMISE),
-        row("free_horizon", free_horizon, PROVED),
-        row("obstacles", obstacles, clear(!obstacles.is_empty())),
-        row("robot_shape", robot_shape, ASSUMED),
-        row("self_collision", self_collision, clear(apart)),
-        row("clearance_m", clearance_m, clear(apart || !obstacles.is_empty())),
-        row("enforced_limits", enforced_limits, PROVED),
-        row("flow", flow, NO_PROMISE),
-        row("feedback", feedback, NO_PROMISE),
-        row("success_threshold", success_threshold, NO_PROMISE),
-    ]
+}
+
+/// The reason why there is no proof for a quantity; `None` if there is one.
+fn missing_proof(quantity: Quantity, is_known: bool) -> Option<&'static str> {
+    match quantity {
+        Quantity::Duration
+        | Quantity::Position
+        | Quantity::Velocity
+        | Quantity::Acceleration
+        | Quantity::Jerk
+        | Quantity::Torque
+        | Quantity::Power
+        | Quantity::Frame
+        | Quantity::Foot => None,
+        Quantity::Passive => {
+            Some("a polynomial keeps the torque of a joint without a motor at zero at finitely many times only")
+        }
+        Quantity::Obstacles | Quantity::SelfCollision => (!is_known).then_some(MESHES),
+        Quantity::Other => Some("no key of the scenario has these"),
+    }
 }
 
 /// The files of meshes, as the URDF names them, with the SHA-256 of their bytes, if they are the shape of the robot.

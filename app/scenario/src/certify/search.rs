@@ -3,11 +3,11 @@
 use super::clearance::{Balls, Least, Model, Pair, pairs};
 use super::document::FORMAT;
 use super::points::{Points, broken_ends};
-use super::rows::{Nearest, OTHER_ERRORS, Row, Rows, limits};
+use super::rows::{Nearest, OTHER_ERRORS, Row, Rows};
 use super::scope::{has_balls, keys, meshes};
 use super::shapes::{self, Part as ShapePart, Shapes};
-use super::{Certificate, Certification, Direction, Failure, Interval, LEFT_OUT, Passage, Promise, TOLERANCE, Texts};
-use crate::{CurveFile, Scenario, sha256};
+use super::{Certificate, Certification, Direction, Failure, Interval, LEFT_OUT, Passage, TOLERANCE, Texts};
+use crate::{CurveFile, Quantity, Scenario, promise_in_words, sha256};
 use aghf::certify::{Bernstein, Motion, ORDER, Part, Piece};
 use aghf::dynamics::forward_kinematics;
 use aghf::error::Result;
@@ -46,7 +46,7 @@ struct Search<'a> {
     /// The largest deviation of a position from the motion, rad or m.
     tracking_error: f64,
     rows: Rows<'a>,
-    promises: Vec<Promise>,
+    promises: Vec<Quantity>,
     pairs: Vec<Vec<Pair>>,
     /// The shapes of the robot, unless it consists of balls.
     shapes: Option<Vec<ShapePart>>,
@@ -68,8 +68,7 @@ pub(super) fn certification(
     tracking_error: f64,
 ) -> Result<Certification> {
     let motion = Motion::new(curve.horizon_s, &curve.positions())?;
-    let limits = limits(scenario);
-    let rows = Rows::new(scenario, &limits, &motion)?;
+    let rows = Rows::new(scenario, &motion)?;
     let mut search = Search::new(scenario, &motion, rows, tracking_error)?;
     for failure in broken_ends(scenario, curve, &motion)? {
         search.fail(failure);
@@ -124,7 +123,7 @@ impl<'a> Search<'a> {
         let mut promises: Vec<_> = rows.all.iter().map(|row| row.promise).collect();
         promises.dedup();
         let (shapes, mut all) = (shapes::parts(scenario)?, Vec::new());
-        for promise in [Promise::Obstacles, Promise::SelfCollision] {
+        for promise in [Quantity::Obstacles, Quantity::SelfCollision] {
             let own = match &shapes {
                 Some(parts) => shapes::pairs(scenario, parts, promise)?,
                 None if has_balls(scenario) => pairs(scenario, promise)?,
@@ -260,7 +259,7 @@ impl<'a> Search<'a> {
             }
             if !nearest.holds() {
                 let at_s = self.motion.time(part, nearest.place);
-                let promise = row.promise.name().to_owned();
+                let promise = promise_in_words(row.promise).to_owned();
                 failures.push(Failure::of(promise, row, nearest, at_s, is_broken));
             }
             let of = self.promises.iter().position(|p| *p == row.promise);
@@ -281,7 +280,7 @@ impl<'a> Search<'a> {
             }
             if !holds {
                 failures.push(Failure {
-                    promise: self.promises[first + of].name().to_owned(),
+                    promise: promise_in_words(self.promises[first + of]).to_owned(),
                     place: least.place,
                     at_s: self.motion.time(part, 0.0),
                     value: if is_broken { least.middle } else { least.claim },

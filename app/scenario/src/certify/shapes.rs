@@ -1,8 +1,8 @@
 //! Lower bounds on the distances of convex shapes on a piece of a motion, by directions that separate them.
 
+use super::Direction;
 use super::clearance::{Beside, ENOUGH, LEFT, Least, Model, Pair, lower};
-use super::{Direction, Promise};
-use crate::{RobotShape, Scenario};
+use crate::{Quantity, RobotShape, Scenario};
 use aghf::certify::Bernstein;
 use aghf::error::Result;
 use aghf::geometry::{Shape, Solid};
@@ -45,11 +45,11 @@ pub(super) fn parts(scenario: &Scenario) -> Result<Option<Vec<Part>>> {
 }
 
 /// The pairs of the promise.
-pub(super) fn pairs(scenario: &Scenario, parts: &[Part], promise: Promise) -> Result<Vec<Pair>> {
+pub(super) fn pairs(scenario: &Scenario, parts: &[Part], promise: Quantity) -> Result<Vec<Pair>> {
     let scene = &scenario.scene;
     let all = || parts.iter().enumerate();
     let mut pairs = Vec::new();
-    if promise == Promise::Obstacles {
+    if promise == Quantity::Obstacles {
         for (i, _) in all().filter(|(_, part)| part.body.is_some()) {
             let beside = scene.obstacle_margins().iter().enumerate();
             pairs.extend(beside.map(|(o, margin)| Pair { part: i, beside: Beside::Obstacle(o), margin: *margin }));

@@ -4,14 +4,9 @@ use super::ends::{boundary, continuity};
 use super::intervals::{Bounded, CAUTION, Proof};
 use super::rates::means;
 use super::torques::torques;
-use super::{Check, Intervals, Outcome, Row, Trajectory, Worst, joint_name, unit_of};
-use crate::{Limit, Scenario};
+use super::{Check, Intervals, Outcome, Row, Trajectory, Worst, joint_name};
+use crate::{Quantity, Scenario};
 use aghf::error::Result;
-
-pub(super) const POSITION: [&str; 2] = ["rad", "m"];
-pub(super) const VELOCITY: [&str; 2] = ["rad/s", "m/s"];
-pub(super) const ACCELERATION: [&str; 2] = ["rad/s^2", "m/s^2"];
-const JERK: [&str; 2] = ["rad/s^3", "m/s^3"];
 
 /// A difference with the bound zero.
 pub(super) fn difference(value: f64, unit: &'static str, at_s: f64) -> Worst {
@@ -29,9 +24,8 @@ pub(super) fn by_joint(
     rows.push(continuity(scenario, trajectory, intervals, tolerance));
     rows.extend(consistency(scenario, trajectory, tolerance));
     rows.extend(torques(scenario, trajectory, intervals, tolerance)?);
-    for (check, limit, order, units) in LIMITS {
-        let kind = (check, limit, order, units);
-        rows.push(limits(scenario, trajectory, intervals, kind, tolerance)?);
+    for (order, quantity) in Quantity::JOINT.into_iter().enumerate().filter(|(_, of)| of.order().is_some()) {
+        rows.push(limits(scenario, trajectory, intervals, (quantity, order), tolerance)?);
     }
     Ok(rows)
 }
@@ -60,15 +54,15 @@ fn consistency(scenario: &Scenario, trajectory: &Trajectory, tolerance: f64) -> 
             let given = |a: &Vec<Vec<f64>>| spread(a[first..=last + 1].iter().map(|a| a[i]));
             let range = a.as_ref().map(given);
             let range = range.unwrap_or_else(|| spread((first..=last).map(|k| mean(v, k, i))));
-            let of_velocity = (mean(q, k, i) - ends(v), 0.25 * interval * range, VELOCITY);
-            let of_acceleration = |a: &Vec<_>| (mean(v, k, i) - ends(a), range, ACCELERATION);
+            let of_velocity = (mean(q, k, i) - ends(v), 0.25 * interval * range, Quantity::Velocity);
+            let of_acceleration = |a: &Vec<_>| (mean(v, k, i) - ends(a), range, Quantity::Acceleration);
             let off = [Some(of_velocity), a.as_ref().map(of_acceleration)];
             for (row, off) in rows.iter_mut().zip(off) {
-                let Some((off, explained, units)) = off else {
+                let Some((off, explained, of)) = off else {
                     continue;
                 };
                 row.note = None;
-                let off = difference(beyond(off.abs(), explained), unit_of(joint, units), at_s);
+                let off = difference(beyond(off.abs(), explained), of.unit(joint.kind()), at_s);
                 row.take(off, || joint_name(joint));
             }
         }
@@ -88,13 +82,11 @@ fn beyond(off: f64, explained: f64) -> f64 {
     if left < 0.0 { 0.0 } else { left }
 }
 
-/// The kinds of limits of the derivatives of positions of these orders.
-const LIMITS: [(Check, Limit, usize, [&str; 2]); 4] = [
-    (Check::PositionLimits, Limit::Position, 0, POSITION),
-    (Check::VelocityLimits, Limit::Velocity, 1, VELOCITY),
-    (Check::AccelerationLimits, Limit::Acceleration, 2, ACCELERATION),
-    (Check::JerkLimits, Limit::Jerk, 3, JERK),
-];
+/// The joints of which a quantity is limited, with the bounds.
+pub(super) fn limits_of(scenario: &Scenario, quantity: Quantity) -> Vec<(usize, [f64; 2])> {
+    let own = scenario.limits().into_iter().filter(|limit| limit.quantity == quantity);
+    own.filter_map(|limit| Some((limit.index?, limit.bounds))).collect()
+}
 
 /// Checks the limits of a derivative of positions: by its Bernstein coefficients in each interval; the accelerations of
 /// the table too; and for positions alone by their divided differences, which any motion through them has.
@@ -105,16 +97,14 @@ fn limits(
     scenario: &Scenario,
     trajectory: &Trajectory,
     intervals: &Intervals,
-    (check, limit, order, units): (Check, Limit, usize, [&'static str; 2]),
+    (quantity, order): (Quantity, usize),
     tolerance: f64,
 ) -> Result<Row> {
-    let mut proof = Proof::new(Row::new(check, tolerance), intervals);
+    let mut proof = Proof::new(Row::new(Check::Bounds(quantity), tolerance), intervals);
     proof.derived &= order > 0;
-    for (i, joint) in scenario.model.joints().iter().enumerate() {
-        let Some(bounds) = scenario.bound(limit, i) else {
-            continue;
-        };
-        let (unit, name) = (unit_of(joint, units), || joint_name(joint));
+    for (i, bounds) in limits_of(scenario, quantity) {
+        let joint = &scenario.model.joints()[i];
+        let (unit, name) = (quantity.unit(joint.kind()), || joint_name(joint));
         let time = |k: usize| trajectory.times[k] - trajectory.times[0];
         if proof.derived {
             let q: Vec<f64> = trajectory.q.iter().map(|q| q[i]).collect();
@@ -124,7 +114,7 @@ fn limits(
                 proof.row.take_within(worst, CAUTION * error, name);
             }
         }
-        if let (Limit::Acceleration, Some(a)) = (limit, &trajectory.a) {
+        if let (Quantity::Acceleration, Some(a)) = (quantity, &trajectory.a) {
             for (k, a) in a.iter().enumerate() {
                 proof.row.take(Worst::between(a[i], bounds, unit, time(k)), name);
             }
@@ -140,7 +130,7 @@ fn limits(
                 };
                 Ok(proof.settles(k, part, &of, (bounds, unit), name))
             })?;
-            if let (Limit::Jerk, false, Some(next)) = (limit, proof.derived, intervals.joints.get(k + 1)) {
+            if let (Quantity::Jerk, false, Some(next)) = (quantity, proof.derived, intervals.joints.get(k + 1)) {
                 let jump = next[i].at(2, 0.0) - joints[i].at(2, 1.0);
                 let between = 0.5 * (intervals.times[k][1] + intervals.times[k + 1][1]);
                 let worst = Worst::between(jump / between, bounds, unit, time(k + 1));

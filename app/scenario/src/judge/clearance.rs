@@ -1,7 +1,7 @@
 //! Clearances at all times.
 
 use super::{Check, Intervals, Outcome, Reach, Row, Worst, carriers};
-use crate::Scenario;
+use crate::{Quantity, Scenario};
 use aghf::error::Result;
 use aghf::geometry::{BallTree, CollisionSphere, Obstacle, Sphere};
 
@@ -74,10 +74,13 @@ pub(super) fn clearances(scenario: &Scenario, intervals: &Intervals, overlap: f6
         Pair { between, margin: *margin }
     });
     let mut rows = Vec::new();
-    for (check, pairs) in [(Check::Obstacles, obstacles.collect::<Vec<_>>()), (Check::SelfCollision, links.collect())] {
+    for (check, pairs) in [
+        (Check::Bounds(Quantity::Obstacles), obstacles.collect::<Vec<_>>()),
+        (Check::Bounds(Quantity::SelfCollision), links.collect()),
+    ] {
         if pairs.is_empty() {
             let why = match check {
-                Check::SelfCollision if !scenario.keeps_links_clear() => "links may overlap",
+                Check::Bounds(Quantity::SelfCollision) if !scenario.keeps_links_clear() => "links may overlap",
                 _ => "there is nothing to keep clear of",
             };
             let outcome = Outcome::NotApplicable;

@@ -1,10 +1,10 @@
 //! The duration, the states at both ends, and rest there.
 
-use super::checks::{ACCELERATION, POSITION, VELOCITY, difference};
+use super::checks::difference;
 use super::intervals::CAUTION;
 use super::poses::goal_row;
-use super::{Check, Intervals, Outcome, Row, Trajectory, Worst, joint_name, unit_of};
-use crate::{Continuous, Scenario};
+use super::{Check, Intervals, Outcome, Row, Trajectory, Worst, joint_name};
+use crate::{Continuous, Quantity, Scenario};
 use aghf::error::Result;
 
 /// Checks the duration and the boundary states.
@@ -16,7 +16,7 @@ pub(super) fn boundary(
 ) -> Result<Vec<Row>> {
     let (file, duration) = (&scenario.file, trajectory.duration());
     let bounds = file.horizon_bounds();
-    let mut horizon = Row::new(Check::Horizon, tolerance);
+    let mut horizon = Row::new(Check::Bounds(Quantity::Duration), tolerance);
     let whole = Worst::between(duration, bounds, "s", duration);
     horizon.take(whole, || "duration".to_owned());
     let mut rows = vec![horizon];
@@ -32,7 +32,7 @@ pub(super) fn boundary(
         };
         rows.push(set.unwrap_or_else(|| {
             let mut row = Row::new(positions, tolerance);
-            state(&mut row, scenario, (&found, q), POSITION, intervals.time(k, s));
+            state(&mut row, scenario, (&found, q), Quantity::Position, intervals.time(k, s));
             row
         }));
         if velocities == Check::GoalVelocity && file.free_final_velocity {
@@ -41,7 +41,7 @@ pub(super) fn boundary(
             continue;
         }
         let mut row = Row::new(velocities, tolerance);
-        state(&mut row, scenario, (&intervals.at(1, k, s), v), VELOCITY, intervals.time(k, s));
+        state(&mut row, scenario, (&intervals.at(1, k, s), v), Quantity::Velocity, intervals.time(k, s));
         if intervals.is_derived() {
             derived_velocity(&mut row, intervals, end, (&trajectory.q, v));
         }
@@ -68,9 +68,9 @@ impl End {
 }
 
 /// Takes the differences of a state of all joints from the one of the scenario.
-fn state(row: &mut Row, scenario: &Scenario, (found, wanted): (&[f64], &[f64]), units: [&'static str; 2], at_s: f64) {
+fn state(row: &mut Row, scenario: &Scenario, (found, wanted): (&[f64], &[f64]), of: Quantity, at_s: f64) {
     for ((joint, found), wanted) in scenario.model.joints().iter().zip(found).zip(wanted) {
-        let off = difference((found - wanted).abs(), unit_of(joint, units), at_s);
+        let off = difference((found - wanted).abs(), of.unit(joint.kind()), at_s);
         row.take(off, || joint_name(joint));
     }
 }
@@ -125,7 +125,7 @@ pub(super) fn continuity(scenario: &Scenario, trajectory: &Trajectory, intervals
         for (i, joint) in joints.filter(|_| at_rest) {
             let value = intervals.joints[k][i].at(2, s).abs();
             let (at_s, error) = (intervals.time(k, s), intervals.error(2, k, i));
-            let off = difference(value, unit_of(joint, ACCELERATION), at_s);
+            let off = difference(value, Quantity::Acceleration.unit(joint.kind()), at_s);
             let unsure = if intervals.is_derived() { f64::INFINITY } else { 0.0 };
             row.take_within(off, unsure, || joint_name(joint));
             if intervals.is_derived() && value + error > tolerance {

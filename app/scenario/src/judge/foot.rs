@@ -3,7 +3,7 @@
 use super::hermite::Model;
 use super::intervals::{Bounded, Measured, Proof};
 use super::{Check, Intervals, Row};
-use crate::{Scenario, Stand};
+use crate::{Quantity, Scenario, Stand};
 use aghf::dynamics::forward_kinematics;
 use aghf::error::{Error, Result};
 use aghf::model::{JointKind, Model as Robot};
@@ -19,7 +19,7 @@ pub(super) fn standing(scenario: &Scenario, intervals: &Intervals, tolerance: f6
     let model = &scenario.model;
     let (middle, axes) = sole(stand, model)?;
     let (middle, axes) = (middle.map(Model::constant), axes.transpose().map(Model::constant));
-    let mut proof = Proof::new(Row::new(Check::Foot, tolerance), intervals);
+    let mut proof = Proof::new(Row::new(Check::Bounds(Quantity::Foot), tolerance), intervals);
     let throughout = [f64::NEG_INFINITY, f64::INFINITY];
     let place = |name: &str| format!("{name} of foot '{}'", stand.frame);
     proof.enclose(throughout, place, |[q, v, a]| {

@@ -31,7 +31,7 @@
 //! | u is inverse dynamics | at the samples, with their accelerations |
 //! | passive joints | the torques of the table and of inverse dynamics at the samples and halfway between them, because a polynomial keeps none at zero for longer |
 //! | position, velocity, acceleration, jerk limits | the Bernstein coefficients of the motion; jumps of accelerations, as those between cubics, over the time between the middles of two intervals count as jerks |
-//! | torque limits | the torques of the table, and inverse dynamics at all times |
+//! | torque and power limits | the torques of the table, and inverse dynamics at all times |
 //! | goal, if it is a set | the pose of the frame in the last sample with the set that it misses least |
 //! | waypoints | the configurations or poses of the way in their order, each where the motion passes it first after the one before: the samples that are nearer than their neighbours, and the nearest time about them |
 //! | kept along the way | the poses of frames and the speeds of points at all times between those of the condition, both included |
@@ -78,10 +78,9 @@ pub use rows::sufficient_samples;
 pub use trajectory::Trajectory;
 pub use verdict::{Check, Judgement, Outcome, Row, Tolerances, Verdict, Worst};
 
-use crate::{Continuous, Scenario};
-use aghf::constraint::AnyConstraint;
+use crate::{Continuous, Quantity, Scenario};
 use aghf::error::{Error, Result, check_length, plain};
-use aghf::model::{Joint, JointKind};
+use aghf::model::Joint;
 use intervals::Intervals;
 
 /// Judges a trajectory of the robot of `scenario`.
@@ -138,20 +137,23 @@ fn checks_of(
     checks.extend(poses::kept(scenario, intervals, tolerance)?);
     checks.extend(waypoints::passed(scenario, intervals, tolerance)?);
     checks.extend(foot::standing(scenario, intervals, tolerance)?);
-    checks.extend(added(scenario, tolerance));
+    let others = unknown(scenario, &checks, tolerance);
+    checks.extend(others);
     Ok(checks)
 }
 
-/// The row of the constraints that no key has, which the judge does not know; `None` if there are none.
-fn added(scenario: &Scenario, tolerance: f64) -> Option<Row> {
-    let of_keys = |kept: &&crate::Kept| kept.from_s.is_some() || kept.to_s.is_some();
-    let stage = scenario.own.stage.len();
-    let stage = stage.saturating_sub(scenario.file.keep.iter().filter(of_keys).count());
-    let is_added = |constraint: &&AnyConstraint| matches!(constraint, AnyConstraint::Other(_));
-    let count = scenario.own.constraints.iter().filter(is_added).count() + stage;
-    let note = format!("{count} of a program, which the judge does not know");
-    let check = Check::AddedConstraints;
-    (count > 0).then(|| Row::without_value(check, tolerance, Outcome::NotChecked, &note))
+/// Promises without a row, each once, as rows that are not checked.
+fn unknown(scenario: &Scenario, checks: &[Row], tolerance: f64) -> Vec<Row> {
+    let added = scenario.added_constraints();
+    let note = format!("{added} of a program, which the judge does not know");
+    let other = |check, note: &str| Row::without_value(check, tolerance, Outcome::NotChecked, note);
+    let mut rows: Vec<Row> = (added > 0).then(|| other(Check::Bounds(Quantity::Other), &note)).into_iter().collect();
+    for check in scenario.promises().iter().map(Check::of) {
+        if !checks.iter().chain(&rows).any(|row| row.check == check) {
+            rows.push(other(check, "the judge does not know it"));
+        }
+    }
+    rows
 }
 
 /// Refuses a trajectory whose numbers of joints or samples are inconsistent.
@@ -180,12 +182,4 @@ fn check(scenario: &Scenario, trajectory: &Trajectory) -> Result<()> {
 /// The name of a joint for messages.
 fn joint_name(joint: &Joint<f64>) -> String {
     format!("joint '{}'", joint.name())
-}
-
-/// The unit of a joint: the first for a revolute joint, the second for a prismatic one.
-fn unit_of(joint: &Joint<f64>, [turns, slides]: [&'static str; 2]) -> &'static str {
-    match joint.kind() {
-        JointKind::Revolute | JointKind::Continuous => turns,
-        JointKind::Prismatic => slides,
-    }
 }

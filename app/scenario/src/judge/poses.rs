@@ -4,7 +4,7 @@ use super::hermite::Model as Polynomial;
 use super::intervals::{Bounded, Measured, Proof};
 use super::{Check, Intervals, Outcome, Reach, Row, Worst, carriers};
 use crate::obstacles::Pose;
-use crate::{AxisDirection, Goal, Kept, PointSpeed, Scenario};
+use crate::{AxisDirection, Goal, Kept, PointSpeed, Quantity, Scenario};
 use aghf::dynamics::{forward_kinematics, frame_placement};
 use aghf::error::{Error, Result};
 use aghf::model::{Frame, JointKind, Model};
@@ -161,7 +161,7 @@ pub(super) fn place_of(goal: &Goal, measure: &Measure) -> String {
 pub(super) fn kept(scenario: &Scenario, intervals: &Intervals, tolerance: f64) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for kept in &scenario.file.keep {
-        let mut proof = Proof::new(Row::new(Check::Kept, tolerance), intervals);
+        let mut proof = Proof::new(Row::new(Check::Bounds(Quantity::Frame), tolerance), intervals);
         if let Some(poses) = &kept.poses {
             kept_poses(&mut proof, scenario, kept, poses, intervals)?;
         }

@@ -1,31 +1,32 @@
 //! Torques and forces of the joints.
 
-use super::checks::difference;
+use super::checks::{difference, limits_of};
 use super::intervals::{Bounded, Measured, Proof};
-use super::{Check, Intervals, Outcome, Row, Trajectory, Worst, joint_name, unit_of};
-use crate::{Limit, Scenario};
+use super::{Check, Intervals, Outcome, Row, Trajectory, Worst, joint_name};
+use crate::{Quantity, Scenario};
 use aghf::dynamics::{Data, rnea};
 use aghf::error::Result;
 use aghf::scalar::Zero;
 
-const TORQUE: [&str; 2] = ["N m", "N"];
-
-/// Checks the torques against inverse dynamics, against zero and against their limits.
+/// Checks the torques against inverse dynamics, against zero and against their limits, and the powers against theirs.
 pub(super) fn torques(
     scenario: &Scenario,
     trajectory: &Trajectory,
     intervals: &Intervals,
     share: f64,
 ) -> Result<Vec<Row>> {
-    let mut largest = 0.0_f64;
-    at_places(scenario, intervals, |torques, _, _| {
+    let (mut largest, mut power) = (0.0_f64, 0.0_f64);
+    at_places(scenario, intervals, |torques, k, s| {
         largest = torques.iter().fold(largest, |largest, torque| largest.max(torque.abs()));
+        let powers = torques.iter().zip(intervals.at(1, k, s));
+        power = powers.fold(power, |most, (torque, v)| most.max((torque * v).abs()));
     })?;
     let tolerance = share * largest;
     Ok(vec![
         dynamics(scenario, trajectory, tolerance)?,
         passive(scenario, trajectory, intervals, tolerance)?,
-        limits(scenario, trajectory, intervals, tolerance)?,
+        limits(scenario, trajectory, intervals, Quantity::Torque, tolerance)?,
+        limits(scenario, trajectory, intervals, Quantity::Power, share * power)?,
     ])
 }
 
@@ -61,7 +62,7 @@ fn dynamics(scenario: &Scenario, trajectory: &Trajectory, tolerance: f64) -> Res
         rnea(model, &mut data, &q[k], &v[k], &a[k], &mut inverse)?;
         for (i, joint) in model.joints().iter().enumerate() {
             let off = (u[k][i] - inverse[i]).abs();
-            let off = difference(off, unit_of(joint, TORQUE), times[k] - times[0]);
+            let off = difference(off, Quantity::Torque.unit(joint.kind()), times[k] - times[0]);
             row.take(off, || joint_name(joint));
         }
     }
@@ -70,7 +71,7 @@ fn dynamics(scenario: &Scenario, trajectory: &Trajectory, tolerance: f64) -> Res
 
 /// Compares the torques of passive joints with zero.
 fn passive(scenario: &Scenario, trajectory: &Trajectory, intervals: &Intervals, tolerance: f64) -> Result<Row> {
-    let mut row = Row::new(Check::PassiveJoints, tolerance);
+    let mut row = Row::new(Check::Bounds(Quantity::Passive), tolerance);
     let (joints, passive) = (scenario.model.joints(), scenario.passive());
     if passive.is_empty() {
         row.note = Some("there are none".to_owned());
@@ -78,7 +79,7 @@ fn passive(scenario: &Scenario, trajectory: &Trajectory, intervals: &Intervals, 
     }
     let mut take = |torques: &[f64], at_s: f64| {
         for i in &passive {
-            let off = difference(torques[*i].abs(), unit_of(&joints[*i], TORQUE), at_s);
+            let off = difference(torques[*i].abs(), Quantity::Torque.unit(joints[*i].kind()), at_s);
             row.take(off, || joint_name(&joints[*i]));
         }
     };
@@ -94,23 +95,31 @@ fn passive(scenario: &Scenario, trajectory: &Trajectory, intervals: &Intervals, 
     Ok(row)
 }
 
-/// Checks the limits of the torques of the table and of inverse dynamics at all times.
-fn limits(scenario: &Scenario, trajectory: &Trajectory, intervals: &Intervals, tolerance: f64) -> Result<Row> {
-    let mut row = Row::new(Check::TorqueLimits, tolerance);
-    let (model, passive) = (&scenario.model, scenario.passive());
-    let limited = |i: &usize| {
-        let bounds = scenario.bound(Limit::Torque, *i).filter(|_| !passive.contains(i));
-        bounds.map(|bounds| (*i, bounds))
-    };
-    let limited: Vec<(usize, [f64; 2])> = (0..model.dof()).filter_map(|i| limited(&i)).collect();
+/// Checks the limits of torques, or of powers, at all times: those of the table, and of inverse dynamics.
+fn limits(
+    scenario: &Scenario,
+    trajectory: &Trajectory,
+    intervals: &Intervals,
+    quantity: Quantity,
+    tolerance: f64,
+) -> Result<Row> {
+    let mut row = Row::new(Check::Bounds(quantity), tolerance);
+    let model = &scenario.model;
+    let limited = limits_of(scenario, quantity);
     if limited.is_empty() {
         row.note = Some("none is enforced".to_owned());
         return Ok(row);
     }
-    let unit = |i: usize| unit_of(&model.joints()[i], TORQUE);
-    for (t, u) in trajectory.times.iter().zip(trajectory.u.iter().flatten()) {
+    let unit = |i: usize| quantity.unit(model.joints()[i].kind());
+    let is_power = quantity == Quantity::Power;
+    let table = trajectory.u.iter().flatten().enumerate();
+    for (k, u) in table.filter(|_| !is_power || trajectory.v.is_some()) {
         for (i, bounds) in &limited {
-            let worst = Worst::between(u[*i], *bounds, unit(*i), t - trajectory.times[0]);
+            let value = match &trajectory.v {
+                Some(v) if is_power => u[*i] * v[k][*i],
+                _ => u[*i],
+            };
+            let worst = Worst::between(value, *bounds, unit(*i), trajectory.times[k] - trajectory.times[0]);
             row.take(worst, || joint_name(&model.joints()[*i]));
         }
     }
@@ -123,7 +132,7 @@ fn limits(scenario: &Scenario, trajectory: &Trajectory, intervals: &Intervals, t
         |[q, v, a]| {
             rnea(model, &mut data, q, v, a, &mut torques)?;
             let measured = |(i, bounds): &(usize, [f64; 2])| Measured {
-                of: Bounded::of(&torques[*i]),
+                of: Bounded::of(&if is_power { torques[*i] * v[*i] } else { torques[*i] }),
                 bounds: *bounds,
                 unit: unit(*i),
                 place: model.joints()[*i].name(),

@@ -1,6 +1,7 @@
 //! The judgement of a trajectory, check by check.
 
-use serde::Serialize;
+use crate::{Promise, Quantity, Scope, promise_in_words};
+use serde::{Serialize, Serializer};
 use std::fmt;
 
 /// The accepted deviations.
@@ -162,11 +163,8 @@ impl Outcome {
 }
 
 /// The kinds of checks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Check {
-    /// The duration against the horizon.
-    Horizon,
     /// The first positions.
     StartPosition,
     /// The first velocities.
@@ -183,59 +181,68 @@ pub enum Check {
     AccelerationIsRate,
     /// Torques as those of inverse dynamics.
     Dynamics,
-    /// The torques of joints without a motor.
-    PassiveJoints,
-    /// Limits of positions.
-    PositionLimits,
-    /// Limits of velocities.
-    VelocityLimits,
-    /// Limits of torques.
-    TorqueLimits,
-    /// Limits of accelerations.
-    AccelerationLimits,
-    /// Limits of the rates of accelerations.
-    JerkLimits,
-    /// Conditions along the way.
-    Kept,
     /// Points on the way.
     Waypoints,
-    /// The force of the ground on a standing foot.
-    Foot,
-    /// Clearances from obstacles.
-    Obstacles,
-    /// Clearances between links.
-    SelfCollision,
-    /// Constraints that a program added to the scenario.
-    AddedConstraints,
+    /// The bounds of a quantity along the way.
+    Bounds(Quantity),
 }
 
 impl Check {
+    /// The check of a promise.
+    pub(super) fn of(promise: &Promise) -> Self {
+        match (promise.scope, promise.quantity) {
+            (Scope::Waypoint(_), _) => Self::Waypoints,
+            (Scope::Start, Quantity::Velocity) => Self::StartVelocity,
+            (Scope::Start, _) => Self::StartPosition,
+            (Scope::Goal, Quantity::Duration) => Self::Bounds(Quantity::Duration),
+            (Scope::Goal, Quantity::Velocity) => Self::GoalVelocity,
+            (Scope::Goal, _) => Self::GoalPosition,
+            (Scope::Between(_), Quantity::Acceleration) if promise.index.is_none() => Self::Continuity,
+            (Scope::Between(_), quantity) => Self::Bounds(quantity),
+        }
+    }
+
+    /// The name of the check for readers, and that in JSON.
+    fn names(self) -> [&'static str; 2] {
+        match self {
+            Self::StartPosition => ["start position", "start_position"],
+            Self::StartVelocity => ["start velocity", "start_velocity"],
+            Self::GoalPosition => ["goal position", "goal_position"],
+            Self::GoalVelocity => ["goal velocity", "goal_velocity"],
+            Self::Continuity => ["continuity"; 2],
+            Self::VelocityIsRate => ["v is the rate of q", "velocity_is_rate"],
+            Self::AccelerationIsRate => ["a is the rate of v", "acceleration_is_rate"],
+            Self::Dynamics => ["u is inverse dynamics", "dynamics"],
+            Self::Waypoints => ["waypoints"; 2],
+            Self::Bounds(of) => {
+                let name = match of {
+                    Quantity::Duration => "horizon",
+                    Quantity::Position => "position_limits",
+                    Quantity::Velocity => "velocity_limits",
+                    Quantity::Acceleration => "acceleration_limits",
+                    Quantity::Jerk => "jerk_limits",
+                    Quantity::Torque => "torque_limits",
+                    Quantity::Power => "power_limits",
+                    Quantity::Passive => "passive_joints",
+                    Quantity::Frame => "kept",
+                    Quantity::Foot | Quantity::Obstacles | Quantity::SelfCollision => of.name(),
+                    Quantity::Other => "added_constraints",
+                };
+                [promise_in_words(of), name]
+            }
+        }
+    }
+
     /// The name of the check for readers.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Horizon => "horizon",
-            Self::StartPosition => "start position",
-            Self::StartVelocity => "start velocity",
-            Self::GoalPosition => "goal position",
-            Self::GoalVelocity => "goal velocity",
-            Self::Continuity => "continuity",
-            Self::VelocityIsRate => "v is the rate of q",
-            Self::AccelerationIsRate => "a is the rate of v",
-            Self::Dynamics => "u is inverse dynamics",
-            Self::PassiveJoints => "passive joints",
-            Self::AccelerationLimits => "acceleration limits",
-            Self::JerkLimits => "jerk limits",
-            Self::PositionLimits => "position limits",
-            Self::VelocityLimits => "velocity limits",
-            Self::TorqueLimits => "torque limits",
-            Self::Kept => "kept along the way",
-            Self::Waypoints => "waypoints",
-            Self::Foot => "standing foot",
-            Self::Obstacles => "obstacles",
-            Self::SelfCollision => "self-collision",
-            Self::AddedConstraints => "added constraints",
-        }
+        self.names()[0]
+    }
+}
+
+impl Serialize for Check {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(self.names()[1])
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::poses::{Poses, place_of};
 use super::{Check, Intervals, Row, Worst};
-use crate::{PointOnTheWay, Scenario};
+use crate::{PointOnTheWay, Quantity, Scenario};
 use aghf::dynamics::forward_kinematics;
 use aghf::error::Result;
 use aghf::spatial::Placement;
@@ -38,7 +38,7 @@ impl Passages<'_> {
         let joints = || model.joints().iter().enumerate();
         for (i, joint) in joints().filter(|_| point.q.is_some()) {
             let aim = point.q.as_ref().map_or(f64::NAN, |q| q[i]);
-            let (excess, worst) = exactly(q[i], aim, super::unit_of(joint, ["rad", "m"]));
+            let (excess, worst) = exactly(q[i], aim, Quantity::Position.unit(joint.kind()));
             add(excess, worst, super::joint_name(joint));
         }
         if let Some(poses) = &point.poses {
@@ -50,7 +50,7 @@ impl Passages<'_> {
         }
         let v = self.intervals.at(1, k, s);
         for (i, joint) in joints().filter(|_| point.stop && !self.intervals.is_derived()) {
-            let (excess, worst) = exactly(v[i], 0.0, super::unit_of(joint, ["rad/s", "m/s"]));
+            let (excess, worst) = exactly(v[i], 0.0, Quantity::Velocity.unit(joint.kind()));
             add(excess, worst, super::joint_name(joint));
         }
         let worst = all.into_iter().max_by(|(a, ..), (b, ..)| a.total_cmp(b));

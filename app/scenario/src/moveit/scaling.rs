@@ -5,7 +5,7 @@ use super::messages::Request;
 use super::states::Joints;
 use crate::joint_limits::JointLimitsFile;
 use crate::preflight::slowest;
-use crate::{Enforced, EnforcedLimits, Kept, Limit, RateLimits};
+use crate::{Enforced, EnforcedLimits, Kept, Quantity, RateLimits};
 use aghf::error::{Error, Result, plain};
 use aghf::model::{JointKind, Model};
 use aghf::urdf::LoadReport;
@@ -67,9 +67,9 @@ impl Scaled {
             }
             None => Ok((factor.unwrap_or(1.0), vec![None; joints.moving.len()])),
         };
-        let (share, velocities) = numbers(Limit::Velocity, velocity)?;
-        let (_, accelerations) = numbers(Limit::Acceleration, acceleration)?;
-        let (_, jerks) = numbers(Limit::Jerk, None)?;
+        let (share, velocities) = numbers(Quantity::Velocity, velocity)?;
+        let (_, accelerations) = numbers(Quantity::Acceleration, acceleration)?;
+        let (_, jerks) = numbers(Quantity::Jerk, None)?;
         let or_none = |most: &Option<f64>| most.unwrap_or(f64::INFINITY);
         let of_robot = joints.moving.iter().map(|joint| joint.limits().velocity);
         let both = of_robot.zip(&velocities);

@@ -10,7 +10,7 @@ mod violation;
 use crate::gantry::{FROM, TO, scenario};
 use crate::{certified, curve, run, shaped, written};
 use aghf::curve::Curve;
-use aghf_scenario::{Limit, Scenario, sha256};
+use aghf_scenario::{Quantity, Scenario, sha256};
 use rand::seq::IndexedRandom;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -39,7 +39,8 @@ struct Case {
 fn conditions() -> Vec<Value> {
     let turned = json!([0.0, 0.0, 0.0, 1.0]);
     vec![
-        json!({ "enforced_limits": { "acceleration": 12.0, "jerk": 130.0, "torque": { "share": 0.15 } } }),
+        json!({ "enforced_limits": { "acceleration": 12.0, "jerk": 130.0, "torque": { "share": 0.15 },
+            "power": 90.0 } }),
         json!({ "keep": [{ "speed": { "frame": "fore", "point_m": [0.5, 0.0, 0.0], "most_m_s": 3.5 } },
             { "speed": { "frame": "carriage", "most_m_s": 1.9 }, "from_s": 0.2, "to_s": 0.8 }],
             "waypoints": [{ "q": [0.0, -0.05, 0.9] }] }),
@@ -240,16 +241,17 @@ fn attack_motion(run: &mut Value, rng: &mut impl Rng) {
 
 /// The promises of a scenario in the order of the format.
 fn promises(scenario: &Scenario) -> Vec<&'static str> {
-    let joints = 0..scenario.model.dof();
-    let is_limited = |limit| joints.clone().any(|joint| scenario.bound(limit, joint).is_some());
+    let limits = scenario.limits();
+    let is_limited = |quantity| limits.iter().any(|limit| limit.quantity == quantity);
     let file = &scenario.file;
     let pairs = scenario.scene.robot().tree_pairs(&[]).len();
     let all = [
-        ("position", is_limited(Limit::Position)),
-        ("velocity", is_limited(Limit::Velocity)),
-        ("acceleration", is_limited(Limit::Acceleration)),
-        ("jerk", is_limited(Limit::Jerk)),
-        ("torque", is_limited(Limit::Torque)),
+        ("position", is_limited(Quantity::Position)),
+        ("velocity", is_limited(Quantity::Velocity)),
+        ("acceleration", is_limited(Quantity::Acceleration)),
+        ("jerk", is_limited(Quantity::Jerk)),
+        ("torque", is_limited(Quantity::Torque)),
+        ("power", is_limited(Quantity::Power)),
         ("keep", !file.keep.is_empty()),
         ("stand", file.stand.is_some()),
         ("obstacles", !file.obstacles.is_empty()),

@@ -5,8 +5,8 @@ use crate::{certified, curve, shaped, smooth};
 use aghf::constraint::Bounds;
 use aghf::curve::Curve;
 use aghf::motion::samples_at;
-use aghf_scenario::certify::{Certification, LEFT_OUT, Promise, TOLERANCE};
-use aghf_scenario::{Limit, Scenario};
+use aghf_scenario::certify::{Certification, LEFT_OUT, TOLERANCE};
+use aghf_scenario::{Quantity, Scenario};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -16,7 +16,7 @@ const SLIDER: &str = r#"<robot name="slider"><link name="rail"/>
   <joint name="slide" type="prismatic"><parent link="rail"/><child link="carriage"/><axis xyz="1 0 0"/>
     <limit lower="-100" upper="100" velocity="1000" effort="EFFORT"/></joint></robot>"#;
 
-fn proved(certification: &Certification) -> &[Promise] {
+fn proved(certification: &Certification) -> &[Quantity] {
     assert_eq!(certification.failures, []);
     let certificate = certification.certificate.as_ref().expect("it is proved");
     let reserves = certificate.intervals.iter().flat_map(|interval| &interval.3);
@@ -34,9 +34,9 @@ fn a_good_motion_is_certified() {
         { "shape": { "half_space": {} }, "pose": { "position_m": [0, 0, -0.2] } }
     ]);
     let keys = json!({ "obstacles": obstacles, "self_collision": { "ignored_pairs": [] },
-        "enforced_limits": { "acceleration": 30.0, "jerk": 300.0 } });
+        "enforced_limits": { "acceleration": 30.0, "jerk": 300.0, "power": 300.0 } });
     let certification = certified(&scenario("certified", keys), &smooth(), &[], 0.0).expect("it is of this robot");
-    assert_eq!(proved(&certification).len(), 7);
+    assert_eq!(proved(&certification).len(), 8);
 }
 
 /// The torque of a slider of 1 kg is its acceleration: with limits below its largest one by 1e-6 the motion is beyond
@@ -97,7 +97,7 @@ fn positions_in_a_tube_are_certified() {
     let of = |tube: f64| certified(&scenario, &motion, &[], tube);
     let alone = of(0.0).expect("it is of this robot").certificate.expect("it is proved");
     let ends = [0.0, motion.horizon()].map(|t| motion.at(t).0);
-    let bounds = (0..3).map(|joint| (joint, scenario.bound(Limit::Position, joint)));
+    let bounds = (0..3).map(|joint| (joint, scenario.bound(Quantity::Position, joint)));
     let distances = bounds.flat_map(|(joint, bounds)| {
         let [lower, upper] = bounds.expect("it is enforced");
         (ends.iter()).map(move |q| (q[joint] - lower).min(upper - q[joint]))
@@ -170,7 +170,7 @@ fn broken_conditions_are_refused() {
     refused(speed(0.767_999, 0.8), promise, "speed of frame 'carriage'");
     for good in [speed(1.875, 0.0), speed(0.768, 0.8)] {
         let certification = certified(&scenario("kept", good), &smooth(), &[], 0.0).expect("it is of this robot");
-        assert!(proved(&certification).contains(&Promise::Keep));
+        assert!(proved(&certification).contains(&Quantity::Frame));
     }
     let poses = |keys: Value| {
         let mut poses = json!({ "frame": "upper" });

@@ -1,6 +1,7 @@
 //! Goals by pose and conditions on the way, by closed forms of the gantry.
 
 use crate::robot::{FROM, TO, failed, good, row, scenario, verdict};
+use aghf_scenario::Quantity;
 use aghf_scenario::judge::{Check, Outcome};
 use serde_json::{Value, json};
 
@@ -84,10 +85,13 @@ fn poses_relative_to_a_link_on_the_way() {
         json!({ "keep": [{ "poses": { "frame": "fore", "relative_to": "upper",
             "orientation_xyzw": [0.0, 0.0, (0.5 * middle).sin(), (0.5 * middle).cos()], "tolerance_rad": half } }] })
     };
-    let (bad, worst, place) = judged("elbow", kept(FROM[2], TO[2]), Check::Kept);
+    let (bad, worst, place) = judged("elbow", kept(FROM[2], TO[2]), Check::Bounds(Quantity::Frame));
     assert_eq!((bad, &*place), (NONE.to_vec(), "rad angle of frame 'fore'"));
     assert!((worst - 0.5 * (TO[2] - FROM[2])).abs() < 1e-3, "{worst}");
-    assert_eq!(judged("bent", kept(FROM[2], TO[2] - 0.01), Check::Kept).0, [Check::Kept]);
+    assert_eq!(
+        judged("bent", kept(FROM[2], TO[2] - 0.01), Check::Bounds(Quantity::Frame)).0,
+        [Check::Bounds(Quantity::Frame)]
+    );
 }
 
 /// A condition counts between its times alone, and between the samples.
@@ -100,25 +104,27 @@ fn conditions_are_kept_between_their_times() {
         for (key, value) in times.as_object().expect("an object") {
             kept[key] = value.clone();
         }
-        judged("times", json!({ "keep": [kept] }), Check::Kept).0
+        judged("times", json!({ "keep": [kept] }), Check::Bounds(Quantity::Frame)).0
     };
-    assert_eq!(kept(json!({})), [Check::Kept]);
+    assert_eq!(kept(json!({})), [Check::Bounds(Quantity::Frame)]);
     assert_eq!(kept(json!({ "to_s": 0.5 })), NONE);
-    assert_eq!(kept(json!({ "to_s": 0.505 })), [Check::Kept]);
+    assert_eq!(kept(json!({ "to_s": 0.505 })), [Check::Bounds(Quantity::Frame)]);
     assert_eq!(kept(json!({ "from_s": 0.495, "to_s": 0.5 })), NONE);
-    assert_eq!(kept(json!({ "from_s": 0.505 })), [Check::Kept]);
+    assert_eq!(kept(json!({ "from_s": 0.505 })), [Check::Bounds(Quantity::Frame)]);
 }
 
 /// The carriage is fastest, at 15/8 m/s, halfway.
 #[test]
 fn speeds_are_those_of_the_point() {
     let kept = |most: f64| json!({ "keep": [{ "speed": { "frame": "carriage", "most_m_s": most } }] });
-    let (bad, fastest, place) = judged("speed", kept(1.876), Check::Kept);
+    let (bad, fastest, place) = judged("speed", kept(1.876), Check::Bounds(Quantity::Frame));
     assert_eq!((bad, &*place), (NONE.to_vec(), "m/s speed of frame 'carriage'"));
     // To the error of polynomials of degree two.
     assert!((fastest - 1.875).abs() < 1e-6, "{fastest}");
-    assert_eq!(judged("fast", kept(1.87), Check::Kept).0, [Check::Kept]);
+    assert_eq!(judged("fast", kept(1.87), Check::Bounds(Quantity::Frame)).0, [Check::Bounds(Quantity::Frame)]);
     let scenario = scenario("none", json!({}));
     let judgement = verdict(&scenario, &good(&scenario.model, FROM, TO, 101));
-    assert!(judgement.checks.iter().all(|row| row.check != Check::Kept || row.outcome == Outcome::Pass));
+    assert!(
+        judgement.checks.iter().all(|row| row.check != Check::Bounds(Quantity::Frame) || row.outcome == Outcome::Pass)
+    );
 }

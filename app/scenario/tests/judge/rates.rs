@@ -2,6 +2,7 @@
 
 use crate::intervals::{limited, table};
 use crate::robot::{failed, row, scenario, verdict};
+use aghf_scenario::Quantity;
 use aghf_scenario::judge::{Check, Outcome, Trajectory, Verdict};
 use proptest::prelude::*;
 use serde_json::json;
@@ -94,7 +95,7 @@ proptest! {
         let scenario = scenario("beyond", keys);
         let judgement = verdict(&scenario, &table(&curve, rate, 1));
         prop_assert_eq!(judgement.verdict, Verdict::NotValid);
-        for check in [Check::VelocityLimits, Check::AccelerationLimits, Check::JerkLimits] {
+        for check in [Check::Bounds(Quantity::Velocity), Check::Bounds(Quantity::Acceleration), Check::Bounds(Quantity::Jerk)] {
             prop_assert_eq!(row(&judgement, check).outcome, Outcome::Fail, "{:?}", check);
         }
     }
@@ -118,5 +119,5 @@ fn rates_at_the_ends_are_known_as_far_as_samples_determine_them() {
     let limits = limited("few");
     let few = Trajectory { times: times[..3].to_vec(), q: motion.q[..3].to_vec(), ..motion };
     let judgement = verdict(&limits, &few);
-    assert_eq!(row(&judgement, Check::AccelerationLimits).outcome, Outcome::NotChecked);
+    assert_eq!(row(&judgement, Check::Bounds(Quantity::Acceleration)).outcome, Outcome::NotChecked);
 }

@@ -1,6 +1,7 @@
 //! Torques at all times.
 
 use crate::robot::{row, scenario, verdict};
+use aghf_scenario::Quantity;
 use aghf_scenario::judge::{Check, Outcome, Trajectory};
 use serde_json::json;
 
@@ -23,7 +24,7 @@ fn forces_between_samples_are_proved() {
             u: None,
         };
         let judgement = verdict(&scenario, &motion);
-        let row = row(&judgement, Check::TorqueLimits);
+        let row = row(&judgement, Check::Bounds(Quantity::Torque));
         assert_eq!(row.outcome, wanted, "{row:?}");
     }
 }

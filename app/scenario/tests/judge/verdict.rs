@@ -2,6 +2,7 @@
 
 use crate::robot::{FROM, TO, failed, good, row, scenario, torques, verdict};
 use aghf::model::Model;
+use aghf_scenario::Quantity;
 use aghf_scenario::judge::{Check, Outcome, Tolerances, Trajectory, judge};
 use serde_json::{Value, json};
 
@@ -18,7 +19,7 @@ fn a_good_motion_passes() {
     let checked = judgement.checks.iter().filter(|row| row.outcome == Outcome::Pass);
     // All but passive joints and limits of accelerations and jerks.
     assert_eq!(checked.count(), 14);
-    let clearance = row(&judgement, Check::Obstacles);
+    let clearance = row(&judgement, Check::Bounds(Quantity::Obstacles));
     let least = clearance.worst.as_ref().expect("there is one").value;
     assert!((least - 0.94).abs() < 1e-12, "{least}");
     let proved = clearance.proved_at_least.expect("there is one");
@@ -67,11 +68,11 @@ fn assert_found(name: &str, keys: Value, change: fn(&Model, &mut Trajectory), wa
 #[test]
 fn another_duration_and_other_ends_are_found() {
     for (name, keys, check, place) in [
-        ("late", json!({ "horizon_s": 0.9 }), Check::Horizon, "duration"),
+        ("late", json!({ "horizon_s": 0.9 }), Check::Bounds(Quantity::Duration), "duration"),
         (
             "too early",
             json!({ "horizon_s": 1.2, "free_horizon": { "shortest_s": 1.1, "longest_s": 1.5 } }),
-            Check::Horizon,
+            Check::Bounds(Quantity::Duration),
             "duration",
         ),
         ("another start", json!({ "q_start": [-0.5, 0.2, 0.41] }), Check::StartPosition, "elbow"),
@@ -91,14 +92,30 @@ fn each_broken_limit_is_found() {
         (
             "too large an acceleration",
             json!({ "enforced_limits": { "acceleration": [1e3, 1e3, 0.5] } }),
-            Check::AccelerationLimits,
+            Check::Bounds(Quantity::Acceleration),
             "elbow",
         ),
-        ("too large a jerk", json!({ "enforced_limits": { "jerk": [1e4, 0.5, 1e4] } }), Check::JerkLimits, "shoulder"),
-        ("torque limit", json!({ "enforced_limits": { "torque": 0.05 } }), Check::TorqueLimits, "slide"),
-        ("velocity limit", json!({ "enforced_limits": { "velocity": 0.23 } }), Check::VelocityLimits, "slide"),
-        ("position limit", json!({ "enforced_limits": { "position": 0.2 } }), Check::PositionLimits, "elbow"),
-        ("passive", json!({ "passive": ["shoulder"] }), Check::PassiveJoints, "shoulder"),
+        (
+            "too large a jerk",
+            json!({ "enforced_limits": { "jerk": [1e4, 0.5, 1e4] } }),
+            Check::Bounds(Quantity::Jerk),
+            "shoulder",
+        ),
+        ("torque limit", json!({ "enforced_limits": { "torque": 0.05 } }), Check::Bounds(Quantity::Torque), "slide"),
+        ("power limit", json!({ "enforced_limits": { "power": 0.05 } }), Check::Bounds(Quantity::Power), "slide"),
+        (
+            "velocity limit",
+            json!({ "enforced_limits": { "velocity": 0.23 } }),
+            Check::Bounds(Quantity::Velocity),
+            "slide",
+        ),
+        (
+            "position limit",
+            json!({ "enforced_limits": { "position": 0.2 } }),
+            Check::Bounds(Quantity::Position),
+            "elbow",
+        ),
+        ("passive", json!({ "passive": ["shoulder"] }), Check::Bounds(Quantity::Passive), "shoulder"),
     ] {
         assert_found(name, keys, |_, _| (), &[check], place);
     }
@@ -163,14 +180,14 @@ fn extrema_between_samples_are_found() {
     // The samples of a cubic whose speed is highest between them: 3/2 of the mean one.
     let mut motion = good(&scenario.model, [0.0; 3], [0.0, 1.0, 0.0], 2);
     (motion.a, motion.u) = (None, None);
-    let velocity = row(&verdict(&scenario, &motion), Check::VelocityLimits).worst.clone();
+    let velocity = row(&verdict(&scenario, &motion), Check::Bounds(Quantity::Velocity)).worst.clone();
     let worst = velocity.expect("it is limited");
     assert!((worst.value - 1.5).abs() < 1e-12 && worst.at_s == 0.5, "{worst:?}");
     // And one that swings beyond the limit of 3 and back.
     let mut motion = good(&scenario.model, [0.0, 2.9, 0.0], [0.0, 2.9, 0.0], 2);
     motion.v = Some(vec![vec![0.0, 2.0, 0.0], vec![0.0, -2.0, 0.0]]);
     motion.a = None;
-    let position = row(&verdict(&scenario, &motion), Check::PositionLimits).worst.clone();
+    let position = row(&verdict(&scenario, &motion), Check::Bounds(Quantity::Position)).worst.clone();
     let worst = position.expect("it is limited");
     assert!((worst.value - 3.4).abs() < 1e-12 && worst.at_s == 0.5, "{worst:?}");
 }
@@ -184,7 +201,7 @@ fn torques_between_samples_are_found() {
     rates(&mut motion.v)[1][0] = 2.0;
     (motion.a, motion.u) = (None, None);
     let judgement = verdict(&scenario, &motion);
-    let row = row(&judgement, Check::TorqueLimits);
+    let row = row(&judgement, Check::Bounds(Quantity::Torque));
     assert_eq!(row.outcome, Outcome::Fail);
     // 4 kg gain 2 m/s in a second.
     let worst = row.worst.as_ref().expect("it fails");
@@ -204,7 +221,10 @@ fn overflow_is_not_valid() {
     rates(&mut motion.v)[5][0] = 1e308;
     motion.times.iter_mut().for_each(|t| *t *= 1e3);
     let failed = failed(&verdict(&scenario, &motion));
-    assert!(failed.contains(&Check::Obstacles) && failed.contains(&Check::VelocityLimits), "{failed:?}");
+    assert!(
+        failed.contains(&Check::Bounds(Quantity::Obstacles)) && failed.contains(&Check::Bounds(Quantity::Velocity)),
+        "{failed:?}"
+    );
 }
 
 #[test]

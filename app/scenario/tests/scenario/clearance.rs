@@ -5,7 +5,7 @@ use aghf::constraint::{AnyConstraint, Constraint, PlacedState};
 use aghf::dynamics::forward_kinematics;
 use aghf::spatial::Placement;
 use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge};
-use aghf_scenario::{Scenario, Solve};
+use aghf_scenario::{Quantity, Scenario, Solve};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
@@ -40,7 +40,7 @@ fn motions_keep_their_clearance() {
             let scenario = swing(json!(clearance));
             let judged = judge(&scenario, &trajectory, Tolerances::default()).expect("judged");
             let mut rows = judged.checks.into_iter();
-            rows.find(|row| row.check == Check::Obstacles).expect("there is one")
+            rows.find(|row| row.check == Check::Bounds(Quantity::Obstacles)).expect("there is one")
         };
         let (kept, asked) = (of(clearance), of(clearance + 0.005));
         assert!(kept.outcome.is_good() && !asked.outcome.is_good(), "{kept:?} {asked:?}");
@@ -63,7 +63,7 @@ fn an_obstacle_has_a_distance_of_its_own() {
     let clearance = |scenario: &Scenario, trajectory: &Trajectory, outcome: bool| {
         let judged = judge(scenario, trajectory, Tolerances::default()).expect("judged");
         let mut rows = judged.checks.into_iter();
-        let row = rows.find(|row| row.check == Check::Obstacles).expect("there is one");
+        let row = rows.find(|row| row.check == Check::Bounds(Quantity::Obstacles)).expect("there is one");
         assert_eq!(row.outcome.is_good(), outcome, "{row:?}");
         row.worst.expect("there are obstacles")
     };

@@ -2,7 +2,7 @@
 
 use aghf::curve::{Chebyshev, Curve};
 use aghf_scenario::{
-    Enforced, EnforcedLimits, Feasibility, HorizonBounds, Limit, LimitViolation, RateLimits, Scenario,
+    Enforced, EnforcedLimits, Feasibility, HorizonBounds, LimitViolation, Quantity, RateLimits, Scenario,
 };
 use nalgebra::DMatrix;
 
@@ -33,7 +33,7 @@ fn only(feasibility: &Feasibility) -> &LimitViolation {
 fn violations_are_reported_with_digits_that_show_them() {
     let mut violation = LimitViolation {
         joint: None,
-        limit: Limit::Other,
+        limit: Quantity::Other,
         name: "it".to_owned(),
         by: 1e-6,
         unit: "m".to_owned(),
@@ -69,7 +69,7 @@ fn broken_limits_of_the_position_are_reported() {
     assert_eq!(found.smallest_clearance_m, None, "no obstacles");
     assert_eq!(found.nearest, None);
     let limit = only(&found);
-    assert_eq!(limit.limit, Limit::Position);
+    assert_eq!(limit.limit, Quantity::Position);
     assert_eq!(limit.joint.as_deref(), Some(joint.name()));
     assert_eq!(limit.name, format!("upper position limit of joint '{}'", joint.name()));
     assert_eq!((limit.unit.as_str(), limit.enforced), ("rad", false));
@@ -86,7 +86,7 @@ fn broken_limits_of_the_velocity_are_reported_and_enforced_ones_matter() {
     let fast = motion(|_| 0.0, |t| (t - 1.2) * (limit + 0.0123) / 0.8);
     let found = of(&scenario, &fast);
     let speeds = found.limit_violations.iter();
-    let speeds: Vec<_> = speeds.filter(|v| v.limit == Limit::Velocity).collect();
+    let speeds: Vec<_> = speeds.filter(|v| v.limit == Quantity::Velocity).collect();
     assert_eq!(speeds.len(), 1, "{found:?}");
     let speed = speeds[0];
     assert_eq!((speed.enforced, speed.unit.as_str()), (false, "rad/s"));
@@ -136,7 +136,7 @@ fn a_torque_beyond_its_limit() {
         // Hard enough whatever the inertia about the vertical is.
         let found = of(&scenario, &motion(|_| 0.0, |t| 1e3 * effort * (t - 1.0)));
         let torques = found.limit_violations.iter();
-        let mut torques = torques.filter(|v| v.limit == Limit::Torque);
+        let mut torques = torques.filter(|v| v.limit == Quantity::Torque);
         let torque = torques.next().expect("the first joint");
         assert_eq!((torque.unit.as_str(), torque.enforced), ("N m", enforced));
         let first = scenario.model.joints()[0].name();
@@ -169,7 +169,7 @@ fn a_collision_is_reported() {
     assert!(obstacles.any(|each| each.name == nearest.between[1]), "{nearest}");
     assert!(nearest.at_s > 0.0 && nearest.at_s < scenario.file.horizon_s, "{nearest}");
     let hit = through.limit_violations.iter();
-    let hit: Vec<_> = hit.filter(|v| v.limit == Limit::Clearance).collect();
+    let hit: Vec<_> = hit.filter(|v| v.limit.is_clearance()).collect();
     assert!(hit.iter().all(|v| v.enforced && v.unit == "m" && v.joint.is_none()));
     let mut names: Vec<_> = hit.iter().map(|v| &v.name).collect();
     assert!(names[0].starts_with("distance of link '"), "{names:?}");

@@ -1,7 +1,7 @@
 //! Each limit of a `joint_limits.yaml` is kept, or refused by its file and element.
 
 use crate::written::{folder, load};
-use aghf_scenario::{Limit, Scenario};
+use aghf_scenario::{Quantity, Scenario};
 use serde_json::{Value, json};
 
 /// A scenario of two joints, the second of which is continuous, that takes this kind of limit from this file.
@@ -28,9 +28,9 @@ fn limited(key: &str, yaml: &str) -> Result<Scenario, String> {
 fn of(key: &str, yaml: &str) -> Result<[Option<f64>; 2], String> {
     let scenario = limited(key, yaml)?;
     let limit = match key {
-        "max_velocity" => Limit::Velocity,
-        "acceleration" => Limit::Acceleration,
-        _ => Limit::Jerk,
+        "max_velocity" => Quantity::Velocity,
+        "acceleration" => Quantity::Acceleration,
+        _ => Quantity::Jerk,
     };
     Ok([0, 1].map(|joint| scenario.bound(limit, joint).map(|[_, most]| most)))
 }
@@ -68,7 +68,7 @@ fn decelerations_have_any_sign_and_the_smaller_limit_holds() {
     ] {
         let yaml = format!("joint_limits: {{j1: {{{keys}}}}}");
         let scenario = limited("acceleration", &yaml).expect("it is good");
-        assert_eq!(scenario.bound(Limit::Acceleration, 0), Some([-least, least]), "{keys}");
+        assert_eq!(scenario.bound(Quantity::Acceleration, 0), Some([-least, least]), "{keys}");
         let notes = scenario.load_notes.iter().map(ToString::to_string);
         let notes: Vec<_> = notes.filter(|note| note.contains("deceleration")).collect();
         match note {

@@ -8,7 +8,7 @@ use aghf::model::Model;
 use aghf::spatial::Placement;
 use aghf_scenario::certify::{Texts, certify};
 use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge, sufficient_samples};
-use aghf_scenario::{DirectOptions, Scenario, Solve, Verdict};
+use aghf_scenario::{DirectOptions, Quantity, Scenario, Solve, Verdict};
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -62,7 +62,7 @@ fn a_tool_stays_upright() {
     let judged = |motion| judge(&kept, motion, Tolerances::default()).expect("its joints");
     assert!(judged(&upright).valid);
     let failed = judged(&loose).checks.into_iter().filter(|row| !row.outcome.is_good());
-    assert_eq!(failed.map(|row| row.check).collect::<Vec<_>>(), [Check::Kept]);
+    assert_eq!(failed.map(|row| row.check).collect::<Vec<_>>(), [Check::Bounds(Quantity::Frame)]);
 }
 
 /// Two arms carry a bar over a post: the relative pose is that of the start at all times, by the judge and by the poses
@@ -77,7 +77,7 @@ fn two_arms_carry_a_bar() {
     let motion = Trajectory::of_samples(samples.expect("its joints"));
     let judged = judge(&bar, &motion, Tolerances::default()).expect("its joints");
     assert!(judged.valid, "{:?}", judged.worst());
-    let kept = judged.checks.iter().find(|row| row.check == Check::Kept);
+    let kept = judged.checks.iter().find(|row| row.check == Check::Bounds(Quantity::Frame));
     let worst = kept.and_then(|row| row.worst.clone()).expect("it is kept");
     assert!(worst.value < 1e-5, "{worst:?}");
     for q in &motion.q {

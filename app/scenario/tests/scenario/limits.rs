@@ -4,11 +4,11 @@ use crate::written::{load, with};
 use aghf::constraint::AnyConstraint;
 use aghf::curve::{Chebyshev, Curve};
 use aghf::model::Limits;
-use aghf_scenario::{Enforced, EnforcedLimits, Feasibility, Limit, Scenario};
+use aghf_scenario::{Enforced, EnforcedLimits, Feasibility, Quantity, Scenario};
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
 
-const ALL: [Limit; 3] = [Limit::Position, Limit::Velocity, Limit::Torque];
+const ALL: [Quantity; 3] = [Quantity::Position, Quantity::Velocity, Quantity::Torque];
 
 /// A scenario that says nothing of limits.
 fn plain(robot: &str, n: usize) -> Value {
@@ -25,11 +25,11 @@ fn kinova(name: &str, enforced: Value) -> Scenario {
 }
 
 /// The limits of the URDF as bounds.
-fn of_robot(limits: &Limits, limit: Limit) -> [f64; 2] {
+fn of_robot(limits: &Limits, limit: Quantity) -> [f64; 2] {
     match limit {
-        Limit::Position => [limits.lower, limits.upper],
-        Limit::Velocity => [-limits.velocity, limits.velocity],
-        Limit::Torque => [-limits.effort, limits.effort],
+        Quantity::Position => [limits.lower, limits.upper],
+        Quantity::Velocity => [-limits.velocity, limits.velocity],
+        Quantity::Torque => [-limits.effort, limits.effort],
         _ => panic!("{limit:?}"),
     }
 }
@@ -55,7 +55,7 @@ fn all_limits_of_the_robot_are_enforced_unless_said() {
     }
     assert_eq!(rows(&scenario), (vec![14, 14], 14));
     assert!(!scenario.is_free());
-    assert_eq!(scenario.bound(Limit::Torque, 7), None, "there are seven");
+    assert_eq!(scenario.bound(Quantity::Torque, 7), None, "there are seven");
     // Keys that are missing are not false.
     let one = kinova("one", json!({ "velocity": false }));
     assert_eq!(rows(&one), (vec![14], 14));
@@ -86,16 +86,16 @@ fn a_share_of_the_limits_of_some_joints() {
     let scenario = scenario.expect("it is good");
     for (i, joint) in scenario.model.joints().iter().enumerate() {
         let limits = joint.limits();
-        let [lower, upper] = scenario.bound(Limit::Position, i).expect("it has a range");
+        let [lower, upper] = scenario.bound(Quantity::Position, i).expect("it has a range");
         let half = 0.25 * (limits.upper - limits.lower);
         let middle = 0.5 * (limits.upper + limits.lower);
         assert!((lower - (middle - half)).abs() < 1e-12, "{}", joint.name());
         assert!((upper - (middle + half)).abs() < 1e-12, "{}", joint.name());
         let most = 0.8 * limits.velocity;
         let [knee, hip] = ["left_knee", "left_hip_pitch"].map(|name| name == joint.name());
-        let speed = scenario.bound(Limit::Velocity, i);
+        let speed = scenario.bound(Quantity::Velocity, i);
         assert_eq!(speed, (knee || hip).then_some([-most, most]));
-        let torque = scenario.bound(Limit::Torque, i);
+        let torque = scenario.bound(Quantity::Torque, i);
         assert_eq!(torque, knee.then_some([-limits.effort, limits.effort]));
     }
     assert_eq!(rows(&scenario), (vec![44, 4], 2));
@@ -141,7 +141,7 @@ fn what_is_not_enforced_of_a_limit_breaks_no_success() {
         let x = DMatrix::from_fn(14, 3, |i, _| if i < 7 { 0.0 } else { *v.get(i - 7).unwrap_or(&0.0) });
         let curve = Curve::new(Chebyshev::new(2, 1.0).expect("a good degree"), x);
         let found = Feasibility::of(scenario, &curve.expect("sizes agree")).expect("of this robot");
-        let all = found.limit_violations.iter().filter(|v| v.limit == Limit::Velocity);
+        let all = found.limit_violations.iter().filter(|v| v.limit == Quantity::Velocity);
         let in_limits = |by: f64| (by / most * 1e9).round() * 1e-9;
         let told = all.map(|v| (v.joint.clone(), in_limits(v.by), v.enforced));
         (found.holds(0.0), told.collect::<Vec<_>>())

@@ -4,7 +4,7 @@ use crate::written::{load, with};
 use aghf::constraint::{AnyConstraint, CollisionSphere};
 use aghf::dynamics::forward_kinematics;
 use aghf::spatial::Placement;
-use aghf_scenario::{DirectOptions, Limit, Scenario, Solve};
+use aghf_scenario::{DirectOptions, Quantity, Scenario, Solve};
 use serde_json::{Value, json};
 
 /// Kinova with two joints locked; the values are those of the five others.
@@ -22,7 +22,7 @@ fn the_joints_that_are_left_are_those_of_the_scenario() {
     let scenario = load("five", &five()).expect("it is good");
     let names: Vec<_> = scenario.model.joints().iter().map(|j| j.name()).collect();
     assert_eq!(names, ["joint_1", "joint_2", "joint_4", "joint_6", "joint_7"]);
-    let [_, upper] = scenario.bound(Limit::Position, 2).expect("it has one");
+    let [_, upper] = scenario.bound(Quantity::Position, 2).expect("it has one");
     assert_eq!(upper, 2.58, "that of joint 4");
     let written = serde_json::to_value(&scenario.file).expect("numbers");
     assert_eq!(written["locked_joints"], five()["locked_joints"]);

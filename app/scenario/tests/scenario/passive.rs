@@ -6,7 +6,7 @@ use aghf::dynamics::{Data, aba};
 use aghf::model::Model;
 use aghf::motion::{Feedback, control_at, replay_error, simulate};
 use aghf::urdf::builtin_robot;
-use aghf_scenario::{DirectOptions, Feasibility, FlowOptions, Limit, PASSIVE_TORQUE_SHARE, Solve, SolveReport};
+use aghf_scenario::{DirectOptions, Feasibility, FlowOptions, PASSIVE_TORQUE_SHARE, Quantity, Solve, SolveReport};
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -41,7 +41,7 @@ fn passive_joints_have_a_torque_limit_of_zero_whatever_is_enforced() {
         assert_eq!(scenario.passive(), [1]);
         assert_eq!(scenario.torque_limits().0, [other, Some(0.0)]);
         assert!(scenario.torque_limits().is_equality(scenario.torque_limits().dim() - 1));
-        assert_eq!(scenario.bound(Limit::Torque, 1), Some([0.0, 0.0]));
+        assert_eq!(scenario.bound(Quantity::Torque, 1), Some([0.0, 0.0]));
         assert!(!scenario.is_free());
         let written = serde_json::to_value(&scenario.file).expect("numbers");
         assert_eq!(written["passive"], json!(["pivot"]));
@@ -192,7 +192,7 @@ fn a_passive_torque_is_judged_by_its_share_of_the_largest() {
     let [violation] = &found.limit_violations[..] else {
         panic!("{found:?}");
     };
-    assert_eq!((violation.limit, violation.unit.as_str(), violation.enforced), (Limit::Passive, "N m", true));
+    assert_eq!((violation.limit, violation.unit.as_str(), violation.enforced), (Quantity::Passive, "N m", true));
     let reason = found.reason(1e-6).expect("it is too much");
     assert!(
         reason.starts_with("violated: torque of the passive joint 'pivot' by 0.0900 N m at ")

@@ -6,7 +6,7 @@ use aghf::dynamics::forward_kinematics;
 use aghf::model::{Model, pendulum};
 use aghf::spatial::Placement;
 use aghf::urdf::builtin_robot;
-use aghf_scenario::{FlowOptions, Limit, Scenario, Solve, SolveOptions, builtin_scenarios, least_horizon};
+use aghf_scenario::{FlowOptions, Quantity, Scenario, Solve, SolveOptions, builtin_scenarios, least_horizon};
 use serde_json::{Value, json};
 
 /// A motion of Kinova that has a solution.
@@ -92,7 +92,7 @@ fn horizons_that_are_too_short_are_refused_with_the_least() {
     assert_refused(&far(json!({})), &format!("horizon_s: {words}"));
     let least = 5.6 / 1.2218;
     let scenario = load("least", &far(json!({}))).expect("it is good");
-    assert_eq!(scenario.least_horizon(), Some((4, Limit::Velocity, least)));
+    assert_eq!(scenario.least_horizon(), Some((4, Quantity::Velocity, least)));
     assert_eq!(refusal(&far(json!({ "horizon_s": least }))), None);
     assert_eq!(refusal(&far(json!({ "horizon_s": 4.59 }))), None, "as the message says");
     assert!(refusal(&far(json!({ "horizon_s": 0.9999 * least }))).is_some());

@@ -3,7 +3,7 @@
 use crate::common::assert_refused;
 use aghf_scenario::judge::{Tolerances, Trajectory, judge, sufficient_samples};
 use aghf_scenario::{
-    FlowOptions, Limit, RestOptions, Scenario, Solve, SolveOptions, SolveReport, Verdict, builtin_scenarios,
+    FlowOptions, Quantity, RestOptions, Scenario, Solve, SolveOptions, SolveReport, Verdict, builtin_scenarios,
 };
 
 /// The scenarios in which the flow reaches the goal with a torque beyond its limit: the penalty that stands for the
@@ -36,7 +36,7 @@ fn every_built_in_scenario_succeeds() {
             let error = summary.final_error_inf.expect("it was simulated");
             assert!(error < summary.success_threshold, "{name}: {error}");
             let violations = summary.feasibility.limit_violations;
-            let torque = violations.iter().all(|v| v.limit == Limit::Torque);
+            let torque = violations.iter().all(|v| v.limit == Quantity::Torque);
             assert!(torque, "{name}: {violations:?}");
         }
     }

@@ -1,7 +1,7 @@
 //! Limits of velocity, acceleration and jerk that come with a robot.
 
 use crate::written::{folder, load, with};
-use aghf_scenario::{Limit, Scenario};
+use aghf_scenario::{Quantity, Scenario};
 use serde_json::{Value, json};
 
 /// Three joints with limits of rates in their URDF, of which the last one has none, and a file of MoveIt.
@@ -38,7 +38,7 @@ fn limited(acceleration: Value, jerk: Value) -> Result<Scenario, String> {
     load("limited", &with(files(), json!({ "enforced_limits": limits })))
 }
 
-fn of(scenario: &Scenario, limit: Limit) -> Vec<Option<f64>> {
+fn of(scenario: &Scenario, limit: Quantity) -> Vec<Option<f64>> {
     let bounds = (0..scenario.model.dof()).map(|joint| scenario.bound(limit, joint));
     bounds.map(|bound| bound.map(|[_, most]| most)).collect()
 }
@@ -46,15 +46,15 @@ fn of(scenario: &Scenario, limit: Limit) -> Vec<Option<f64>> {
 #[test]
 fn limits_are_those_of_the_files_in_the_order_of_the_joints() {
     let scenario = limited(json!("urdf"), json!("urdf")).expect("it is good");
-    assert_eq!(of(&scenario, Limit::Acceleration), [Some(4.0), Some(7.0), None]);
-    assert_eq!(of(&scenario, Limit::Jerk), [Some(60.0), None, None]);
+    assert_eq!(of(&scenario, Quantity::Acceleration), [Some(4.0), Some(7.0), None]);
+    assert_eq!(of(&scenario, Quantity::Jerk), [Some(60.0), None, None]);
     let written = serde_json::to_value(&scenario.file.enforced_limits).expect("numbers");
     assert_eq!(written["acceleration"], json!([4.0, 7.0, null]));
 
     let file = json!({ "file": "joint_limits.yaml" });
     let scenario = limited(file.clone(), file.clone()).expect("it is good");
-    assert_eq!(of(&scenario, Limit::Acceleration), [Some(3.0), None, Some(1.5)]);
-    assert_eq!(of(&scenario, Limit::Jerk), [None, None, Some(40.0)]);
+    assert_eq!(of(&scenario, Quantity::Acceleration), [Some(3.0), None, Some(1.5)]);
+    assert_eq!(of(&scenario, Quantity::Jerk), [None, None, Some(40.0)]);
 
     // Of the joints that are planned.
     let keys = json!({
@@ -62,7 +62,7 @@ fn limits_are_those_of_the_files_in_the_order_of_the_joints() {
         "q_start": [0.0, 0.0], "v_start": [0.0, 0.0], "q_goal": [0.1, 0.1], "v_goal": [0.0, 0.0],
     });
     let scenario = load("held", &with(files(), keys)).expect("it is good");
-    assert_eq!(of(&scenario, Limit::Acceleration), [None, Some(1.5)]);
+    assert_eq!(of(&scenario, Quantity::Acceleration), [None, Some(1.5)]);
 }
 
 /// Of two limits of velocity the smaller one holds; that of the robot, a share of it or none.
@@ -78,7 +78,7 @@ fn velocities_are_the_smaller_ones() {
     ] {
         let keys = json!({ "enforced_limits": { "velocity": velocity, "max_velocity": source } });
         let scenario = load("fast", &with(files(), keys.clone())).expect("it is good");
-        assert_eq!(of(&scenario, Limit::Velocity), bounds, "{keys}");
+        assert_eq!(of(&scenario, Quantity::Velocity), bounds, "{keys}");
     }
     // It is a constraint, and it counts for the least horizon.
     let keys = json!({ "enforced_limits": { "max_velocity": [0.01, null, null] } });
@@ -104,6 +104,11 @@ fn limits_that_are_not_there_or_no_limits_are_refused() {
     ] {
         let error = error(source);
         assert!(error.starts_with("enforced_limits.acceleration: ") && error.contains(words), "{error}");
+    }
+    for source in [json!("urdf"), json!({ "file": "joint_limits.yaml" })] {
+        let keys = json!({ "enforced_limits": { "power": source } });
+        let error = load("bad", &with(files(), keys)).expect_err("robots have no powers");
+        assert!(error.starts_with("enforced_limits.power: ") && error.contains("no limits of power"), "{error}");
     }
     let file = json!({ "file": "joint_limits.yaml" });
     for (yaml, words) in [

@@ -2,7 +2,7 @@
 
 use crate::units::{cart, found, solved};
 use crate::written::load;
-use aghf_scenario::{HorizonBound, Limit, Scenario};
+use aghf_scenario::{HorizonBound, Quantity, Scenario};
 use serde_json::json;
 
 /// The least time of the cart, 2 kg, with 40 N: at 20 m/s^2 to 3 m/s, and as long to a stop.
@@ -14,7 +14,7 @@ fn the_least_time_is_near_that_of_full_force() {
     let details = solved("fast", &file);
     let ratio = details.horizon_s / LEAST;
     assert!((1.0..1.06).contains(&ratio), "{ratio}");
-    let bound = HorizonBound { least_s: 0.5, joint: "rail".to_owned(), limit: Limit::Velocity };
+    let bound = HorizonBound { least_s: 0.5, joint: "rail".to_owned(), limit: Quantity::Velocity };
     assert_eq!(details.horizon_bound, Some(bound));
     // A weight of time alone is the same.
     let alone = json!({ "objective": { "time": 3.0, "effort": 0.0 }, "continuity": "velocity" });
@@ -29,7 +29,7 @@ fn limits_of_acceleration_and_jerk_bound_the_least_time() {
     });
     let details = solved("smooth", &cart(2.0, 40.0, keys));
     let bound = details.horizon_bound.expect("it has limits");
-    assert_eq!(bound.limit, Limit::Acceleration);
+    assert_eq!(bound.limit, Quantity::Acceleration);
     let ratio = details.horizon_s / bound.least_s;
     assert!((1.0..1.3).contains(&ratio), "{ratio}");
 }

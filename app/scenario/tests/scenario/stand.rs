@@ -3,7 +3,7 @@
 use crate::written::{load, solved_once, with};
 use aghf::motion::sample;
 use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge};
-use aghf_scenario::{Feasibility, FlowOptions, RestOptions, Solve, SolveOptions};
+use aghf_scenario::{Feasibility, FlowOptions, Quantity, RestOptions, Solve, SolveOptions};
 use serde_json::{Value, json};
 
 /// An arm that is not screwed to the ground but stands on a plate.
@@ -42,7 +42,7 @@ fn a_motion_that_tips_a_plate_over_is_not_valid() {
     let checks = judged.expect("its joints").checks;
     let failed = checks.iter().filter(|row| !row.outcome.is_good());
     let failed: Vec<_> = failed.collect();
-    assert_eq!(failed.iter().map(|row| row.check).collect::<Vec<_>>(), [Check::Foot]);
+    assert_eq!(failed.iter().map(|row| row.check).collect::<Vec<_>>(), [Check::Bounds(Quantity::Foot)]);
     let worst = failed[0].worst.as_ref().expect("it was checked").value.abs();
     assert!((worst - farthest).abs() < 0.05 * farthest, "{worst} {farthest}");
 }

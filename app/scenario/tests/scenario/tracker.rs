@@ -2,7 +2,6 @@
 
 use crate::common::assert_refused;
 use crate::written::load;
-use aghf::constraint::RowKind;
 use aghf::direct::{Outcome, Safety};
 use aghf::motion::Interrupt;
 use aghf_scenario::{Obstacle, ScenarioTracker, ScenarioTrackerOptions};
@@ -71,7 +70,7 @@ fn moved_obstacles_are_kept_clear_of() {
             panic!("the ball at {height} is too near");
         };
         assert!(by > 1e-3, "{by}");
-        assert_eq!(tracker.label(row).kind, RowKind::Clearance);
+        assert!(tracker.label(row).quantity.is_clearance());
     }
     tracker.set_obstacles(&[]).expect("good");
     assert_eq!(tracker.step(&state, 0.0).expect("good").safety, Safety::Kept);

@@ -7,7 +7,7 @@ use aghf::model::{Joint, Model};
 use aghf::motion::{Sample, sample};
 use aghf::spatial::Placement;
 use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge};
-use aghf_scenario::{DirectOptions, FlowOptions, Scenario, Solve, SolveReport, Verdict};
+use aghf_scenario::{DirectOptions, FlowOptions, Quantity, Scenario, Solve, SolveReport, Verdict};
 use nalgebra::Vector3;
 
 /// The value of a joint by its name.
@@ -45,7 +45,7 @@ fn digit_steps_and_each_phase_is_an_ordinary_motion() {
         let judged = judge(phase, &motion, Tolerances::default()).expect("its joints");
         let failed = judged.checks.iter().filter(|row| !row.outcome.is_good());
         assert_eq!(failed.map(|row| row.check).collect::<Vec<_>>(), []);
-        assert!(judged.checks.iter().any(|row| row.check == Check::Foot));
+        assert!(judged.checks.iter().any(|row| row.check == Check::Bounds(Quantity::Foot)));
         assert!(judged.checks.iter().any(|row| row.check == Check::Waypoints));
     }
     let landing = &found.landings[0];

@@ -1,7 +1,7 @@
 //! Points on the way, as written in a file.
 
 use crate::written::{load, solved_once, with};
-use aghf_scenario::{Details, Limit};
+use aghf_scenario::{Details, Quantity};
 use serde_json::{Value, json};
 
 const FAR: [f64; 7] = [0.6, 0.3, 0.2, 1.1, 0.1, 0.4, 0.1];
@@ -42,7 +42,7 @@ fn the_least_horizon_is_there_and_back() {
     let one = load("there", &back(json!({ "q_goal": FAR }))).expect("it is good");
     let both = load("both", &back(json!({ "waypoints": [{ "q": FAR }] }))).expect("it is good");
     let (joint, limit, there) = one.least_horizon().expect("joints have limits");
-    assert_eq!(limit, Limit::Velocity);
+    assert_eq!(limit, Quantity::Velocity);
     assert_eq!(both.least_horizon(), Some((joint, limit, 2.0 * there)));
     assert!(load("stay", &back(json!({}))).expect("it is good").least_horizon().is_none());
 }

@@ -4,7 +4,7 @@ use aghf::curve::Curve;
 use aghf::dynamics::forward_kinematics;
 use aghf::motion::{Sample, samples_at};
 use aghf::spatial::Placement;
-use aghf_scenario::{Continuous, CurveFile, Goal, Limit, RobotShape, Scenario};
+use aghf_scenario::{Continuous, CurveFile, Goal, Quantity, RobotShape, Scenario};
 use nalgebra::Vector3;
 use serde_json::Value;
 
@@ -88,11 +88,13 @@ fn waypoints(scenario: &Scenario, curve: &Curve) -> Option<String> {
 /// The promises at a sample: limits, clearances, poses, the foot.
 fn at_sample(scenario: &Scenario, sample: &Sample) -> Option<String> {
     let model = &scenario.model;
-    let kinds = [
-        (Limit::Position, &sample.q),
-        (Limit::Velocity, &sample.v),
-        (Limit::Acceleration, &sample.a),
-        (Limit::Torque, &sample.u),
+    let powers = sample.u.iter().zip(&sample.v).map(|(u, v)| u * v).collect();
+    let kinds: [(Quantity, &Vec<f64>); 5] = [
+        (Quantity::Position, &sample.q),
+        (Quantity::Velocity, &sample.v),
+        (Quantity::Acceleration, &sample.a),
+        (Quantity::Torque, &sample.u),
+        (Quantity::Power, &powers),
     ];
     for (limit, values) in kinds {
         for (joint, x) in values.iter().enumerate() {
@@ -155,7 +157,7 @@ fn by_differences(scenario: &Scenario, curve: &Curve, t: f64) -> Option<String> 
     for joint in 0..n {
         let [before, after] = states.each_ref().map(|(_, rates)| rates[n + joint]);
         let jerk = (after - before) / (2.0 * STEP);
-        if let Some([lower, upper]) = scenario.bound(Limit::Jerk, joint)
+        if let Some([lower, upper]) = scenario.bound(Quantity::Jerk, joint)
             && inside
             && (is_beyond(jerk, upper) || is_beyond(-jerk, -lower))
         {
