@@ -9,13 +9,17 @@ const LIMITS: [Option<f64>; 3] = [Some(2.0), None, Some(0.5)];
 
 proptest! {
     #[test]
-    fn derivatives_are_those_of_the_product(y in prop::collection::vec(-3.0..3.0, 12), weights in prop::array::uniform4(-2.0..2.0)) {
+    fn derivatives_are_those_of_the_product(
+        y in prop::collection::vec(-3.0..3.0, 12),
+        weights in prop::array::uniform4(-2.0..2.0),
+    ) {
         let parts: [&[f64]; 4] = std::array::from_fn(|k| &y[3 * k..3 * k + 3]);
         let [q, v, a, u] = parts;
         let at = StageInput { t: 0.0, q, v, a, u };
         let own = PowerLimits(LIMITS.to_vec());
         let product = StageRows::new("product", vec![2.0, 2.0, 0.5, 0.5], |at, g| {
-            for (g, (joint, sign, limit)) in g.iter_mut().zip([(0, 1.0, 2.0), (0, -1.0, 2.0), (2, 1.0, 0.5), (2, -1.0, 0.5)]) {
+            let rows = [(0, 1.0, 2.0), (0, -1.0, 2.0), (2, 1.0, 0.5), (2, -1.0, 0.5)];
+            for (g, (joint, sign, limit)) in g.iter_mut().zip(rows) {
                 *g = at.u[joint] * at.v[joint] * sign - limit;
             }
         });

@@ -1,10 +1,10 @@
 //! Scenarios by name or by path.
 
-use super::builtin::builtin_scenario;
-use super::generate::generate_for;
-use super::json::read_json;
-use super::provenance::is_summary;
-use super::{Scenario, ScenarioFile, SolveOptions, Solved};
+use crate::builtin::builtin_scenario;
+use crate::generate::generate_for;
+use crate::keys::json::read_json;
+use crate::results::provenance::is_summary;
+use crate::{Scenario, ScenarioFile, SolveOptions, Solved};
 use aghf::error::{Error, Result};
 use aghf::input::read_named;
 use aghf::urdf::Mimic;

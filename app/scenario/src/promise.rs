@@ -54,7 +54,8 @@ pub(super) fn roles(scenario: &Scenario) -> Vec<(&'static str, Role)> {
     fn row<T>(key: &'static str, _value: &T, role: Role) -> (&'static str, Role) {
         (key, role)
     }
-    let promise = |quantity, scope| Promise { quantity, index: None, bounds: [f64::NEG_INFINITY, f64::INFINITY], scope };
+    let none = [f64::NEG_INFINITY, f64::INFINITY];
+    let promise = |quantity, scope| Promise { quantity, index: None, bounds: none, scope };
     let one = |is_asked: bool, quantity: Quantity, scope: Scope| {
         if is_asked { Promised(vec![promise(quantity, scope)]) } else { NoPromise }
     };

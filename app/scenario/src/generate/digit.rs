@@ -5,7 +5,7 @@ use super::witness::Witness;
 use super::{CLEAR, Candidate, HIT, rounded, sphere};
 use crate::ScenarioFile;
 use crate::builtin::builtin_scenario;
-use crate::json::read_json;
+use crate::keys::json::read_json;
 use aghf::error::Result;
 use aghf::geometry::Capsule;
 use aghf::model::Model;

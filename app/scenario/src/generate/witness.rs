@@ -1,6 +1,6 @@
 //! A known motion that proves that a scenario has a solution.
 
-use crate::preflight::slowest;
+use crate::solve::preflight::slowest;
 use aghf::dynamics::{Data, rnea};
 use aghf::error::Result;
 use aghf::model::Model;

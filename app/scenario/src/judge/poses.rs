@@ -3,7 +3,7 @@
 use super::hermite::Model as Polynomial;
 use super::intervals::{Bounded, Measured, Proof};
 use super::{Check, Intervals, Outcome, Reach, Row, Worst, carriers};
-use crate::obstacles::Pose;
+use crate::keys::obstacles::Pose;
 use crate::{AxisDirection, Goal, Kept, PointSpeed, Quantity, Scenario};
 use aghf::dynamics::{forward_kinematics, frame_placement};
 use aghf::error::{Error, Result};

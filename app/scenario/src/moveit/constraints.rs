@@ -1,8 +1,8 @@
 //! The goal and the conditions along the way of a planning request.
 
 use super::messages::{Constraints, OrientationConstraint, PositionConstraint, Request};
-use crate::goal::PositionBox;
-use crate::obstacles::{Pose as PoseOfKey, unit_quaternion};
+use crate::keys::goal::PositionBox;
+use crate::keys::obstacles::{Pose as PoseOfKey, unit_quaternion};
 use crate::{AxisDirection, Goal, Kept, PointSpeed};
 use aghf::error::{Error, Result, plain};
 use aghf::model::Model;

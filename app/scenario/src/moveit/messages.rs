@@ -1,7 +1,7 @@
 //! The parts of MoveIt's planning scenes and requests that are read, in the YAML form of these messages.
 
 use super::fields::check_fields;
-use crate::yaml::{of_value, yaml_value};
+use crate::keys::yaml::{of_value, yaml_value};
 use aghf::error::{Error, Result};
 use aghf::input::read_text;
 use nalgebra::Vector3;

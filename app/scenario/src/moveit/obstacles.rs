@@ -2,7 +2,7 @@
 
 use super::constraints::is_base;
 use super::messages::{CollisionObject, Pose, Primitive, Scene};
-use crate::obstacles::unit_quaternion;
+use crate::keys::obstacles::unit_quaternion;
 use crate::{Obstacle, ObstacleShape};
 use aghf::error::{Error, Result};
 use aghf::model::Model;

@@ -3,8 +3,8 @@
 use super::constraints::Target;
 use super::messages::Request;
 use super::states::Joints;
-use crate::joint_limits::JointLimitsFile;
-use crate::preflight::slowest;
+use crate::keys::joint_limits::JointLimitsFile;
+use crate::solve::preflight::slowest;
 use crate::{Enforced, EnforcedLimits, Kept, Quantity, RateLimits};
 use aghf::error::{Error, Result, plain};
 use aghf::model::{JointKind, Model};

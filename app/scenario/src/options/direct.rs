@@ -1,7 +1,7 @@
 //! The options of the direct method.
 
 use super::{PASSIVE_BASIS, PASSIVE_ITERATIONS, PASSIVE_STARTS, starts_of, time_limit};
-use crate::schema::one_of;
+use crate::keys::schema::one_of;
 use crate::{Continuous, Preset, Scenario};
 use aghf::direct::{DirectSettings, PlannedStarts, SearchOptions};
 use aghf::error::Result;

@@ -2,7 +2,7 @@
 
 use super::time_limit;
 use crate::Scenario;
-use crate::schema::one_of;
+use crate::keys::schema::one_of;
 use aghf::error::{Error, Result, check_positive};
 use aghf::flow::jacobian::JacobianKind;
 use aghf::flow::{FlowSettings, Penalty};

@@ -10,7 +10,7 @@ pub use flow::FlowOptions;
 pub use rest::RestOptions;
 
 use super::Scenario;
-use super::json::read_keys;
+use crate::keys::json::read_keys;
 use aghf::direct::DirectSettings;
 use aghf::error::{Error, Result, plain};
 use aghf::names::Named;

@@ -103,7 +103,7 @@ proptest! {
         let scenario = limited("between_samples");
         let found = dense(&scenario.model, &motion, [3.0, 12.0, 150.0, 100.0]);
         let judgement = verdict(&scenario, &motion);
-        let checks = [Check::Bounds(Quantity::Velocity), Check::Bounds(Quantity::Acceleration), Check::Bounds(Quantity::Jerk)];
+        let checks = [Quantity::Velocity, Quantity::Acceleration, Quantity::Jerk].map(Check::Bounds);
         for (check, excess) in checks.into_iter().zip(found) {
             let row = row(&judgement, check);
             if excess > 1e-3 {

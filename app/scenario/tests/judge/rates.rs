@@ -95,7 +95,7 @@ proptest! {
         let scenario = scenario("beyond", keys);
         let judgement = verdict(&scenario, &table(&curve, rate, 1));
         prop_assert_eq!(judgement.verdict, Verdict::NotValid);
-        for check in [Check::Bounds(Quantity::Velocity), Check::Bounds(Quantity::Acceleration), Check::Bounds(Quantity::Jerk)] {
+        for check in [Quantity::Velocity, Quantity::Acceleration, Quantity::Jerk].map(Check::Bounds) {
             prop_assert_eq!(row(&judgement, check).outcome, Outcome::Fail, "{:?}", check);
         }
     }

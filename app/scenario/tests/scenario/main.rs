@@ -30,6 +30,7 @@ mod payload;
 mod period;
 mod phases;
 mod preflight;
+mod promise;
 mod published_flow;
 mod rate_limits;
 mod refused;
