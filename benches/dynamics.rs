@@ -16,7 +16,7 @@ use nalgebra::DMatrix;
 use std::hint::black_box;
 
 /// Explicit tensors of third order take too much memory on larger robots to be of use.
-const LARGEST_FOR_TENSORS: usize = 32;
+const MAX_FOR_TENSORS: usize = 32;
 
 /// A sole below the base.
 fn sole() -> StandingFoot {
@@ -69,7 +69,7 @@ fn main() {
             let z = [black_box(&q[..]), &v, &a];
             foot.weighted_derivatives(model, &mut data, z, weights, &mut by_z)
         });
-        if n <= LARGEST_FOR_TENSORS {
+        if n <= MAX_FOR_TENSORS {
             let mut second = InverseDynamicsSecondDerivatives::new(n);
             time("rnea_second_derivatives", &mut || {
                 rnea_second_derivatives(model, &mut data, black_box(&q), &v, &a, &mut second)

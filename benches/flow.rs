@@ -18,7 +18,7 @@ use std::hint::black_box;
 const K: f64 = 1e7;
 
 /// Robots up to this size also get the Jacobians that are no match for large ones.
-const LARGEST_FOR_ALL: usize = 22;
+const MAX_FOR_ALL: usize = 22;
 
 fn main() {
     let mut criterion = criterion();
@@ -37,11 +37,11 @@ fn main() {
             b1.omega(black_box(node), K, &mut omega).expect("lengths agree");
         });
         let mut blocks = NodeBlocks::new(n);
-        if n <= LARGEST_FOR_ALL {
+        if n <= MAX_FOR_ALL {
             constrained(&mut criterion, &mut times, model, node);
         }
         for (name, kind) in JacobianKind::by_name() {
-            if n > LARGEST_FOR_ALL && kind != JacobianKind::ControlForm {
+            if n > MAX_FOR_ALL && kind != JacobianKind::ControlForm {
                 continue;
             }
             let mut jacobian = kind.build(model);

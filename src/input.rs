@@ -11,7 +11,7 @@ const STANDARD_INPUT: &str = "-";
 
 /// The largest text that is read, in bytes; those of robots and scenarios have a few thousand, at most a million.
 /// Devices such as `/dev/zero` have no end.
-const LARGEST_TEXT: u64 = 1 << 26;
+const MAX_TEXT: u64 = 1 << 26;
 
 /// Reads the text of a file, or of the standard input for `-`, without a byte-order mark.
 ///
@@ -77,8 +77,8 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
 
 fn read_some(source: impl Read) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    source.take(LARGEST_TEXT + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > LARGEST_TEXT {
+    source.take(MAX_TEXT + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_TEXT {
         let condition = "it has more than 64 MiB, which no robot, scenario or sweep has";
         return Err(io::Error::new(ErrorKind::InvalidData, condition));
     }

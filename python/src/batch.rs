@@ -28,7 +28,7 @@ pub fn numbers<'n>(name: &str, given: &'n Numbers<'_>) -> PyResult<&'n [f64]> {
 pub type Array<'py> = Bound<'py, PyArrayDyn<f64>>;
 
 /// The smallest batch that is spread over threads.
-const LEAST_PARALLEL: usize = 64;
+const MIN_PARALLEL: usize = 64;
 
 /// The smallest number of states that a thread takes at once.
 const CHUNK: usize = 16;
@@ -150,7 +150,7 @@ impl<'a, const I: usize> States<'a, I> {
                 let first = group * size;
                 work(scratch, first..states.min(first + size), rows)
             };
-            if states < LEAST_PARALLEL {
+            if states < MIN_PARALLEL {
                 let mut scratch = scratch();
                 let mut all = groups.into_iter().enumerate();
                 return all.try_for_each(|group| one(&mut scratch, group));

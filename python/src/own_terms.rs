@@ -1,6 +1,6 @@
 //! Running costs and constraints written in Python.
 
-use aghf::constraint::{Constraint, PlacedState, Quantity, RowLabel, WeightedDerivatives, Weights};
+use aghf::constraint::{Constraint, PlacedState, Quantity, RowLabel, RowSet, WeightedDerivatives, Weights};
 use aghf::cost::{RunningCost, StageDerivatives, StageInput};
 use aghf::model::Model;
 use aghf::scalar::{AlgebraOver, LANES, Scalar, Wide};
@@ -219,8 +219,8 @@ impl Constraint for PyConstraint {
         Ok(())
     }
 
-    fn row_scales(&self, scales: &mut [f64]) {
-        scales.copy_from_slice(&self.scales);
+    fn row_set(&self, row: usize) -> RowSet {
+        RowSet::at_most_zero().scaled(self.scales.get(row).copied().unwrap_or(1.0))
     }
 
     fn label(&self, row: usize, _: &Model) -> RowLabel {

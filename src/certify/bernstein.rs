@@ -3,7 +3,7 @@
 use super::Polynomial;
 
 /// The largest number of halvings of the interval, and of parts that are examined.
-const MOST_PARTS: usize = 256;
+const MAX_PARTS: usize = 256;
 
 /// The Bernstein basis of one degree `n` on `[-1, 1]`.
 ///
@@ -95,7 +95,7 @@ fn largest(b: &[f64], accuracy: f64) -> (f64, f64, f64) {
     let mut parts = 1;
     while let Some((mut right, [from, to])) = open.pop() {
         let top = right.iter().fold(f64::NEG_INFINITY, |top, b| if *b <= top { top } else { *b });
-        if parts >= MOST_PARTS || top <= found.0 + accuracy {
+        if parts >= MAX_PARTS || top <= found.0 + accuracy {
             bound = if top <= bound { bound } else { top };
             continue;
         }

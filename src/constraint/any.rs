@@ -1,8 +1,8 @@
 //! The built-in constraints and a variant for any other.
 
 use super::{
-    Bounds, Constraint, CoverClearance, DynConstraint, FrameRows, Gap, Piece, PlacedState, PointSpeedLimit, RowLabel,
-    RowList, SelfClearance, SolidClearance, SphereClearance, WeightedDerivatives, Weights,
+    Bounds, Constraint, CoverClearance, DynConstraint, FrameRows, Piece, PlacedState, PointSpeedLimit, RowLabel,
+    RowList, RowSet, SelfClearance, SolidClearance, SphereClearance, WeightedDerivatives, Weights,
 };
 use crate::error::Result;
 use crate::geometry::{CollisionSphere, Obstacle, Scene, Shape, Sphere};
@@ -117,28 +117,12 @@ impl<C: Scalar> Constraint<C> for AnyConstraint<C> {
         each!(self, it => it.value(at, g))
     }
 
-    fn row_scales(&self, scales: &mut [C]) {
-        each!(self, it => it.row_scales(scales));
+    fn row_set(&self, row: usize) -> RowSet<C> {
+        each!(self, it => it.row_set(row))
     }
 
     fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
         each!(self, it => it.label(row, model))
-    }
-
-    fn is_clearance(&self, row: usize, model: &Model<C>) -> bool {
-        each!(self, it => it.is_clearance(row, model))
-    }
-
-    fn is_equality(&self, row: usize) -> bool {
-        each!(self, it => it.is_equality(row))
-    }
-
-    fn cutoff(&self, row: usize) -> Option<C> {
-        each!(self, it => it.cutoff(row))
-    }
-
-    fn gap(&self, row: usize) -> Option<Gap<C>> {
-        each!(self, it => it.gap(row))
     }
 
     fn value_of<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, rows: RowList<'_>, g: &mut [S]) -> Result<()> {

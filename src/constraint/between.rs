@@ -27,12 +27,11 @@ impl Between {
             let [from, to] = times.map(plain);
             return refuse("times", format!("they are {from} s and {to} s, the first one is to be before the second"));
         }
-        if let Some(row) = (0..rows.dim()).find(|row| rows.is_equality(*row)) {
+        if let Some(row) = (0..rows.dim()).find(|row| rows.row_set(*row).is_equality) {
             let RowLabel { name, .. } = rows.label(row, &model);
             return refuse("equalities", format!("{name} is one, which is kept throughout or not at all"));
         }
-        let mut scales = vec![1.0; rows.dim()];
-        rows.row_scales(&mut scales);
+        let scales = rows.row_scales();
         Ok(Self { model, rows, times, scales })
     }
 

@@ -1,7 +1,9 @@
 //! Clearances of balls on the robot from spheres.
 
 use super::label::name_of;
-use super::{CollisionSphere, Constraint, Gap, PlacedState, Quantity, RowLabel, RowList, WeightedDerivatives, Weights};
+use super::{
+    CollisionSphere, Constraint, Gap, PlacedState, Quantity, RowLabel, RowList, RowSet, WeightedDerivatives, Weights,
+};
 use crate::error::Result;
 use crate::geometry::Sphere;
 use crate::model::Model;
@@ -49,20 +51,14 @@ impl<C: Scalar> Constraint<C> for SphereClearance<C> {
         })
     }
 
-    fn gap(&self, row: usize) -> Option<Gap<C>> {
+    /// Of scale $2 (r + \rho)$, because $g$ is about that times the depth.
+    fn row_set(&self, row: usize) -> RowSet<C> {
         let m = self.spheres.len().max(1);
-        let (ball, sphere) = (self.balls.get(row / m)?, &self.spheres[row % m]);
-        let reach = sphere.radius + ball.radius;
-        Some(Gap::new([Some(ball), None], Some(reach)))
-    }
-
-    /// $2 (r + \rho)$, because $g$ is about that times the depth.
-    fn row_scales(&self, scales: &mut [C]) {
-        let balls = self.balls.iter();
-        let reaches = balls.flat_map(|b| self.spheres.iter().map(|s| s.radius + b.radius));
-        for (scale, reach) in scales.iter_mut().zip(reaches) {
-            *scale = reach + reach;
-        }
+        let gap = |ball: &CollisionSphere<C>| {
+            let reach = self.spheres[row % m].radius + ball.radius;
+            Gap::new([Some(ball), None], Some(reach))
+        };
+        RowSet::clearance(self.balls.get(row / m).map(gap))
     }
 
     /// Spheres are counted from zero.
@@ -74,10 +70,6 @@ impl<C: Scalar> Constraint<C> for SphereClearance<C> {
         };
         let (body, sphere) = (name_of(ball.body, model), row % spheres);
         distance(body, format!("sphere {sphere}"), Quantity::Obstacles)
-    }
-
-    fn is_clearance(&self, _: usize, _: &Model<C>) -> bool {
-        true
     }
 
     /// With $d = p - c$ the gradient in `p` is $-2 d$ and the Hessian $-2 I$.

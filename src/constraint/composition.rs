@@ -1,6 +1,6 @@
 //! Tuples and lists of constraints as one constraint.
 
-use super::{AnyConstraint, Constraint, Gap, Piece, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights};
+use super::{AnyConstraint, Constraint, Piece, PlacedState, RowLabel, RowList, RowSet, WeightedDerivatives, Weights};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -29,44 +29,17 @@ impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
         self.1.value(&at_b, b)
     }
 
-    fn row_scales(&self, scales: &mut [C]) {
-        let (a, b) = scales.split_at_mut(self.0.dim());
-        self.0.row_scales(a);
-        self.1.row_scales(b);
+    fn row_set(&self, row: usize) -> RowSet<C> {
+        match row.checked_sub(self.0.dim()) {
+            None => self.0.row_set(row),
+            Some(row) => self.1.row_set(row),
+        }
     }
 
     fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
         match row.checked_sub(self.0.dim()) {
             None => self.0.label(row, model),
             Some(row) => self.1.label(row, model),
-        }
-    }
-
-    fn is_clearance(&self, row: usize, model: &Model<C>) -> bool {
-        match row.checked_sub(self.0.dim()) {
-            None => self.0.is_clearance(row, model),
-            Some(row) => self.1.is_clearance(row, model),
-        }
-    }
-
-    fn is_equality(&self, row: usize) -> bool {
-        match row.checked_sub(self.0.dim()) {
-            None => self.0.is_equality(row),
-            Some(row) => self.1.is_equality(row),
-        }
-    }
-
-    fn cutoff(&self, row: usize) -> Option<C> {
-        match row.checked_sub(self.0.dim()) {
-            None => self.0.cutoff(row),
-            Some(row) => self.1.cutoff(row),
-        }
-    }
-
-    fn gap(&self, row: usize) -> Option<Gap<C>> {
-        match row.checked_sub(self.0.dim()) {
-            None => self.0.gap(row),
-            Some(row) => self.1.gap(row),
         }
     }
 
@@ -127,12 +100,8 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
         Ok(())
     }
 
-    fn row_scales(&self, mut scales: &mut [C]) {
-        for constraint in self {
-            let (own, rest) = scales.split_at_mut(constraint.dim());
-            constraint.row_scales(own);
-            scales = rest;
-        }
+    fn row_set(&self, row: usize) -> RowSet<C> {
+        owner(self, row).map_or_else(RowSet::at_most_zero, |(constraint, own)| constraint.row_set(own))
     }
 
     fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
@@ -140,22 +109,6 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
             Some((constraint, own)) => constraint.label(own, model),
             None => RowLabel::numbered(row),
         }
-    }
-
-    fn is_clearance(&self, row: usize, model: &Model<C>) -> bool {
-        owner(self, row).is_some_and(|(constraint, own)| constraint.is_clearance(own, model))
-    }
-
-    fn is_equality(&self, row: usize) -> bool {
-        owner(self, row).is_some_and(|(constraint, own)| constraint.is_equality(own))
-    }
-
-    fn cutoff(&self, row: usize) -> Option<C> {
-        owner(self, row).and_then(|(constraint, own)| constraint.cutoff(own))
-    }
-
-    fn gap(&self, row: usize) -> Option<Gap<C>> {
-        owner(self, row).and_then(|(constraint, own)| constraint.gap(own))
     }
 
     fn value_of<S: AlgebraOver<C>>(
@@ -257,34 +210,14 @@ macro_rules! delegate {
                 $inner.value(at, g)
             }
 
-            fn row_scales(&self, scales: &mut [C]) {
+            fn row_set(&self, row: usize) -> RowSet<C> {
                 let $it = self;
-                $inner.row_scales(scales);
+                $inner.row_set(row)
             }
 
             fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
                 let $it = self;
                 $inner.label(row, model)
-            }
-
-            fn is_clearance(&self, row: usize, model: &Model<C>) -> bool {
-                let $it = self;
-                $inner.is_clearance(row, model)
-            }
-
-            fn is_equality(&self, row: usize) -> bool {
-                let $it = self;
-                $inner.is_equality(row)
-            }
-
-            fn cutoff(&self, row: usize) -> Option<C> {
-                let $it = self;
-                $inner.cutoff(row)
-            }
-
-            fn gap(&self, row: usize) -> Option<Gap<C>> {
-                let $it = self;
-                $inner.gap(row)
             }
 
             fn value_of<S: AlgebraOver<C>>(
@@ -330,17 +263,3 @@ delegate!([K: Constraint<C> + ?Sized] &K, it => (**it), parts);
 delegate!([K: Constraint<C>] Vec<K>, it => it.as_slice(), parts);
 delegate!([K: Constraint<C>, const M: usize] [K; M], it => it.as_slice(), parts);
 delegate!([K0: Constraint<C>, K1: Constraint<C>, K2: Constraint<C>] (K0, K1, K2), it => (&it.0, (&it.1, &it.2)));
-delegate!(
-    [K0: Constraint<C>, K1: Constraint<C>, K2: Constraint<C>, K3: Constraint<C>] (K0, K1, K2, K3),
-    it => ((&it.0, &it.1), (&it.2, &it.3))
-);
-delegate!(
-    [K0: Constraint<C>, K1: Constraint<C>, K2: Constraint<C>, K3: Constraint<C>, K4: Constraint<C>]
-        (K0, K1, K2, K3, K4),
-    it => ((&it.0, &it.1), (&it.2, (&it.3, &it.4)))
-);
-delegate!(
-    [K0: Constraint<C>, K1: Constraint<C>, K2: Constraint<C>, K3: Constraint<C>, K4: Constraint<C>, K5: Constraint<C>]
-    (K0, K1, K2, K3, K4, K5),
-    it => ((&it.0, (&it.1, &it.2)), (&it.3, (&it.4, &it.5)))
-);

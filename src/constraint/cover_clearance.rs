@@ -5,7 +5,7 @@ use super::clearance::distance;
 use super::cover_search::length_and_inverse;
 use super::label::name_of;
 use super::solid_clearance::name_of_solid;
-use super::{Constraint, Gap, Piece, PlacedState, Quantity, RowLabel, RowList, WeightedDerivatives, Weights};
+use super::{Constraint, Gap, Piece, PlacedState, Quantity, RowLabel, RowList, RowSet, WeightedDerivatives, Weights};
 use crate::error::Result;
 use crate::geometry::{BallTree, Scene, Solid};
 use crate::model::Model;
@@ -96,6 +96,21 @@ impl<C: Scalar> CoverClearance<C> {
         of_solids.chain(of_pairs.map(move |[i, j]| count(*i).max(count(*j))))
     }
 
+    /// The distance of the sets of a pair.
+    fn gap(&self, pair: usize) -> Gap<C> {
+        let links = match pair {
+            k if k < self.solid_pairs.len() => [Some(self.solid_pairs[k][0]), None],
+            k => self.pairs[k - self.solid_pairs.len()].map(Some),
+        };
+        let body = |link: usize| {
+            let tree = &self.links[link];
+            let root = tree.nodes.first()?.bound;
+            let r = dot(&root.centre, &root.centre).sqrt() + root.radius;
+            tree.body.map(|body| (body, r))
+        };
+        Gap { bodies: links.map(|link| link.and_then(body)), squared: None }
+    }
+
     /// The number of the pair of a row.
     fn pair_of(&self, row: usize) -> Option<usize> {
         let mut end = 0;
@@ -166,26 +181,8 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
         }
     }
 
-    fn is_clearance(&self, _: usize, _: &Model<C>) -> bool {
-        true
-    }
-
-    fn cutoff(&self, _: usize) -> Option<C> {
-        Some(self.far)
-    }
-
-    fn gap(&self, row: usize) -> Option<Gap<C>> {
-        let links = match self.pair_of(row)? {
-            k if k < self.solid_pairs.len() => [Some(self.solid_pairs[k][0]), None],
-            k => self.pairs[k - self.solid_pairs.len()].map(Some),
-        };
-        let body = |link: usize| {
-            let tree = &self.links[link];
-            let root = tree.nodes.first()?.bound;
-            let r = dot(&root.centre, &root.centre).sqrt() + root.radius;
-            tree.body.map(|body| (body, r))
-        };
-        Some(Gap { bodies: links.map(|link| link.and_then(body)), squared: None })
+    fn row_set(&self, row: usize) -> RowSet<C> {
+        RowSet { cutoff: Some(self.far), ..RowSet::clearance(self.pair_of(row).map(|pair| self.gap(pair))) }
     }
 
     /// Those of the nearest balls. As a function of $s = d^2 / 2$ the row of two sets is $r - \sqrt{2 s}$, with

@@ -1,6 +1,6 @@
 //! Constraints behind pointers, so that one list can hold any types.
 
-use super::{Constraint, PlacedState, RowLabel, WeightedDerivatives, Weights};
+use super::{Constraint, PlacedState, RowLabel, RowSet, WeightedDerivatives, Weights};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar, Wide};
@@ -19,14 +19,11 @@ pub trait DynConstraint<C: Scalar = f64>: Debug + Send + Sync {
     /// [`Constraint::dim`].
     fn rows(&self) -> usize;
 
-    /// [`Constraint::row_scales`].
-    fn scales(&self, scales: &mut [C]);
+    /// [`Constraint::row_set`].
+    fn set_of_row(&self, row: usize) -> RowSet<C>;
 
     /// [`Constraint::label`].
     fn row_label(&self, row: usize, model: &Model<C>) -> RowLabel;
-
-    /// [`Constraint::is_equality`].
-    fn row_is_equality(&self, row: usize) -> bool;
 
     /// Fills `slot`, an `Option<Functions<C, S>>`, if `S` is one of the scalars.
     #[doc(hidden)]
@@ -85,16 +82,12 @@ impl<K: Constraint + Clone + Debug + Send + Sync + 'static> DynConstraint for K 
         self.dim()
     }
 
-    fn scales(&self, scales: &mut [f64]) {
-        self.row_scales(scales);
+    fn set_of_row(&self, row: usize) -> RowSet {
+        self.row_set(row)
     }
 
     fn row_label(&self, row: usize, model: &Model) -> RowLabel {
         self.label(row, model)
-    }
-
-    fn row_is_equality(&self, row: usize) -> bool {
-        self.is_equality(row)
     }
 
     fn functions(&self, slot: &mut dyn Any) {
@@ -136,16 +129,12 @@ impl<C: Scalar> Constraint<C> for Box<dyn DynConstraint<C>> {
         (Functions::behind(constraint)?.value)(constraint.constraint(), at, g)
     }
 
-    fn row_scales(&self, scales: &mut [C]) {
-        (**self).scales(scales);
+    fn row_set(&self, row: usize) -> RowSet<C> {
+        (**self).set_of_row(row)
     }
 
     fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
         (**self).row_label(row, model)
-    }
-
-    fn is_equality(&self, row: usize) -> bool {
-        (**self).row_is_equality(row)
     }
 
     fn add_weighted_derivatives<S: AlgebraOver<C>>(

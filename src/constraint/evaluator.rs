@@ -1,6 +1,6 @@
 //! Evaluation of constraints and their contractions at states.
 
-use super::{Constraint, Piece, Pieces, PlacedState, RowLabel, RowList, WeightedDerivatives, Weights};
+use super::{Constraint, Piece, Pieces, PlacedState, RowLabel, RowList, RowSet, WeightedDerivatives, Weights};
 use crate::dynamics::forward_kinematics;
 use crate::error::{Result, check_length};
 use crate::model::Model;
@@ -133,14 +133,13 @@ impl Placed<'_, f64, f64> {
     /// # Errors
     /// Those of [`value`](Self::value).
     pub fn worst_row<K: Constraint + ?Sized>(&self, constraint: &K) -> Result<Option<(f64, RowLabel)>> {
-        let (mut g, mut scales) = (vec![0.0; constraint.dim()], vec![1.0; constraint.dim()]);
+        let mut g = vec![0.0; constraint.dim()];
         self.value(constraint, &mut g)?;
-        constraint.row_scales(&mut scales);
-        let rows = g.iter().zip(&scales).enumerate();
-        let all = rows.map(|(row, (g, scale))| {
-            let g = if constraint.is_equality(row) { g.abs() } else { *g };
+        let all = g.iter().enumerate().map(|(row, g)| {
+            let RowSet { is_equality, scale, .. } = constraint.row_set(row);
+            let g = if is_equality { g.abs() } else { *g };
             let label = constraint.label(row, self.state.model);
-            (label.form.excess(g / scale, *scale), label)
+            (label.form.excess(g / scale, scale), label)
         });
         Ok(all.max_by(|(a, _), (b, _)| a.total_cmp(b)))
     }

@@ -1,6 +1,6 @@
 //! Rows on the placement of a frame: goals by pose, a kept orientation, a position in a box.
 
-use super::{Constraint, PlacedState, Quantity, RowForm, RowLabel, WeightedDerivatives, Weights};
+use super::{Constraint, PlacedState, Quantity, RowForm, RowLabel, RowSet, WeightedDerivatives, Weights};
 use crate::error::{Error, Result};
 use crate::model::{Frame, Model};
 use crate::scalar::{AlgebraOver, Scalar};
@@ -20,7 +20,7 @@ pub struct FrameRow<C: Scalar = f64> {
     pub rotation: Matrix3<C>,
     /// The coefficient `s` of the square of the distance.
     pub square: C,
-    /// The slope of the row at its boundary, see [`Constraint::row_scales`].
+    /// The slope of the row at its boundary, see [`RowSet::scale`].
     pub scale: C,
     /// The limited quantity, for the label of the row.
     pub what: &'static str,
@@ -281,10 +281,11 @@ impl<C: Scalar> Constraint<C> for FrameRows<C> {
         Ok(())
     }
 
-    fn row_scales(&self, scales: &mut [C]) {
-        for (scale, row) in scales.iter_mut().zip(&self.rows) {
-            *scale = row.scale;
-        }
+    fn row_set(&self, row: usize) -> RowSet<C> {
+        self.rows.get(row).map_or_else(RowSet::at_most_zero, |row| {
+            let set = if row.is_equality { RowSet::zero() } else { RowSet::at_most_zero() };
+            set.scaled(row.scale)
+        })
     }
 
     fn label(&self, row: usize, _: &Model<C>) -> RowLabel {
@@ -298,10 +299,6 @@ impl<C: Scalar> Constraint<C> for FrameRows<C> {
         };
         let name = format!("{} of frame '{frame}'{relative}", row.what);
         RowLabel { form: row.form, ..RowLabel::new(name, row.unit, Quantity::Frame) }
-    }
-
-    fn is_equality(&self, row: usize) -> bool {
-        self.rows.get(row).is_some_and(|row| row.is_equality)
     }
 
     /// The columns of `M` are positions of points relative to the origin of the frame, so that a row acts on these

@@ -86,23 +86,6 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// All.
-    pub const ALL: [Self; 13] = [
-        Self::Duration,
-        Self::Position,
-        Self::Velocity,
-        Self::Acceleration,
-        Self::Jerk,
-        Self::Torque,
-        Self::Passive,
-        Self::Power,
-        Self::Frame,
-        Self::Foot,
-        Self::Obstacles,
-        Self::SelfCollision,
-        Self::Other,
-    ];
-
     /// The quantities of a joint: its position with the derivatives in order, torque and power.
     pub const JOINT: [Self; 6] =
         [Self::Position, Self::Velocity, Self::Acceleration, Self::Jerk, Self::Torque, Self::Power];

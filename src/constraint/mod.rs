@@ -28,6 +28,7 @@ mod phase;
 mod piece;
 mod point_speed;
 mod power_limits;
+mod row_set;
 mod self_clearance;
 mod solid_clearance;
 mod stage;
@@ -52,6 +53,7 @@ pub(crate) use piece::searched_from;
 pub use piece::{Piece, Pieces};
 pub use point_speed::PointSpeedLimit;
 pub use power_limits::PowerLimits;
+pub use row_set::RowSet;
 pub use self_clearance::SelfClearance;
 pub use solid_clearance::SolidClearance;
 pub(crate) use stage::still;
@@ -70,9 +72,9 @@ use crate::spatial::Placement;
 use nalgebra::Vector3;
 
 /// Constraints $g_j(x) \le 0$ on a state $x = [q; v]$, or $g_j(x) = 0$ for the rows that are an
-/// [equality](Self::is_equality).
+/// [equality](RowSet::is_equality).
 ///
-/// Tuples of up to six, arrays, vectors and slices of constraints are a constraint with the rows of each in order; `()`
+/// Pairs and triples, arrays, vectors and slices of constraints are a constraint with the rows of each in order; `()`
 /// has no rows. `&K` delegates to `K`. A list of different constraints is a `Vec` of [`AnyConstraint`] or of
 /// `Box<dyn`[`DynConstraint`]`>`.
 pub trait Constraint<C: Scalar = f64> {
@@ -85,11 +87,15 @@ pub trait Constraint<C: Scalar = f64> {
     /// The constraint refers to a joint or body that the robot does not have.
     fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()>;
 
-    /// Writes the slope of each row at its boundary with respect to the bounded quantity, in rad, rad/s or m, to
-    /// `scales`, [`dim`](Self::dim) entries: a row divided by its scale is the distance from the boundary in these
-    /// units. One by default.
-    fn row_scales(&self, scales: &mut [C]) {
-        scales.fill(C::one());
+    /// The set of values that row `row` may have, and what is known of the row at every state. By default at most zero.
+    fn row_set(&self, row: usize) -> RowSet<C> {
+        let _ = row;
+        RowSet::at_most_zero()
+    }
+
+    /// The [scales](RowSet::scale) of all rows, [`dim`](Self::dim) entries.
+    fn row_scales(&self) -> Vec<C> {
+        (0..self.dim()).map(|row| self.row_set(row).scale).collect()
     }
 
     /// The name of row `row` and the unit of its [excess](RowForm::excess), for reports. By default the number of the
@@ -97,33 +103,6 @@ pub trait Constraint<C: Scalar = f64> {
     fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
         let _ = model;
         RowLabel::numbered(row)
-    }
-
-    /// Returns true if row `row` is a [clearance](Quantity::is_clearance), without its name. By default that of the
-    /// [label](Self::label).
-    fn is_clearance(&self, row: usize, model: &Model<C>) -> bool {
-        self.label(row, model).quantity.is_clearance()
-    }
-
-    /// Returns true if row `row` is an equality $g_j(x) = 0$, violated by $|g_j|$, and not an inequality
-    /// $g_j(x) \le 0$. False by default.
-    fn is_equality(&self, row: usize) -> bool {
-        let _ = row;
-        false
-    }
-
-    /// The distance from its bound, in units of the [scaled](Self::row_scales) row, from which on row `row` is
-    /// constant; `None`, the default, if it depends on the state everywhere.
-    fn cutoff(&self, row: usize) -> Option<C> {
-        let _ = row;
-        None
-    }
-
-    /// The distance of which row `row` is a function; `None`, the default, if it is not known to be one of a single
-    /// distance.
-    fn gap(&self, row: usize) -> Option<Gap<C>> {
-        let _ = row;
-        None
     }
 
     /// Computes at least these rows of [`value`](Self::value) into `g`, [`dim`](Self::dim) entries. By default all.

@@ -24,13 +24,6 @@ pub struct Phase {
     pub rows: Range<usize>,
 }
 
-/// The order of the joints stands for the robot.
-impl PartialEq for Phase {
-    fn eq(&self, other: &Self) -> bool {
-        (&self.order, &self.foot, &self.rows) == (&other.order, &other.foot, &other.rows)
-    }
-}
-
 /// Returns true if an order has each of `n` joints once.
 pub(crate) fn is_permutation(order: &[usize], n: usize) -> bool {
     let mut all = order.to_vec();

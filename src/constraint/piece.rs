@@ -63,6 +63,6 @@ impl<'a> Pieces<'a> {
 /// The value of rows from which on other pieces than those active nearby are searched along a motion: a row that is
 /// further from its bound is no larger than this.
 pub(crate) fn searched_from<K: Constraint>(state: &K) -> f64 {
-    let cutoffs = (0..state.dim()).filter_map(|row| state.cutoff(row));
+    let cutoffs = (0..state.dim()).filter_map(|row| state.row_set(row).cutoff);
     -EXACT * cutoffs.fold(f64::INFINITY, f64::min)
 }

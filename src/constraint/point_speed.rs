@@ -1,6 +1,6 @@
 //! A bound on the speed of a point.
 
-use super::{Constraint, PlacedState, Quantity, RowForm, RowLabel};
+use super::{Constraint, PlacedState, Quantity, RowForm, RowLabel, RowSet};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -40,8 +40,8 @@ impl<C: Scalar> Constraint<C> for PointSpeedLimit<C> {
         Ok(())
     }
 
-    fn row_scales(&self, scales: &mut [C]) {
-        scales.fill(self.most + self.most);
+    fn row_set(&self, _: usize) -> RowSet<C> {
+        RowSet::at_most_zero().scaled(self.most + self.most)
     }
 
     fn label(&self, _: usize, _: &Model<C>) -> RowLabel {

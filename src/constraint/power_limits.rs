@@ -1,7 +1,7 @@
 //! Limits on the mechanical power of the motor of each joint.
 
 use super::{Quantity, RowLabel, Side, StageConstraint, StageInput};
-use crate::error::{Error, Result, check_length};
+use crate::error::{Result, check_length};
 use crate::model::Model;
 use nalgebra::DMatrix;
 
@@ -17,22 +17,6 @@ impl PowerLimits {
     fn rows(&self) -> impl Iterator<Item = (usize, Side, f64)> {
         let limited = self.0.iter().enumerate().filter_map(|(i, limit)| limit.map(|limit| (i, limit)));
         limited.flat_map(|(i, limit)| [Side::Upper, Side::Lower].map(|side| (i, side, limit)))
-    }
-
-    /// Checks the limits for `model`.
-    ///
-    /// # Errors
-    /// The number of entries is not the number of joints, or a limit is not positive and finite; the error names the
-    /// joint.
-    pub fn check(&self, model: &Model) -> Result<()> {
-        check_length("power limits", model.dof(), self.0.len())?;
-        for (joint, limit) in model.joints().iter().zip(&self.0) {
-            if let Some(limit) = limit.filter(|limit| !(limit.is_finite() && *limit > 0.0)) {
-                let element = format!("joint '{}': power limit", joint.name());
-                return Err(Error::input(model.name(), element, format!("it is {limit}, a positive number is needed")));
-            }
-        }
-        Ok(())
     }
 }
 

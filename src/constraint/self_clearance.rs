@@ -2,7 +2,9 @@
 
 use super::clearance::distance;
 use super::label::name_of;
-use super::{CollisionSphere, Constraint, Gap, PlacedState, Quantity, RowLabel, RowList, WeightedDerivatives, Weights};
+use super::{
+    CollisionSphere, Constraint, Gap, PlacedState, Quantity, RowLabel, RowList, RowSet, WeightedDerivatives, Weights,
+};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -76,19 +78,12 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         Ok(())
     }
 
-    fn gap(&self, row: usize) -> Option<Gap<C>> {
-        let [first, second] = self.pair(*self.pairs.get(row)?).ok()?;
-        let reach = first.radius + second.radius;
-        Some(Gap::new([Some(first), Some(second)], Some(reach)))
-    }
-
-    fn row_scales(&self, scales: &mut [C]) {
-        for (scale, pair) in scales.iter_mut().zip(&self.pairs) {
-            *scale = self.pair(*pair).map_or(C::one(), |[first, second]| {
-                let reach = first.radius + second.radius;
-                reach + reach
-            });
-        }
+    fn row_set(&self, row: usize) -> RowSet<C> {
+        let pair = self.pairs.get(row).and_then(|pair| self.pair(*pair).ok());
+        RowSet::clearance(pair.map(|[first, second]| {
+            let reach = first.radius + second.radius;
+            Gap::new([Some(first), Some(second)], Some(reach))
+        }))
     }
 
     fn label(&self, row: usize, model: &Model<C>) -> RowLabel {
@@ -97,10 +92,6 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         };
         let [first, second] = pair.map(|ball| name_of(ball.body, model));
         distance(first, second, Quantity::SelfCollision)
-    }
-
-    fn is_clearance(&self, _: usize, _: &Model<C>) -> bool {
-        true
     }
 
     /// As a function of $s = |p_1 - p_2|^2 / 2$ the row is linear with slope $-2$. Pairs with zero weights are skipped.

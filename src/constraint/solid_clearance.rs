@@ -2,7 +2,9 @@
 
 use super::clearance::distance;
 use super::label::name_of;
-use super::{CollisionSphere, Constraint, Gap, PlacedState, Quantity, RowLabel, RowList, WeightedDerivatives, Weights};
+use super::{
+    CollisionSphere, Constraint, Gap, PlacedState, Quantity, RowLabel, RowList, RowSet, WeightedDerivatives, Weights,
+};
 use crate::error::Result;
 use crate::geometry::Solid;
 use crate::model::Model;
@@ -56,9 +58,9 @@ impl<C: Scalar> Constraint<C> for SolidClearance<C> {
         })
     }
 
-    fn gap(&self, row: usize) -> Option<Gap<C>> {
-        let ball = self.balls.get(row / self.solids.len().max(1))?;
-        Some(Gap::new([Some(ball), None], None))
+    fn row_set(&self, row: usize) -> RowSet<C> {
+        let ball = self.balls.get(row / self.solids.len().max(1));
+        RowSet::clearance(ball.map(|ball| Gap::new([Some(ball), None], None)))
     }
 
     /// Solids are counted from zero.
@@ -71,10 +73,6 @@ impl<C: Scalar> Constraint<C> for SolidClearance<C> {
         let body = name_of(ball.body, model);
         let solid = name_of_solid(&self.names, &self.solids, row % solids);
         distance(body, solid, Quantity::Obstacles)
-    }
-
-    fn is_clearance(&self, _: usize, _: &Model<C>) -> bool {
-        true
     }
 
     /// The gradient in `p` is $-n$ and the Hessian is minus the curvature. Balls and rows with zero weights are

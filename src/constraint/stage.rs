@@ -232,18 +232,6 @@ pub struct StageConstraints {
     pub others: Vec<Arc<dyn StageConstraint>>,
 }
 
-/// Other rows are equal if they are the same object.
-impl PartialEq for StageConstraints {
-    fn eq(&self, other: &Self) -> bool {
-        let same = |(a, b): (&Arc<dyn StageConstraint>, &Arc<dyn StageConstraint>)| Arc::ptr_eq(a, b);
-        self.rates == other.rates
-            && self.foot == other.foot
-            && self.phases == other.phases
-            && self.others.len() == other.others.len()
-            && self.others.iter().zip(&other.others).all(same)
-    }
-}
-
 impl StageConstraints {
     /// None.
     pub const NONE: Self = Self { rates: Vec::new(), foot: None, phases: Vec::new(), others: Vec::new() };

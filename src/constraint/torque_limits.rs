@@ -90,7 +90,7 @@ impl<C: Scalar> TorqueLimits<C> {
 }
 
 /// All constraints of a motion, at every time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Constraints<K, C: Scalar = f64> {
     /// Constraints on $x = [q; v]$.
     pub state: K,
@@ -117,12 +117,12 @@ impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
         self.state.dim() + self.torque.dim()
     }
 
-    /// The scales of all rows, [`dim`](Self::dim) entries: those of [`Constraint::row_scales`], then one for each row
-    /// of the torque, which is in N m or N, and of the stage.
+    /// The scales of all rows, [`dim`](Self::dim) entries: those of the [state](super::RowSet::scale), then one for
+    /// each row of the torque, which is in N m or N, and of the stage.
     #[must_use]
     pub fn row_scales(&self) -> Vec<C> {
-        let mut scales = vec![C::one(); self.dim()];
-        self.state.row_scales(&mut scales[..self.state.dim()]);
+        let mut scales = self.state.row_scales();
+        scales.resize(self.dim(), C::one());
         scales
     }
 
@@ -131,11 +131,11 @@ impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
         row >= self.state.dim() && self.is_equality(row)
     }
 
-    /// Returns true if a row is an equality; see [`Constraint::is_equality`].
+    /// Returns true if a row is an equality; see [`RowSet::is_equality`](super::RowSet::is_equality).
     #[must_use]
     pub fn is_equality(&self, row: usize) -> bool {
         match row.checked_sub(self.state.dim()) {
-            None => self.state.is_equality(row),
+            None => self.state.row_set(row).is_equality,
             Some(row) => self.torque.is_equality(row),
         }
     }
@@ -201,7 +201,7 @@ impl<K: Constraint> Constraints<K> {
                 return refuse("no foot stands");
             };
             phase.check(model, self.state.dim(), foot)?;
-            if phase.rows.clone().any(|row| self.state.is_equality(row)) {
+            if phase.rows.clone().any(|row| self.state.row_set(row).is_equality) {
                 return refuse("a row that is kept in one of them is an equality");
             }
         }

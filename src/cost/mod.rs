@@ -33,7 +33,7 @@ use crate::model::Model;
 use nalgebra::DMatrix;
 
 /// The cost below which a value is rounding error, in N^2 m^2 s; gradients are not measured relative to less.
-pub(crate) const SMALLEST_COST: f64 = f64::EPSILON;
+pub(crate) const MIN_COST: f64 = f64::EPSILON;
 
 /// A running cost $l(t, q, v, a, u)$ with analytic derivatives. [`CostThroughDynamics::new`] accepts a closure without
 /// derivatives.
@@ -182,7 +182,7 @@ impl<R: RunningCost> CostThroughDynamics<'_, R> {
 
 /// Refuses a negative integral: gradients are measured relative to it.
 pub(super) fn check_integral(cost: f64) -> Result<()> {
-    if cost < -SMALLEST_COST {
+    if cost < -MIN_COST {
         let condition =
             format!("it is {cost:.3e} on a curve that was tried, and must not be negative: add a constant to the cost");
         return Err(Error::input("running cost", "integral", condition));

@@ -19,21 +19,21 @@ pub struct Chebyshev {
 
 impl Chebyshev {
     /// The largest degree. The matrices of the flow exceed the memory far below it.
-    pub const LARGEST_DEGREE: usize = 200;
+    pub const MAX_DEGREE: usize = 200;
 
     /// Checks a degree; the error gives the reason.
     pub fn check_degree(p: usize) -> std::result::Result<(), String> {
-        if (2..=Self::LARGEST_DEGREE).contains(&p) {
+        if (2..=Self::MAX_DEGREE).contains(&p) {
             return Ok(());
         }
-        let largest = Self::LARGEST_DEGREE;
+        let largest = Self::MAX_DEGREE;
         Err(format!("it is {p}, at least 2 and at most {largest} is needed"))
     }
 
     /// Computes the nodes of degree `p` on `[0, horizon]`, in s, and their matrices. Cost O(p^2).
     ///
     /// # Errors
-    /// `p` is below 2, so that there is no interior node, or above [`LARGEST_DEGREE`](Self::LARGEST_DEGREE), or the
+    /// `p` is below 2, so that there is no interior node, or above [`MAX_DEGREE`](Self::MAX_DEGREE), or the
     /// horizon is not positive and finite.
     pub fn new(p: usize, horizon: f64) -> Result<Self> {
         Self::check_degree(p).map_err(|condition| Error::input("settings", "degree", condition))?;

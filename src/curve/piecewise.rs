@@ -37,7 +37,7 @@ impl Curve {
     ///
     /// # Errors
     /// There is no segment; `x` does not have the same number of columns per segment, from 3 to
-    /// [`LARGEST_DEGREE`](Chebyshev::LARGEST_DEGREE) + 1; its number of rows is odd; the state jumps between segments;
+    /// [`MAX_DEGREE`](Chebyshev::MAX_DEGREE) + 1; its number of rows is odd; the state jumps between segments;
     /// or the horizon is not positive and finite.
     pub fn piecewise(horizon: f64, segments: usize, x: DMatrix<f64>) -> Result<Self> {
         let nodes = x.ncols().checked_div(segments).ok_or_else(|| {

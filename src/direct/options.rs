@@ -153,7 +153,7 @@ impl Default for SearchOptions {
 
 impl SearchOptions {
     /// The largest number of quadrature points per degree that may be asked for.
-    const MOST_POINTS: usize = 1024;
+    const MAX_POINTS: usize = 1024;
 
     /// The termination criteria below the last basis.
     pub(super) fn lower(&self) -> Stage {
@@ -203,7 +203,7 @@ impl SearchOptions {
         ] {
             check_positive("search", what, value)?;
         }
-        let most = Self::MOST_POINTS;
+        let most = Self::MAX_POINTS;
         let points = self.points.max(self.points_of_segments);
         if points > most as f64 {
             let condition = format!("it is {points}, at most {most} is needed");
@@ -218,9 +218,9 @@ impl SearchOptions {
     }
 
     fn check_counts(&self, continuity: Continuity) -> Result<()> {
-        let most = Self::MOST_POINTS;
-        let degrees = continuity.smallest_degree()..=DirectSettings::LARGEST_DEGREE;
-        let (iterations, starts) = (1..=DirectSettings::MOST_ITERATIONS, 1..=DirectSettings::LARGEST_STARTS);
+        let most = Self::MAX_POINTS;
+        let degrees = continuity.smallest_degree()..=DirectSettings::MAX_DEGREE;
+        let (iterations, starts) = (1..=DirectSettings::MAX_ITERATIONS, 1..=DirectSettings::MAX_STARTS);
         for (what, count, allowed) in [
             ("most_points", self.most_points, 1..=most),
             ("scan", self.scan, 1..=most),
@@ -232,7 +232,7 @@ impl SearchOptions {
             ("more_starts", self.more_starts, starts.clone()),
             ("most_starts", self.most_starts, starts.clone()),
             ("kept_ends", self.kept_ends, starts),
-            ("planned_segments", self.planned_segments, 1..=DirectSettings::LARGEST_SIZE),
+            ("planned_segments", self.planned_segments, 1..=DirectSettings::MAX_SIZE),
             ("planned_degree", self.planned_degree, degrees),
             ("margin_checks", self.margin_checks, 1..=1_000_000_000),
         ] {

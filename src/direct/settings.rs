@@ -129,15 +129,15 @@ impl Default for DirectSettings {
 
 impl DirectSettings {
     /// The largest degree: beyond it the tables of a single polynomial no longer fit into memory.
-    pub const LARGEST_DEGREE: usize = 64;
+    pub const MAX_DEGREE: usize = 64;
     /// The largest degree times the number of segments: beyond it the Hessians of a large robot do not fit into memory.
-    pub const LARGEST_SIZE: usize = 256;
+    pub const MAX_SIZE: usize = 256;
     /// The largest number of starts: the record of each, a cost and about fifty iterations, is up to 4 kB, all 400 MB.
-    pub const LARGEST_STARTS: usize = 100_000;
+    pub const MAX_STARTS: usize = 100_000;
     /// The largest number of iterations at one degree, each of which is recorded.
-    pub const MOST_ITERATIONS: usize = 100_000;
+    pub const MAX_ITERATIONS: usize = 100_000;
     /// The largest number of threads: more than the cores of any machine, and within the limits of operating systems.
-    pub const MOST_THREADS: usize = 1024;
+    pub const MAX_THREADS: usize = 1024;
     /// The accepted violation of a constraint, in rad, rad/s, m, N m or N.
     pub const FEASIBLE: f64 = 1e-6;
 
@@ -213,7 +213,7 @@ impl DirectSettings {
     /// The degrees above that of a basis in a refinement.
     pub(super) fn higher_degrees(basis: &Basis) -> impl Iterator<Item = usize> + use<> {
         let (degree, segments) = (basis.degree(), basis.segments());
-        let largest = Self::LARGEST_DEGREE.min(Self::LARGEST_SIZE / segments);
+        let largest = Self::MAX_DEGREE.min(Self::MAX_SIZE / segments);
         let above = Basis::degrees().skip_while(move |higher| *higher <= degree);
         above.take_while(move |degree| *degree <= largest)
     }
@@ -224,12 +224,12 @@ impl DirectSettings {
     /// One of the two is out of range.
     pub fn check_size(degree: usize, segments: usize, continuity: Continuity) -> Result<()> {
         let refuse = |what: &str, condition: String| Err(Error::input("settings", what, condition));
-        let (smallest, largest) = (continuity.smallest_degree(), Self::LARGEST_DEGREE);
+        let (smallest, largest) = (continuity.smallest_degree(), Self::MAX_DEGREE);
         if !(smallest..=largest).contains(&degree) {
             let range = format!("at least {smallest} and at most {largest} is needed");
             return refuse("degree", format!("it is {degree}, {range}"));
         }
-        let most = Self::LARGEST_SIZE / degree;
+        let most = Self::MAX_SIZE / degree;
         if !(1..=most).contains(&segments) {
             let range = format!("at least 1 and for degree {degree} at most {most} is needed");
             return refuse("segments", format!("it is {segments}, {range}"));
@@ -256,11 +256,11 @@ impl DirectSettings {
             let condition = format!("it is {}, a finite number is needed", self.start_amplitude);
             return Err(Error::input("settings", "start_amplitude", condition));
         }
-        let degrees = self.continuity(problem).smallest_degree()..=Self::LARGEST_DEGREE;
+        let degrees = self.continuity(problem).smallest_degree()..=Self::MAX_DEGREE;
         check_count("lowest_degree", self.lowest_degree, degrees)?;
-        check_count("starts", self.starts, 1..=Self::LARGEST_STARTS)?;
-        check_count("iterations", self.iterations, 1..=Self::MOST_ITERATIONS)?;
-        check_count("threads", self.threads, 1..=Self::MOST_THREADS)?;
+        check_count("starts", self.starts, 1..=Self::MAX_STARTS)?;
+        check_count("iterations", self.iterations, 1..=Self::MAX_ITERATIONS)?;
+        check_count("threads", self.threads, 1..=Self::MAX_THREADS)?;
         if let Some(free) = &self.free_horizon {
             free.check(problem.horizon())?;
         }

@@ -21,7 +21,7 @@ pub struct PenaltyWeights<C: Scalar = f64> {
 }
 
 /// The constraints of a motion as penalties in its Lagrangian, (A1).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Penalised<K, C: Scalar = f64> {
     /// The constraints.
     pub constraints: Constraints<K, C>,
@@ -84,7 +84,7 @@ where
         let stage = &self.constraints.stage;
         stage.refuse_in_a_flow(model.name(), stage.phases.is_empty())?;
         let state = &self.constraints.state;
-        match (0..state.dim()).find(|row| state.is_equality(*row)) {
+        match (0..state.dim()).find(|row| state.row_set(*row).is_equality) {
             None => Ok(()),
             Some(row) => {
                 let name = state.label(row, model).name;

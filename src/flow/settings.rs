@@ -8,7 +8,7 @@ use crate::ode::IntegratorKind;
 use std::time::Duration;
 
 /// The largest number of unknowns: one Jacobian of this size takes 800 MB, and there are three.
-const MOST_UNKNOWNS: usize = 10_000;
+const MAX_UNKNOWNS: usize = 10_000;
 
 /// The parameters of the flow.
 #[derive(Clone, Debug)]
@@ -60,8 +60,8 @@ impl FlowSettings {
     pub fn check(&self, dof: usize) -> Result<()> {
         Chebyshev::check_degree(self.degree).map_err(|condition| Error::input("settings", "degree", condition))?;
         let (p, unknowns) = (self.degree, dof * 2 * self.degree.saturating_sub(1));
-        if unknowns > MOST_UNKNOWNS {
-            let condition = format!("it is {p}, with {dof} joints {unknowns} unknowns; at most {MOST_UNKNOWNS}");
+        if unknowns > MAX_UNKNOWNS {
+            let condition = format!("it is {p}, with {dof} joints {unknowns} unknowns; at most {MAX_UNKNOWNS}");
             return Err(Error::input("settings", "degree", condition));
         }
         for (what, value) in [("k", self.k), ("s_max", self.s_max), ("tolerance", self.tolerance)] {

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
 /// The largest number of cells: a byte each.
-const MOST_CELLS: f64 = 1e8;
+const MAX_CELLS: f64 = 1e8;
 
 /// The part of a surface in one cell.
 #[derive(Clone, Debug, Default)]
@@ -47,10 +47,10 @@ impl Cells {
         // Faces along the axes are in the middle of cells, and a layer of empty cells is all around.
         let lower = lower.map(|x| x - 1.5 * width);
         let counts = ((upper - lower) / width).map(|x| x.floor() + 2.0);
-        if counts.product() > MOST_CELLS {
+        if counts.product() > MAX_CELLS {
             let [x, y, z] = [0, 1, 2].map(|i| plain(upper[i] - lower[i]));
             let condition = format!(
-                "it is too small for a shape of {x} by {y} by {z} m, which would be cut into more than {MOST_CELLS} \
+                "it is too small for a shape of {x} by {y} by {z} m, which would be cut into more than {MAX_CELLS} \
                  cells"
             );
             return refused("excess", condition);

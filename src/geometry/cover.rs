@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
 
 /// The largest number of balls that cover a capsule.
-const MOST_BALLS: f64 = 1e5;
+const MAX_BALLS: f64 = 1e5;
 
 /// The share of the excess by which the prism sticks out that stands for a cylinder.
 const PRISM: f64 = 0.1;
@@ -62,8 +62,8 @@ impl Shape<f64> {
             Self::Capsule { radius, half_length } => {
                 let spacing = 2.0 * (excess * (2.0 * radius + excess)).sqrt();
                 let pieces = (2.0 * half_length / spacing).ceil();
-                if pieces + 1.0 > MOST_BALLS {
-                    let [number, most] = [pieces + 1.0, MOST_BALLS].map(plain);
+                if pieces + 1.0 > MAX_BALLS {
+                    let [number, most] = [pieces + 1.0, MAX_BALLS].map(plain);
                     let condition = format!("it takes {number} balls for a capsule, at most {most} are allowed");
                     return refused("excess", condition);
                 }

@@ -11,7 +11,7 @@ pub(crate) const STANDARD_GRAVITY: f64 = 9.81;
 
 /// The largest number of joints of a model. At this size one tensor of second derivatives, `N x N x N`, takes 134 MB,
 /// and several are needed; the largest humanoids have about 100 joints.
-pub const LARGEST_DOF: usize = 256;
+pub const MAX_DOF: usize = 256;
 
 /// The specification of a joint and its body, from which a [`Model`] is built.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ impl<C: Scalar> Model<C> {
     /// Builds a model of the given joints under gravity $(0, 0, -9.81)$.
     ///
     /// # Errors
-    /// There is no joint or more than [`LARGEST_DOF`], a parent does not come before its child, or two joints have the
+    /// There is no joint or more than [`MAX_DOF`], a parent does not come before its child, or two joints have the
     /// same name. Over `f64` see also [`Model::check_regular`].
     pub fn from_joints(name: &str, specs: Vec<JointSpec<C>>) -> Result<Self> {
         let mut model = Self {
@@ -52,7 +52,7 @@ impl<C: Scalar> Model<C> {
         if specs.is_empty() {
             return Err(Error::input(name, "robot", "has no moving joint"));
         }
-        let (found, most) = (specs.len(), LARGEST_DOF);
+        let (found, most) = (specs.len(), MAX_DOF);
         if found > most {
             let condition = format!("has {found} moving joints, at most {most} are supported");
             return Err(Error::input(name, "robot", condition));

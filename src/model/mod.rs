@@ -32,7 +32,7 @@ mod lock;
 mod missing;
 mod random;
 
-pub use build::{JointSpec, LARGEST_DOF, pendulum};
+pub use build::{JointSpec, MAX_DOF, pendulum};
 pub use collision::{Collision, CollisionShape};
 pub use drive::Drive;
 pub use joint::{Joint, JointKind, Limits};

@@ -26,7 +26,7 @@ impl Bracket {
 
     /// The largest number of further values if the vertex does not settle, as beside a step: they halve the bracket
     /// about ten times.
-    pub const MOST_REFINEMENTS: usize = 24;
+    pub const MAX_REFINEMENTS: usize = 24;
 
     /// Returns true if a function that is concave between the times may exceed a bound there.
     pub fn may_exceed(&self, bound: f64) -> bool {

@@ -16,16 +16,16 @@ pub struct Problem<'m> {
 
 impl<'m> Problem<'m> {
     /// The shortest horizon, s: below it no drive can move a robot, and squared accelerations overflow.
-    pub const SHORTEST_HORIZON: f64 = 1e-6;
+    pub const MIN_HORIZON: f64 = 1e-6;
     /// The longest horizon, one year, s. A motion of that length is not a polynomial.
-    pub const LONGEST_HORIZON: f64 = 31_536_000.0;
+    pub const MAX_HORIZON: f64 = 31_536_000.0;
 
     /// Checks a horizon; the error gives the violated condition.
     pub fn check_horizon(horizon: f64) -> std::result::Result<(), String> {
-        if (Self::SHORTEST_HORIZON..=Self::LONGEST_HORIZON).contains(&horizon) {
+        if (Self::MIN_HORIZON..=Self::MAX_HORIZON).contains(&horizon) {
             return Ok(());
         }
-        let [horizon, least, most] = [horizon, Self::SHORTEST_HORIZON, Self::LONGEST_HORIZON].map(plain);
+        let [horizon, least, most] = [horizon, Self::MIN_HORIZON, Self::MAX_HORIZON].map(plain);
         Err(format!("it is {horizon}, a positive time of at least {least} s and at most {most} s is needed"))
     }
 
@@ -33,7 +33,7 @@ impl<'m> Problem<'m> {
     ///
     /// # Errors
     /// A state does not have `2 N` entries, a number is not finite, or the horizon is below
-    /// [`SHORTEST_HORIZON`](Self::SHORTEST_HORIZON) or above [`LONGEST_HORIZON`](Self::LONGEST_HORIZON).
+    /// [`MIN_HORIZON`](Self::MIN_HORIZON) or above [`MAX_HORIZON`](Self::MAX_HORIZON).
     pub fn new(model: &'m Model, start: Vec<f64>, goal: Vec<f64>, horizon: f64) -> Result<Self> {
         Self::check(model, [&start, &goal], horizon)?;
         Ok(Self { model, start, goal, horizon })

@@ -40,7 +40,7 @@ impl<'a, K: Constraint> Rows<'a, K> {
     pub fn new(model: &'a Model, constraints: Shared<'a, Constraints<K>>, scales: &[f64]) -> Self {
         let (n, count, zero) = (model.dof(), constraints.dim(), Wide::splat(0.0));
         let states = constraints.state.dim();
-        let cutoff = |row: usize| constraints.state.cutoff(row).filter(|_| row < states);
+        let cutoff = |row: usize| constraints.state.row_set(row).cutoff.filter(|_| row < states);
         let least = (0..count).map(|row| cutoff(row).map_or(f64::NEG_INFINITY, |cutoff| -cutoff / scales[row]));
         let least: Vec<_> = least.collect();
         let dense = (0..count).filter(|row| least[*row].is_infinite());

@@ -235,7 +235,7 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
             if self.own.is_empty() {
                 continue;
             }
-            for refinement in 0..Bracket::MOST_REFINEMENTS {
+            for refinement in 0..Bracket::MAX_REFINEMENTS {
                 let is_open =
                     |(_, bracket): &(usize, Bracket)| refinement < Bracket::REFINEMENTS || !bracket.is_settled();
                 let open = self.own.iter().filter(|of| is_open(of));

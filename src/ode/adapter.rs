@@ -25,9 +25,9 @@ const ERROR_FAILURE_LIMIT: usize = 80;
 /// The largest growth factor of a step. With diffsol's 2 the steps from 1e-17 to 0.1 would be needlessly many.
 const STEP_GROWTH: f64 = 10.0;
 /// The smallest step, relative to the whole interval.
-const SMALLEST_STEP: f64 = 1e-30;
+const MIN_STEP: f64 = 1e-30;
 /// The size from which a state entry counts as non-finite, so that no norm overflows to NaN.
-const LARGEST_STATE: f64 = 1e150;
+const MAX_STATE: f64 = 1e150;
 
 /// The problem in diffsol's form.
 pub(super) type Problem<'a> = OdeSolverProblem<Equations<'a>>;
@@ -116,7 +116,7 @@ fn validate(n: usize, s0: f64, y0: &[f64], outputs: &[f64], tol: Tolerance) -> R
 }
 
 fn reasonable(y: f64) -> bool {
-    y.abs() <= LARGEST_STATE
+    y.abs() <= MAX_STATE
 }
 
 /// Takes the steps. diffsol's time is t = s - s0: small steps at the start then stay exact for any s0, and its test for
@@ -145,7 +145,7 @@ fn advance<M: Method>(
         let failures = solver.get_statistics().number_of_nonlinear_solver_fails;
         let config = solver.config_mut();
         M::limit_newton_failures(config, failures + NEWTON_FAILURE_LIMIT);
-        *config.as_base_mut().minimum_timestep = (SMALLEST_STEP * span).max(f64::EPSILON * before);
+        *config.as_base_mut().minimum_timestep = (MIN_STEP * span).max(f64::EPSILON * before);
         let result = solver.step();
         let (t, y) = (solver.state().t, solver.state().y.inner().as_slice());
         core.borrow_mut().record(problem.eqn.s(t), y, t > before, solver.get_statistics());
@@ -172,7 +172,7 @@ fn initial_step(problem: &Problem<'_>, y0: &NalgebraVec<f64>, f0: &NalgebraVec<f
     let norm = |v: &NalgebraVec<f64>| v.squared_norm(y0, &problem.atol, problem.rtol).sqrt();
     let (size, slope) = (norm(y0).max(1.0), norm(f0));
     let mut probe = (0.01 * size / slope).min(1e-3 * span);
-    let smallest = 10.0 * SMALLEST_STEP * span;
+    let smallest = 10.0 * MIN_STEP * span;
     for _ in 0..8 {
         let mut y1 = y0.clone();
         y1.axpy(probe, f0, 1.0);

@@ -63,9 +63,8 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
     /// The constraint fails at the configuration zero, such as one with another number of joints.
     pub fn new(model: &'a Model, constraint: &'a K, resolution: f64) -> Result<Self> {
         let (rows, zero) = (constraint.dim(), Wide::splat(0.0));
-        let bound = |row| if constraint.is_equality(row) { f64::INFINITY } else { 0.0 };
-        let mut scales = vec![1.0; rows];
-        constraint.row_scales(&mut scales);
+        let bound = |row| if constraint.row_set(row).is_equality { f64::INFINITY } else { 0.0 };
+        let scales = constraint.row_scales();
         let mut checker = Self {
             model,
             constraint,
@@ -152,7 +151,8 @@ impl<'a, K: Constraint + ?Sized> Checker<'a, K> {
         self.evaluate()?;
         let mut worst = (0, f64::NEG_INFINITY);
         for (row, (g, scale)) in self.g.iter().zip(&self.scales).enumerate() {
-            let by = if self.constraint.is_equality(row) { g.0[0].abs() / scale } else { g.0[0] / scale };
+            let is_equality = self.bounds[row] == f64::INFINITY;
+            let by = if is_equality { g.0[0].abs() / scale } else { g.0[0] / scale };
             let by = if by.is_nan() { f64::INFINITY } else { by };
             if by > worst.1 {
                 worst = (row, by);

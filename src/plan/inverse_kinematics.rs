@@ -13,8 +13,8 @@ const STEPS: usize = 60;
 /// The damping relative to the norm of the residuals: the first one, the least one after a step that failed, and that
 /// beyond which no step helps.
 const DAMPING: f64 = 0.1;
-const LEAST_DAMPING: f64 = 1e-6;
-const LARGEST_DAMPING: f64 = 1e6;
+const MIN_DAMPING: f64 = 1e-6;
+const MAX_DAMPING: f64 = 1e6;
 /// A number of steps, and the share of the norm before them that must be left of it at most.
 const PATIENCE: usize = 12;
 const PROGRESS: f64 = 0.9;
@@ -85,15 +85,13 @@ impl<'a, K: Constraint + ?Sized> InverseKinematics<'a, K> {
             }
         }
         let rows = constraint.dim();
-        let mut scales = vec![1.0; rows];
-        constraint.row_scales(&mut scales);
         Ok(Self {
             model,
             constraint,
             evaluator: Evaluator::new(model),
             bounds,
-            scales: scales.into_iter().map(f64::recip).collect(),
-            equalities: (0..rows).map(|row| constraint.is_equality(row)).collect(),
+            scales: constraint.row_scales().into_iter().map(f64::recip).collect(),
+            equalities: (0..rows).map(|row| constraint.row_set(row).is_equality).collect(),
             state: vec![0.0; 2 * model.dof()],
             residuals: vec![0.0; rows],
         })
@@ -152,8 +150,8 @@ impl<'a, K: Constraint + ?Sized> InverseKinematics<'a, K> {
                         break;
                     }
                 }
-                damping = 4.0 * damping.max(LEAST_DAMPING);
-                if damping > LARGEST_DAMPING {
+                damping = 4.0 * damping.max(MIN_DAMPING);
+                if damping > MAX_DAMPING {
                     return Ok(Posture { q, violation: norm });
                 }
             }

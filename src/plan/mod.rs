@@ -218,14 +218,14 @@ fn one<K: Constraint + ?Sized>(
 /// # Errors
 /// Another row is an equality, which no sampled configuration meets.
 pub(crate) fn sets_with_equalities<K: Constraint + ?Sized>(constraint: &K) -> Result<Vec<AnyConstraint>> {
-    let equalities = |of: &AnyConstraint| (0..of.dim()).filter(|row| of.is_equality(*row)).count();
+    let equalities = |of: &AnyConstraint| (0..of.dim()).filter(|row| of.row_set(*row).is_equality).count();
     let mut parts = Vec::new();
     constraint.parts(&mut parts);
     let parts = parts.into_iter();
     let sets = parts.filter(|part| matches!(part, AnyConstraint::Frame(_)) && equalities(part) > 0);
     let sets: Vec<_> = sets.cloned().collect();
     let known: usize = sets.iter().map(equalities).sum();
-    let mut all = (0..constraint.dim()).filter(|row| constraint.is_equality(*row));
+    let mut all = (0..constraint.dim()).filter(|row| constraint.row_set(*row).is_equality);
     if all.clone().count() > known {
         let row = all.next().unwrap_or_default();
         let condition = "it is an equality, which no sampled configuration meets";

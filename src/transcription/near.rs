@@ -54,7 +54,7 @@ impl Near {
         self.bodies.clear();
         self.far.clear();
         for (row, far) in far.iter().copied().enumerate() {
-            let gap = state.gap(row).filter(|_| far.is_finite());
+            let gap = state.row_set(row).gap.filter(|_| far.is_finite());
             self.far.push(gap.map_or(f64::NAN, |gap| {
                 let moving = gap.bodies.iter().flatten();
                 gap.value(gap.distance(far) + moving.count() as f64 * moved)

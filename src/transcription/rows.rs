@@ -111,12 +111,14 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         let states = state.dim();
         let is_clearance = |row| {
             if row < states {
-                state.is_clearance(row, model) && !state.is_equality(row)
+                let set = state.row_set(row);
+                set.is_clearance && !set.is_equality
             } else {
                 constraints.label(row, model).quantity.is_clearance() && !constraints.is_equality(row)
             }
         };
-        let cutoff = |row| if row < states { state.cutoff(row).unwrap_or(f64::INFINITY) } else { f64::INFINITY };
+        let cutoff =
+            |row| if row < states { state.row_set(row).cutoff.unwrap_or(f64::INFINITY) } else { f64::INFINITY };
         let attributes = Attributes {
             clearances: (0..scales.len()).map(is_clearance).collect(),
             cutoffs: (0..scales.len()).map(cutoff).collect(),

@@ -12,7 +12,7 @@ use std::str::FromStr;
 
 /// The most triangles that are read: more than the largest STL has that is read, with 50 bytes for each. Many nodes may
 /// show one geometry.
-const MOST_TRIANGLES: usize = 1 << 21;
+const MAX_TRIANGLES: usize = 1 << 21;
 
 /// Reads the triangles of all geometries in the visual scene of a COLLADA file, in m. Polygons are divided into fans
 /// from their first corner.
@@ -41,8 +41,8 @@ pub(super) fn read_collada(text: &str) -> Read<Vec<Triangle>> {
                 "node" => pending.push((element, transform)),
                 "instance_geometry" => {
                     let own = read_geometry(ids.named(element, "url")?, &ids)?;
-                    if triangles.len() + own.len() > MOST_TRIANGLES {
-                        let condition = format!("with it there are over {MOST_TRIANGLES} triangles");
+                    if triangles.len() + own.len() > MAX_TRIANGLES {
+                        let condition = format!("with it there are over {MAX_TRIANGLES} triangles");
                         return Err(refuse(element, &condition));
                     }
                     let place = |p: Vector3<f64>| transform.transform_point(&Point3::from(p)).coords;

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// The largest number of prefixes that are declared for a text which does not: each takes another reading of it.
-const MOST_PREFIXES: usize = 64;
+const MAX_PREFIXES: usize = 64;
 
 /// The text with its prefixes declared in the root element, and with spaces in place of a declaration that is not at
 /// the beginning, so that lines keep their numbers. A text with other faults is returned with these.
@@ -21,7 +21,7 @@ pub(super) fn mended(text: &str) -> (Cow<'_, str>, LoadReport) {
         let Prolog { declaration, root } = Prolog::of(&mended);
         match (fault, declaration, root) {
             (Some(XmlError::UnknownNamespace(prefix, _)), _, Some(root))
-                if declared.len() < MOST_PREFIXES && declared.insert(prefix.clone()) =>
+                if declared.len() < MAX_PREFIXES && declared.insert(prefix.clone()) =>
             {
                 let declaration = format!(" xmlns:{prefix}=\"undeclared:{prefix}\"");
                 mended.to_mut().insert_str(root, &declaration);

@@ -1,6 +1,6 @@
 //! Constraints of the tests.
 
-use aghf::constraint::{CollisionSphere, Constraint, CoverClearance, PlacedState, Quantity, RowLabel};
+use aghf::constraint::{CollisionSphere, Constraint, CoverClearance, PlacedState, Quantity, RowLabel, RowSet};
 use aghf::geometry::{BallTree, Solid};
 use aghf::model::Model;
 use aghf::scalar::AlgebraOver;
@@ -25,8 +25,8 @@ impl Constraint for Held {
         RowLabel { joint: Some(0), ..RowLabel::new(name, "rad", Quantity::Position) }
     }
 
-    fn is_equality(&self, _: usize) -> bool {
-        true
+    fn row_set(&self, _: usize) -> RowSet {
+        RowSet::zero()
     }
 }
 
@@ -44,8 +44,8 @@ impl Constraint for Slow {
         Ok(())
     }
 
-    fn row_scales(&self, scales: &mut [f64]) {
-        scales.fill(2.0 * self.0.sqrt());
+    fn row_set(&self, _: usize) -> RowSet {
+        RowSet::at_most_zero().scaled(2.0 * self.0.sqrt())
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::common::constraint::{Held, Slow};
 use crate::common::{robot, wave};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, DynConstraint, Evaluator, RowLabel, Side,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, DynConstraint, Evaluator, RowLabel, RowSet, Side,
     SolidClearance, Sphere, SphereClearance, Weights,
 };
 use aghf::geometry::Solid;
@@ -30,9 +30,8 @@ fn parts(model: &Model) -> Parts {
 #[derive(Clone, Debug, PartialEq)]
 struct Said {
     values: Vec<f64>,
-    scales: Vec<f64>,
+    sets: Vec<RowSet>,
     labels: Vec<RowLabel>,
-    equalities: Vec<bool>,
     gradient: DVector<f64>,
     hessian: DMatrix<f64>,
 }
@@ -43,18 +42,16 @@ fn said(model: &Model, constraint: &impl Constraint, first: usize) -> Said {
     let mut evaluator = Evaluator::new(model);
     let mut here = evaluator.at(&x).expect("lengths agree");
     let rows = constraint.dim();
-    let (mut values, mut scales) = (vec![f64::NAN; rows], vec![f64::NAN; rows]);
+    let mut values = vec![f64::NAN; rows];
     here.value(constraint, &mut values).expect("same robot");
-    constraint.row_scales(&mut scales);
     let of = |f| wave(first + rows, f).split_off(first);
     let weights = Weights { first_order: &of(0.7), gauss_newton: Some(&of(1.9)) };
     let derivatives = here.weighted_derivatives(constraint, weights);
     let derivatives = derivatives.expect("same robot");
     Said {
         values,
-        scales,
+        sets: (0..rows).map(|row| constraint.row_set(row)).collect(),
         labels: (0..rows).map(|row| constraint.label(row, model)).collect(),
-        equalities: (0..rows).map(|row| constraint.is_equality(row)).collect(),
         gradient: derivatives.gradient().clone(),
         hessian: derivatives.hessian().clone(),
     }
@@ -66,9 +63,8 @@ fn joined(parts: impl IntoIterator<Item = Said>) -> Said {
     let mut all = parts.next().expect("there is one");
     for part in parts {
         all.values.extend(part.values);
-        all.scales.extend(part.scales);
+        all.sets.extend(part.sets);
         all.labels.extend(part.labels);
-        all.equalities.extend(part.equalities);
         all.gradient += part.gradient;
         all.hessian += part.hessian;
     }
@@ -101,13 +97,10 @@ fn tuples_are_their_parts() {
     let of = |count: usize| joined(each[..count].to_vec());
     assert_is(model, &(a, b), &of(2));
     assert_is(model, &(a, b, c), &of(3));
-    assert_is(model, &(a, b, c, d), &of(4));
-    assert_is(model, &(a, b, c, d, e), &of(5));
-    assert_is(model, &(a, b, c, d, e, f), &of(6));
-    assert_is(model, &((a, (b, c)), (), (d, e), f), &of(6));
+    assert_is(model, &((a, (b, c)), (), ((d, e), f)), &of(6));
     // An index out of range is no equality, and is named by its number.
-    let all = (a, b, c, d, e, f);
-    assert!(!all.is_equality(all.dim()));
+    let all = ((a, b, c), (d, e, f));
+    assert!(!all.row_set(all.dim()).is_equality);
     assert_eq!(all.label(all.dim(), model).unit, "");
 }
 
@@ -116,7 +109,7 @@ fn tuples_are_their_parts() {
 fn lists_are_tuples() {
     let model = &robot("kinova_gen3");
     let (a, b, c, d, e, f) = parts(model);
-    let truth = said(model, &(&a, &b, &c, &d, &e, &f), 0);
+    let truth = said(model, &((&a, &b, &c), (&d, &e, &f)), 0);
     let boxed: [Box<dyn DynConstraint>; 6] = [
         Box::new(a.clone()),
         Box::new(b.clone()),

@@ -29,15 +29,14 @@ fn wave(count: usize, f: f64) -> Vec<f64> {
 fn everything(model: &Model, constraint: &impl Constraint, x: &[f64]) -> Vec<f64> {
     let rows = constraint.dim();
     let (w, c) = (wave(rows, 0.7), wave(rows, 1.9));
-    let (mut g, mut scales) = (vec![0.0; rows], vec![0.0; rows]);
+    let mut g = vec![0.0; rows];
     let mut evaluator = Evaluator::new(model);
     let mut here = evaluator.at(x).expect("lengths agree");
     here.value(constraint, &mut g).expect("same robot");
-    constraint.row_scales(&mut scales);
     let weights = Weights { first_order: &w, gauss_newton: Some(&c) };
     let sums = here.weighted_derivatives(constraint, weights);
     let sums = sums.expect("same robot");
-    g.extend(scales);
+    g.extend(constraint.row_scales());
     g.extend(sums.gradient());
     g.extend(sums.hessian());
     g

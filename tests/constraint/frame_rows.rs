@@ -39,8 +39,7 @@ fn scaled(rows: impl Fn(FrameRows) -> aghf::Result<FrameRows>, there: Placement<
     let reference = placement([0.5, -1.1, 0.7], [0.3, 0.1, -0.6]);
     let frame = Frame::new("tool", None, reference.compose(&there));
     let rows = rows(FrameRows::new(&frame, Frame::new("goal", None, reference))).expect("its rows");
-    let mut scales = vec![0.0; rows.dim()];
-    rows.row_scales(&mut scales);
+    let scales = rows.row_scales();
     let g = values(&robot("pendulum_1"), &rows, &[0.0; 2]);
     g.iter().zip(&scales).map(|(g, scale)| g / scale).collect()
 }
@@ -50,8 +49,7 @@ fn excess(rows: impl Fn(FrameRows) -> aghf::Result<FrameRows>, there: Placement<
     let frame = Frame::new("tool", None, there);
     let goal = Frame::new("goal", None, Placement::identity());
     let one = rows(FrameRows::new(&frame, goal)).expect("its row");
-    let mut scale = [0.0];
-    one.row_scales(&mut scale);
+    let scale = one.row_scales();
     let model = robot("pendulum_1");
     let g = values(&model, &one, &[0.0; 2]);
     one.label(0, &model).form.excess(g[0] / scale[0], scale[0])
@@ -172,7 +170,7 @@ fn boxes_planes_and_lines() {
     let none = FrameRows::new(&frame, Frame::new("goal", Some(0), at));
     let line = none.in_box(&Vector3::new(0.1, 0.2, -inf), &Vector3::new(0.1, 0.2, inf));
     let line = line.expect("a line");
-    assert_eq!([0, 1, 2].map(|row| line.is_equality(row)), [true, true, false]);
+    assert_eq!([0, 1, 2].map(|row| line.row_set(row).is_equality), [true, true, false]);
     let model = robot("pendulum_1");
     let label = line.label(1, &model);
     assert_eq!((&*label.name, label.unit), ("position along y of frame 'tool' in frame 'goal'", "m"));

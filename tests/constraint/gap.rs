@@ -61,8 +61,7 @@ fn at(model: &Model, parts: &Parts, x: &[f64]) -> (Vec<f64>, Vec<Placement<f64>>
 fn gaps_change_by_no_more_than_bodies_move() {
     let model = robot("kinova_gen3");
     let parts = parts(&model);
-    let mut scales = vec![0.0; parts.dim()];
-    parts.row_scales(&mut scales);
+    let scales = parts.row_scales();
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     let (mut most, mut gaps) = (0.0_f64, 0);
     for _ in 0..200 {
@@ -72,7 +71,7 @@ fn gaps_change_by_no_more_than_bodies_move() {
         let y: Vec<f64> = y.collect();
         let [(g, from), (h, to)] = [&x, &y].map(|x| at(&model, &parts, x));
         for row in 0..parts.dim() {
-            let Some(gap) = parts.gap(row) else { continue };
+            let Some(gap) = parts.row_set(row).gap else { continue };
             gaps += 1;
             let [before, after] = [g[row], h[row]].map(|g| gap.distance(g / scales[row]));
             assert!((gap.value(before) - g[row] / scales[row]).abs() < 1e-12);
@@ -89,11 +88,11 @@ fn gaps_change_by_no_more_than_bodies_move() {
     }
     // The bound is attained, so that it is not one of something else.
     assert!(most > 0.9 && gaps > 0, "{most}");
-    assert_eq!(parts.gap(0), None);
+    assert_eq!(parts.row_set(0).gap, None);
     let first = parts.dim() - parts.1.1.dim();
-    let squared = parts.gap(first).and_then(|gap: Gap| gap.squared);
+    let squared = parts.row_set(first).gap.and_then(|gap: Gap| gap.squared);
     assert!(squared.is_some_and(|reach| (reach - 0.13).abs() < 1e-12), "{squared:?}");
-    assert_eq!(parts.gap(parts.dim()), None);
+    assert_eq!(parts.row_set(parts.dim()).gap, None);
 }
 
 /// Single rows are those of all, to the last bit.

@@ -53,12 +53,3 @@ fn phases_that_are_not_those_of_a_motion_are_refused() {
         assert_refused(check(of), words);
     }
 }
-
-#[test]
-fn phases_are_equal_with_the_same_order_foot_and_rows() {
-    assert_eq!(phase(), phase());
-    assert_ne!(phase(), Phase { order: vec![0, 1], ..phase() });
-    assert_ne!(phase(), Phase { rows: 0..1, ..phase() });
-    let of = |phases| constraints(phases, Some(foot(10.0))).stage;
-    assert_ne!(of(vec![phase()]), of(Vec::new()));
-}

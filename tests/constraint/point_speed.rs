@@ -45,8 +45,7 @@ proptest! {
 fn a_scaled_row_is_a_speed_at_the_bound() {
     let model = robot("pendulum_1");
     let row = limit(Some(0));
-    let mut scale = [0.0];
-    row.row_scales(&mut scale);
+    let scale = row.row_scales();
     let still = value(&model, &row, &[0.4, 0.0]);
     assert!((still + 0.64).abs() < 1e-15);
     // The speed is proportional to the velocity of the joint.

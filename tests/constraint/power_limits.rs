@@ -40,17 +40,9 @@ proptest! {
 }
 
 #[test]
-fn rows_are_named_and_bad_limits_refused_by_joint() {
+fn rows_have_names_and_units() {
     let model = robot("pendulum_3");
-    let name = |i: usize| model.joints()[i].name();
-    let limits = PowerLimits(LIMITS.to_vec());
-    limits.check(&model).expect("three joints");
-    let label = limits.label(3, &model);
+    let label = PowerLimits(LIMITS.to_vec()).label(3, &model);
     assert_eq!((label.unit, label.quantity, label.joint), ("W", Quantity::Power, Some(2)));
-    assert_eq!(label.name, format!("lower power limit of joint '{}'", name(2)));
-    assert!(PowerLimits(vec![Some(1.0)]).check(&model).is_err());
-    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let error = PowerLimits(vec![None, Some(bad), None]).check(&model).expect_err("it is no limit").to_string();
-        assert!(error.contains(name(1)) && error.contains("power limit: it is"), "{error}");
-    }
+    assert_eq!(label.name, format!("lower power limit of joint '{}'", model.joints()[2].name()));
 }

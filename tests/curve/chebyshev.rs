@@ -28,7 +28,7 @@ fn errors(p: usize) -> [f64; 4] {
         worst.max((weights.dot(&at(0)) - smooth(t)[0]).abs())
     });
     // The integral by far more nodes than any degree here needs.
-    let fine = chebyshev(Chebyshev::LARGEST_DEGREE);
+    let fine = chebyshev(Chebyshev::MAX_DEGREE);
     let integral: f64 = fine.weights().iter().zip(fine.times()).map(|(w, t)| w * smooth(*t)[0]).sum();
     [
         (c.d() * at(0) - at(1)).amax() / at(1).amax(),

@@ -3,7 +3,8 @@
 use crate::common::direct::{solved, solved_within};
 use crate::common::{assert_refused, constants, dual_jacobian, point_mass, robot};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, Constraint, Constraints, Evaluator, PlacedState, Side, StageConstraints, TorqueLimits,
+    AnyConstraint, Bound, Bounds, Constraint, Constraints, Evaluator, PlacedState, RowSet, Side, StageConstraints,
+    TorqueLimits,
 };
 use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, GoalEnd, GoalSet};
 use aghf::error::Result;
@@ -32,8 +33,8 @@ impl Constraint for Half {
         Ok(())
     }
 
-    fn is_equality(&self, _: usize) -> bool {
-        self.edge
+    fn row_set(&self, _: usize) -> RowSet {
+        if self.edge { RowSet::zero() } else { RowSet::at_most_zero() }
     }
 }
 
@@ -57,8 +58,8 @@ impl Constraint for Tip {
         Ok(())
     }
 
-    fn is_equality(&self, _: usize) -> bool {
-        true
+    fn row_set(&self, _: usize) -> RowSet {
+        RowSet::zero()
     }
 }
 

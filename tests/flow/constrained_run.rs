@@ -2,7 +2,7 @@
 
 use crate::common::assert_refused;
 use crate::common::scenario::Scenario;
-use aghf::constraint::{Bound, Bounds, Constraint, Constraints, PlacedState, Side, TorqueLimits};
+use aghf::constraint::{Bound, Bounds, Constraint, Constraints, PlacedState, RowSet, Side, TorqueLimits};
 use aghf::flow::jacobian::JacobianKind;
 use aghf::flow::{Flow, FlowSettings, Penalised, Penalty, PenaltyWeights};
 use aghf::scalar::AlgebraOver;
@@ -65,8 +65,8 @@ fn an_equality_in_the_state_is_refused() {
             self.0.value(at, g)
         }
 
-        fn is_equality(&self, row: usize) -> bool {
-            row == 1
+        fn row_set(&self, row: usize) -> RowSet {
+            if row == 1 { RowSet::zero() } else { RowSet::at_most_zero() }
         }
     }
     let scenario = Scenario::load("pendulum_1_swingup");

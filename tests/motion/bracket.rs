@@ -62,7 +62,7 @@ fn a_step() {
         let times = [0.0, middle, 2.0];
         let values = times.map(f);
         let mut bracket = Bracket { times, values };
-        for _ in 0..Bracket::MOST_REFINEMENTS {
+        for _ in 0..Bracket::MAX_REFINEMENTS {
             bracket.narrow(bracket.next(), f(bracket.next()));
         }
         let (time, height) = bracket.maximum();
@@ -81,7 +81,7 @@ fn a_step_to_a_bound() {
         let times = [from - 0.1, 0.5 * (from + to), to + 0.3];
         let values = times.map(f);
         let mut bracket = Bracket { times, values };
-        for _ in 0..Bracket::MOST_REFINEMENTS {
+        for _ in 0..Bracket::MAX_REFINEMENTS {
             if bracket.is_settled() {
                 break;
             }

@@ -271,7 +271,7 @@ fn labels_name_joint_and_unit() {
     assert_eq!(beyond, "row 0 of the constraint");
     // A list is a constraint, and so are pairs and references.
     let pair = (&all.state[2..3], (&all.state[1], ()));
-    assert!(pair.is_equality(n) && !pair.is_equality(n + 1) && !pair.is_equality(0));
+    assert_eq!([n, n + 1, 0].map(|row| pair.row_set(row).is_equality), [true, false, false]);
 }
 
 #[test]

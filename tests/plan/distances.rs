@@ -65,13 +65,12 @@ fn rows(model: &Model, size: f64, rng: &mut ChaCha8Rng) -> Vec<AnyConstraint> {
 
 /// The largest row at rest, scaled.
 fn worst(model: &Model, rows: &[AnyConstraint], q: &[f64]) -> f64 {
-    let (mut g, mut scales) = (vec![0.0; rows.dim()], vec![1.0; rows.dim()]);
+    let mut g = vec![0.0; rows.dim()];
     let mut evaluator = Evaluator::<f64, f64>::new(model);
     let x = [q, &vec![0.0; q.len()]].concat();
     let placed = evaluator.at(&x).expect("its length");
     placed.value(rows, &mut g).expect("its bodies");
-    rows.row_scales(&mut scales);
-    let scaled = g.iter().zip(&scales).map(|(g, scale)| g / scale);
+    let scaled = g.iter().zip(rows.row_scales()).map(|(g, scale)| g / scale);
     scaled.fold(f64::NEG_INFINITY, f64::max)
 }
 

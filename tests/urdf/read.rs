@@ -1,6 +1,6 @@
 //! Robots of many links, and robots that are too large.
 
-use aghf::model::{LARGEST_DOF, random_chain};
+use aghf::model::{MAX_DOF, random_chain};
 use aghf::spatial::Placement;
 use aghf::urdf::{load_urdf, parse_urdf};
 use nalgebra::Vector3;
@@ -63,10 +63,10 @@ fn there_is_a_largest_number_of_joints() {
         (1..=n).for_each(|i| link(&mut text, i, "prismatic"));
         text + "</robot>"
     };
-    let error = parse_urdf(&chain(LARGEST_DOF + 1), "many.urdf").expect_err("too many");
+    let error = parse_urdf(&chain(MAX_DOF + 1), "many.urdf").expect_err("too many");
     let words = "many.urdf: robot: has 257 moving joints, at most 256 are supported";
     assert_eq!(error.to_string(), words);
-    assert!(random_chain(LARGEST_DOF, 1).is_ok() && random_chain(LARGEST_DOF + 1, 1).is_err());
+    assert!(random_chain(MAX_DOF, 1).is_ok() && random_chain(MAX_DOF + 1, 1).is_err());
 }
 
 #[test]

@@ -8,7 +8,7 @@ use aghf::flow::{AghfLagrangian, AlgorithmB1, LagrangianFlow, Node};
 use aghf::model::{JointKind, JointSpec, Limits, Model, random_tree};
 use aghf::spatial::{Inertia, Placement};
 use aghf::verify::duals::{
-    BOUND, CheckOptions, Finding, LARGEST_BOUND, LARGEST_BOUND_MULTIPLIED, LARGEST_DIFFERENCE_BOUND, State, check_all,
+    BOUND, CheckOptions, Finding, MAX_BOUND, MAX_BOUND_MULTIPLIED, MAX_DIFFERENCE_BOUND, State, check_all,
     check_direct, check_jacobian,
 };
 use nalgebra::{Matrix3, Vector3};
@@ -90,9 +90,9 @@ fn rounding_is_no_error() {
         // A bound that is too large would accept every error.
         for finding in findings {
             let largest = match finding.quantity.as_str() {
-                q if q.starts_with("difference") => LARGEST_DIFFERENCE_BOUND,
-                q if q.starts_with("Omega on a curve") => LARGEST_BOUND_MULTIPLIED,
-                _ => LARGEST_BOUND,
+                q if q.starts_with("difference") => MAX_DIFFERENCE_BOUND,
+                q if q.starts_with("Omega on a curve") => MAX_BOUND_MULTIPLIED,
+                _ => MAX_BOUND,
             };
             assert!(finding.bound <= largest, "{finding:?}");
         }

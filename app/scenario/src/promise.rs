@@ -161,8 +161,8 @@ pub fn promise_in_words(quantity: Quantity) -> &'static str {
         Quantity::Passive => "passive joints",
         Quantity::Frame => "conditions along the way",
         Quantity::Foot => "standing foot",
-        Quantity::Obstacles => "clearance from obstacles",
-        Quantity::SelfCollision => "clearance between links",
+        Quantity::Obstacles => "obstacles",
+        Quantity::SelfCollision => "self-collision",
         Quantity::Other => "added constraints",
     }
 }

@@ -4,7 +4,7 @@ use super::point_rows::PointRows;
 use super::program::Program;
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
-use crate::cost::SMALLEST_COST;
+use crate::cost::MIN_COST;
 use crate::error::Result;
 use crate::transcription::{Grid, Maximum};
 use nalgebra::DVector;
@@ -77,7 +77,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         };
         finer.set_horizons(&self.horizons);
         let exact = finer.value(&self.coefficients)?;
-        let error = (exact - cost).abs() / exact.abs().max(SMALLEST_COST);
+        let error = (exact - cost).abs() / exact.abs().max(MIN_COST);
         self.finer_cost = [exact, error];
         let on_the_way = if end { 0.0 } else { self.search.quadrature_on_the_way };
         Ok(self.refinable && error > self.stage.quadrature_tolerance.max(on_the_way))

@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// The least norm of the rows of a goal or of a waypoint at the start by which their penalty is scaled, in m and rad.
-const LEAST_OFF: f64 = 0.01;
+const MIN_OFF: f64 = 0.01;
 
 /// The rows of constraints on the configuration at one time, equalities on single entries of it or of the slope, and
 /// rates of equalities, divided by their scales. They follow those of the points of the quadrature.
@@ -98,10 +98,8 @@ impl<'g> PointRows<'g> {
         first: usize,
     ) -> Self {
         let rows = constraints.dim();
-        let mut scales = vec![1.0; rows];
-        constraints.row_scales(&mut scales);
-        let scales: Vec<_> = scales.into_iter().map(f64::recip).collect();
-        let is_equality = |row: &usize| constraints.is_equality(*row);
+        let scales: Vec<_> = constraints.row_scales().into_iter().map(f64::recip).collect();
+        let is_equality = |row: &usize| constraints.row_set(*row).is_equality;
         let rates: Vec<_> = (0..rows).filter(|row| lands && is_equality(row)).collect();
         let others = given.len() + rates.len();
         let equalities = (0..rows).map(|row| is_equality(&row));
@@ -173,7 +171,7 @@ impl<'g> PointRows<'g> {
         self.evaluate(start)?;
         let held = self.h.iter().zip(&self.equalities).filter(|(_, held)| **held);
         let off: f64 = held.map(|(h, _)| h * h).sum();
-        self.stiffness = off.clamp(LEAST_OFF.powi(2), 1.0).recip();
+        self.stiffness = off.clamp(MIN_OFF.powi(2), 1.0).recip();
         Ok(())
     }
 

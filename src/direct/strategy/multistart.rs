@@ -95,7 +95,7 @@ pub(crate) fn multistart<'c, K: Constraint + Send + Sync, P: CostWithControl>(
         let runs = starts.into_iter().collect::<Result<_>>()?;
         all.minimise_on_all_levels(runs, log)?;
         let more = match settings.time_limit {
-            Some(_) => next < DirectSettings::LARGEST_STARTS,
+            Some(_) => next < DirectSettings::MAX_STARTS,
             None => next < settings.starts || (!all.is_found() && next < settings.search.most_starts),
         };
         if all.stopped() || context.watch.is_late(share) || !more {

@@ -66,7 +66,7 @@ impl TrackerOptions {
     pub fn check(&self, problem: &Problem<'_>) -> Result<()> {
         let refuse = |what, condition| Err(Error::input("tracker", what, condition));
         self.settings.check(problem)?;
-        check_count("iterations_per_step", self.iterations_per_step, 1..=DirectSettings::MOST_ITERATIONS)?;
+        check_count("iterations_per_step", self.iterations_per_step, 1..=DirectSettings::MAX_ITERATIONS)?;
         check_count("look", self.look, 1..=1000)?;
         for (what, value) in [
             ("barrier", self.barrier),

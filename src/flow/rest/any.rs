@@ -180,12 +180,12 @@ impl AnyRestOptions {
     /// Refuses values out of range.
     fn check(&self) -> Result<()> {
         use super::RestSettings as Settings;
-        let degrees = Continuity::default().smallest_degree()..=Settings::LARGEST_DEGREE;
+        let degrees = Continuity::default().smallest_degree()..=Settings::MAX_DEGREE;
         check_count("degree", self.degree, degrees)?;
-        let segments = 1..=Settings::LARGEST_SIZE / self.degree;
+        let segments = 1..=Settings::MAX_SIZE / self.degree;
         check_count("segments", self.segments, segments)?;
         if let Some(points) = self.points {
-            check_count("points", points, 1..=Settings::LARGEST_SIZE)?;
+            check_count("points", points, 1..=Settings::MAX_SIZE)?;
         }
         check_positive("options", "tolerance", self.tolerance)
     }

@@ -38,11 +38,11 @@ use std::time::Duration;
 use walk::Shared;
 
 /// The lowest degree without and with rows.
-const LOWEST_DEGREE: [usize; 2] = [6, 9];
+const MIN_DEGREE: [usize; 2] = [6, 9];
 /// The amplitude of bent guesses without and with rows, rad or m; with passive joints, of many minima, the first.
 const AMPLITUDE: [f64; 2] = [2.5, 1.0];
 /// The largest number of guesses while none leads to a motion within the constraints.
-const MOST_GUESSES: usize = 64;
+const MAX_GUESSES: usize = 64;
 
 /// The settings of a flow to rest.
 #[derive(Clone, Debug)]
@@ -105,25 +105,25 @@ impl Default for RestSettings {
 
 impl RestSettings {
     /// The largest degree, and the largest degree times the number of segments.
-    pub const LARGEST_DEGREE: usize = 64;
+    pub const MAX_DEGREE: usize = 64;
     /// The bound beyond which the Hessians of a large robot do not fit into memory.
-    pub const LARGEST_SIZE: usize = 512;
+    pub const MAX_SIZE: usize = 512;
     /// The largest number of starts.
-    pub const LARGEST_STARTS: usize = 100_000;
+    pub const MAX_STARTS: usize = 100_000;
     /// The largest number of steps, each of which is recorded.
-    pub const MOST_ITERATIONS: usize = 100_000;
+    pub const MAX_ITERATIONS: usize = 100_000;
 
     /// Refuses values out of range.
     ///
     /// # Errors
     /// A setting is out of range, or the start is not a curve of the problem.
     pub fn check(&self, problem: &Problem<'_>) -> Result<()> {
-        let degrees = Continuity::default().smallest_degree()..=Self::LARGEST_DEGREE;
+        let degrees = Continuity::default().smallest_degree()..=Self::MAX_DEGREE;
         check_count("degree", self.degree, degrees)?;
-        let segments = 1..=Self::LARGEST_SIZE / self.degree;
+        let segments = 1..=Self::MAX_SIZE / self.degree;
         check_count("segments", self.segments, segments)?;
-        check_count("starts", self.starts, 1..=Self::LARGEST_STARTS)?;
-        check_count("iterations", self.iterations, 1..=Self::MOST_ITERATIONS)?;
+        check_count("starts", self.starts, 1..=Self::MAX_STARTS)?;
+        check_count("iterations", self.iterations, 1..=Self::MAX_ITERATIONS)?;
         for (what, value) in [("tolerance", self.tolerance), ("feasible", self.feasible)] {
             check_positive("settings", what, value)?;
         }
@@ -147,7 +147,7 @@ impl RestSettings {
             segments: self.segments,
             tolerance: self.tolerance,
             iterations: self.iterations,
-            lowest_degree: LOWEST_DEGREE[rows],
+            lowest_degree: MIN_DEGREE[rows],
             search: self.search.clone(),
             nlp: self.nlp.clone(),
             ..DirectSettings::default()
@@ -298,7 +298,7 @@ impl<'a, K: Constraint, P: CostWithControl> FlowToRest<'a, K, P> {
         let grids = Grids::default();
         let rows = Rows::new(problem.model(), constraints, cost)?;
         let kind = usize::from(constraints.dim() > 0);
-        let basis = Basis::new(1, LOWEST_DEGREE[kind], Continuity::default());
+        let basis = Basis::new(1, MIN_DEGREE[kind], Continuity::default());
         let line = Path::line(problem, basis);
         let passive = constraints.torque.has_passive();
         let amplitude = AMPLITUDE[if passive { 0 } else { kind }];
@@ -336,7 +336,7 @@ impl<'a, K: Constraint, P: CostWithControl> FlowToRest<'a, K, P> {
             [now.steps, now.factorisations, now.rounds] = work;
             let enough = kind == 0 || now.at_rest;
             let over = watch.stopped().is_some() || settings.start.is_some();
-            let most = if enough { settings.starts } else { settings.starts.max(MOST_GUESSES) };
+            let most = if enough { settings.starts } else { settings.starts.max(MAX_GUESSES) };
             if over || now.starts >= most {
                 return Ok(now);
             }

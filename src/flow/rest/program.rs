@@ -2,7 +2,7 @@
 
 use super::free::Free;
 use crate::constraint::Constraint;
-use crate::cost::{CostWithControl, SMALLEST_COST};
+use crate::cost::{CostWithControl, MIN_COST};
 use crate::direct::{Integrand, SearchOptions, Stage, WorkingSet, equalities};
 use crate::error::Result;
 use crate::flow::weak::WithSlip;
@@ -119,7 +119,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         let action = self.free.action()?;
         *self.slip_multipliers() = multipliers;
         self.exact = self.finer.value(&self.free.path.coefficients)?;
-        self.quadrature_error = (self.exact - action).abs() / self.exact.abs().max(SMALLEST_COST);
+        self.quadrature_error = (self.exact - action).abs() / self.exact.abs().max(MIN_COST);
         let on_the_way = if end { 0.0 } else { self.search.quadrature_on_the_way };
         Ok(self.refinable && self.quadrature_error > self.stage.quadrature_tolerance.max(on_the_way))
     }

@@ -78,7 +78,7 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
             }
             let found = &walk.found;
             let left = found.passive_share > settings.search.passive_share && found.action < self.least;
-            let finer = level.basis.finer(RestSettings::LARGEST_SIZE);
+            let finer = level.basis.finer(RestSettings::MAX_SIZE);
             if let (true, true, Some(basis)) = (levels.is_empty(), left, finer) {
                 let stage = level.stage;
                 levels.push_back(Level { basis, stage });

@@ -1,6 +1,6 @@
 //! Comparison of Jacobians of the right-hand side.
 
-use super::{At, CheckOptions, DIFFERENCE_BOUND, Finding, Findings, LARGEST_DIFFERENCE_BOUND, State, Tolerance};
+use super::{At, CheckOptions, DIFFERENCE_BOUND, Finding, Findings, MAX_DIFFERENCE_BOUND, State, Tolerance};
 use crate::error::Result;
 use crate::flow::jacobian::{CentralDifference, ForwardDual, JacobianKind, Jacobians, NodeBlocks, NodeJacobian};
 use crate::flow::{AlgorithmB1, Node};
@@ -75,7 +75,7 @@ pub(super) fn check_differences(model: &Model, name: &str, options: &CheckOption
         // The mass matrix loses rank over a distance of about one over the root of its condition number, and the
         // truncation is of order four in the step over that distance.
         let bound = DIFFERENCE_BOUND + 30.0 * (STEP * STEP * at.condition()).powi(2);
-        if bound > LARGEST_DIFFERENCE_BOUND {
+        if bound > MAX_DIFFERENCE_BOUND {
             return;
         }
         for (by, a, b) in pairs {

@@ -67,10 +67,10 @@ impl<T: DualNum + Copy> Differentiable for Dual<T> {
 pub const BOUND: f64 = 1e-9;
 /// The largest bound for any condition number of the mass matrix: a state with larger rounding errors cannot be judged
 /// in double precision, and is reported.
-pub const LARGEST_BOUND: f64 = 1e-5;
+pub const MAX_BOUND: f64 = 1e-5;
 /// The largest bound for quantities that are divided by the mass matrix twice and then multiplied by it twice, such as
 /// the weak form of the direct method.
-pub const LARGEST_BOUND_MULTIPLIED: f64 = 1e-2;
+pub const MAX_BOUND_MULTIPLIED: f64 = 1e-2;
 /// Entries below this fraction of the inertia may be rounding errors of zero: with [`BOUND`], 50 units of rounding pass
 /// there, as in sums of several products.
 const VANISHING: f64 = 1e-5;
@@ -79,7 +79,7 @@ const VANISHING: f64 = 1e-5;
 pub const DIFFERENCE_BOUND: f64 = 1e-4;
 /// The bound for central differences whose step is not small relative to the distance over which the mass matrix loses
 /// rank. States at which they may be less accurate are not compared.
-pub const LARGEST_DIFFERENCE_BOUND: f64 = 0.1;
+pub const MAX_DIFFERENCE_BOUND: f64 = 0.1;
 
 /// The settings of a check.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,14 +101,14 @@ impl Default for CheckOptions {
 
 impl CheckOptions {
     /// The largest number of random states: for Digit, with 22 joints, these take 100 MB and hours of computation.
-    pub const MOST_SAMPLES: usize = 100_000;
+    pub const MAX_SAMPLES: usize = 100_000;
 
     /// The random states of `model` for these options.
     ///
     /// # Errors
-    /// The number of states is zero or above [`MOST_SAMPLES`](Self::MOST_SAMPLES).
+    /// The number of states is zero or above [`MAX_SAMPLES`](Self::MAX_SAMPLES).
     pub fn states(&self, model: &Model) -> Result<Vec<State>> {
-        check_count("samples", self.samples, 1..=Self::MOST_SAMPLES)?;
+        check_count("samples", self.samples, 1..=Self::MAX_SAMPLES)?;
         let states = (0..self.samples).map(|sample| State::random(model, self.seed, sample));
         Ok(states.collect())
     }
@@ -241,7 +241,7 @@ impl<'a> At<'a> {
     /// The tolerance of quantities divided by the mass matrix: rounding grows with its condition number.
     fn divided(&self) -> Tolerance {
         Tolerance {
-            bound: (BOUND + 1e-14 * self.condition()).min(LARGEST_BOUND),
+            bound: (BOUND + 1e-14 * self.condition()).min(MAX_BOUND),
             floor: VANISHING * self.inertia / self.eigenvalues[0],
         }
     }
@@ -251,13 +251,13 @@ impl<'a> At<'a> {
     /// on the URDFs of example-robot-data, on random trees and on arms of condition numbers up to `1e10` errors stay
     /// below 70 units of rounding times the condition number, of which seven times as much is allowed.
     pub(crate) fn divided_twice(&self) -> Tolerance {
-        Tolerance { bound: (BOUND + 1e-13 * self.condition()).min(LARGEST_BOUND), floor: 0.0 }
+        Tolerance { bound: (BOUND + 1e-13 * self.condition()).min(MAX_BOUND), floor: 0.0 }
     }
 
     /// The tolerance of quantities divided by it twice and then multiplied by it twice, whose rounding grows with the
     /// square of the condition number.
     pub(crate) fn multiplied_again(&self) -> Tolerance {
-        Tolerance { bound: (BOUND * self.squared_rounding()).min(LARGEST_BOUND_MULTIPLIED), floor: 0.0 }
+        Tolerance { bound: (BOUND * self.squared_rounding()).min(MAX_BOUND_MULTIPLIED), floor: 0.0 }
     }
 
     /// The growth of rounding by two divisions by the mass matrix.

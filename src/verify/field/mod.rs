@@ -74,7 +74,7 @@ pub const DEGREE: u64 = 1 << 17;
 
 /// The largest number of random instances: one almost always shows a false identity, and this number takes a quarter of
 /// an hour and 100 MB.
-pub const MOST_POINTS: usize = 1000;
+pub const MAX_POINTS: usize = 1000;
 
 /// Two sides that should be equal, entry by entry.
 pub struct Equality {
@@ -172,7 +172,7 @@ pub fn identities() -> Vec<Identity> {
 /// Tests every identity at `points` random instances; the same seed gives the same instances.
 ///
 /// # Errors
-/// `points` is zero or above [`MOST_POINTS`].
+/// `points` is zero or above [`MAX_POINTS`].
 pub fn prove(points: usize, seed: u64) -> Result<Vec<Verdict>> {
     prove_identities(&identities(), points, seed)
 }
@@ -183,7 +183,7 @@ pub fn prove(points: usize, seed: u64) -> Result<Vec<Verdict>> {
 /// # Errors
 /// Those of [`prove`] and of the claims.
 pub fn prove_identities(identities: &[Identity], points: usize, seed: u64) -> Result<Vec<Verdict>> {
-    check_count("points", points, 1..=MOST_POINTS)?;
+    check_count("points", points, 1..=MAX_POINTS)?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let points = (0..points).map(|_| RandomInstance::random(&mut rng)).collect::<Result<Vec<_>>>()?;
     identities.iter().map(|identity| verdict(identity, &points)).collect()

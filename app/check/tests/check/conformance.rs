@@ -17,7 +17,7 @@ const FILES: [(&str, &str); 4] = [
 ];
 
 /// Fewer cases are a folder that was not found as a whole.
-const LEAST_CASES: usize = 600;
+const MIN_CASES: usize = 600;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("conformance")
@@ -108,6 +108,6 @@ fn the_checker_gives_the_verdict_and_the_reason_of_each_case() {
             wrong.extend(found.map(|found| format!("{}[{i}]: {found}", path.file_stem().unwrap().display())));
         }
     }
-    assert!(count >= LEAST_CASES, "{count} cases");
+    assert!(count >= MIN_CASES, "{count} cases");
     assert!(wrong.is_empty(), "{} of {count} cases:\n{}", wrong.len(), wrong.join("\n"));
 }

@@ -12,8 +12,8 @@ use std::time::Duration;
 /// The pages in a folder, that of a success first.
 const PAGES: [&str; 2] = ["report.html", "report.failed.html"];
 /// The longest request, bytes, and the longest time for reading it.
-const LONGEST_REQUEST: u64 = 1 << 14;
-const LONGEST_WAIT: Duration = Duration::from_secs(5);
+const MAX_REQUEST: u64 = 1 << 14;
+const MAX_WAIT: Duration = Duration::from_secs(5);
 
 /// Opens the page of a motion, a sweep or another experiment in a browser.
 ///
@@ -110,9 +110,9 @@ fn is_own_host(header: &str) -> bool {
 
 /// Answers one request to this machine: the page, reread for each request to `/`, and nothing else.
 fn answer(mut stream: TcpStream, page: &Path) -> std::io::Result<()> {
-    stream.set_read_timeout(Some(LONGEST_WAIT))?;
-    stream.set_write_timeout(Some(LONGEST_WAIT))?;
-    let mut lines = BufReader::new(stream.try_clone()?.take(LONGEST_REQUEST)).lines();
+    stream.set_read_timeout(Some(MAX_WAIT))?;
+    stream.set_write_timeout(Some(MAX_WAIT))?;
+    let mut lines = BufReader::new(stream.try_clone()?.take(MAX_REQUEST)).lines();
     let request = lines.next().transpose()?.unwrap_or_default();
     let mut is_own = false;
     for line in lines {

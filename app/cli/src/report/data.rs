@@ -15,7 +15,7 @@ use aghf_scenario::{Details, Record, Scenario, SolveReport, Solved, Summary};
 use serde::Serialize;
 
 /// The largest number of ghosts next to a motion: its first guess, and other minima.
-const MOST_GHOSTS: usize = 3;
+const MAX_GHOSTS: usize = 3;
 
 /// A motion to be displayed.
 pub struct Motion<'a> {
@@ -178,7 +178,7 @@ fn with_ghosts(own: Track, motion: &Motion<'_>) -> Result<(Vec<Track>, Vec<Minim
     for (i, LocalMinimum { cost, starts }) in minima_of(&outcome.summary).iter().enumerate() {
         let curve = outcome.trace.minima.get(i).filter(|_| i > 0);
         let mut minimum = MinimumData { cost: *cost, starts: *starts, track: (i == 0).then_some(0) };
-        if let Some(curve) = curve.filter(|_| tracks.len() <= MOST_GHOSTS) {
+        if let Some(curve) = curve.filter(|_| tracks.len() <= MAX_GHOSTS) {
             minimum.track = Some(tracks.len());
             tracks.push(ghost(format!("minimum {}", i + 1), "minimum", curve)?);
         }

@@ -14,7 +14,7 @@ const JOINT: f64 = 1.3;
 /// The radius at the end of the longest chain relative to that at its base.
 const TAPER: f64 = 0.55;
 /// The largest number of points whose paths are drawn.
-const MOST_TIPS: usize = 4;
+const MAX_TIPS: usize = 4;
 
 /// The end points of a body in its frame: the origins of its children, or the tip of a last link.
 fn ends(model: &Model, body: usize) -> Vec<Vector3<f64>> {
@@ -68,7 +68,7 @@ pub(super) fn tips(model: &Model) -> Vec<Tip> {
         })
         .collect();
     tips.sort_by(|a, b| b.0.total_cmp(&a.0));
-    tips.into_iter().map(|(_, tip)| tip).take(MOST_TIPS).collect()
+    tips.into_iter().map(|(_, tip)| tip).take(MAX_TIPS).collect()
 }
 
 /// The radii of the links at each joint, m.

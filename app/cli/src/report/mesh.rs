@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::collections::HashMap;
 
 /// The largest number of triangles of a mesh.
-const MOST_TRIANGLES: usize = 6000;
+const MAX_TRIANGLES: usize = 6000;
 /// The finest and the coarsest number of cells along the longest edge of a mesh.
 const FINEST: f64 = 65535.0;
 const COARSEST: f64 = 16.0;
@@ -59,7 +59,7 @@ fn small(triangles: &[Triangle]) -> MeshData {
     loop {
         let step = longest / cells;
         let (corners, indices) = merged(triangles, &low, step);
-        if indices.len() <= 3 * MOST_TRIANGLES || cells <= COARSEST {
+        if indices.len() <= 3 * MAX_TRIANGLES || cells <= COARSEST {
             return MeshData { low: low.into(), step, corners: of_u16(&corners), triangles: of_u32(&indices) };
         }
         // The number of triangles of a surface is about the square of the number of cells, but unknown at the finest

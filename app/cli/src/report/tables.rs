@@ -10,12 +10,12 @@ use std::path::Path;
 
 /// The largest number of rows of a table and of points of a plot: more make a browser slow, and the result files are
 /// complete.
-const MOST_ROWS: usize = 5_000;
-const MOST_POINTS: usize = 20_000;
+const MAX_ROWS: usize = 5_000;
+const MAX_POINTS: usize = 20_000;
 /// The number of digits of a number on a page.
 const DIGITS: usize = 7;
 /// The largest integer up to which scripts represent all integers exactly.
-const LARGEST_INTEGER: u64 = 1 << 53;
+const MAX_INTEGER: u64 = 1 << 53;
 
 const SCRIPT: [&str; 4] = [
     include_str!("page/elements.js"),
@@ -147,7 +147,7 @@ impl Table {
             file: None,
             columns: columns.to_vec(),
             all: rows.len(),
-            rows: rows.iter().take(MOST_ROWS).map(cells).collect(),
+            rows: rows.iter().take(MAX_ROWS).map(cells).collect(),
             failed: Vec::new(),
         }
     }
@@ -158,7 +158,7 @@ impl Table {
     /// # Errors
     /// The rows cannot be written as comma-separated values.
     pub fn of_rows<T: Serialize>(title: &str, file: &str, rows: &[T], fails: impl Fn(&T) -> bool) -> Result<Self> {
-        let shown = &rows[..rows.len().min(MOST_ROWS)];
+        let shown = &rows[..rows.len().min(MAX_ROWS)];
         let text = csv_of(shown, true)?;
         let table = Self::of_csv(title, file, &text, |i| shown.get(i).is_some_and(&fails))?;
         let all = rows.len();
@@ -175,7 +175,7 @@ impl Table {
         let mut reader = csv::Reader::from_reader(text);
         let header = reader.headers().map_err(refused)?.clone();
         let rows: Vec<csv::StringRecord> = reader.records().collect::<csv::Result<_>>().map_err(refused)?;
-        let shown = &rows[..rows.len().min(MOST_ROWS)];
+        let shown = &rows[..rows.len().min(MAX_ROWS)];
         let used = |i: &usize| shown.iter().any(|row| !row[*i].is_empty());
         let used: Vec<usize> = (0..header.len()).filter(used).collect();
         let cells = |row: &csv::StringRecord| used.iter().map(|i| cell(&row[*i])).collect();
@@ -196,7 +196,7 @@ fn cell(text: &str) -> Value {
         return Value::Null;
     }
     if let Ok(integer) = text.parse::<i64>() {
-        let exact = integer.unsigned_abs() <= LARGEST_INTEGER;
+        let exact = integer.unsigned_abs() <= MAX_INTEGER;
         return if exact { integer.into() } else { text.into() };
     }
     let is_number = text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
@@ -215,8 +215,8 @@ fn cell(text: &str) -> Value {
 fn thinned(plot: &Scatter) -> Scatter {
     let mut plot = plot.clone();
     let all: usize = plot.groups.iter().map(|group| group.points.len()).sum();
-    if all > MOST_POINTS {
-        let step = all.div_ceil(MOST_POINTS);
+    if all > MAX_POINTS {
+        let step = all.div_ceil(MAX_POINTS);
         for group in &mut plot.groups {
             group.points = std::mem::take(&mut group.points).into_iter().step_by(step).collect();
         }

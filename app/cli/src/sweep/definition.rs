@@ -32,10 +32,10 @@ const SWEEPS: [(&str, &str); 9] = sweeps!(
 );
 
 /// The largest number of sets of a grid, all of whose rows are kept in memory.
-const MOST_SETS: usize = 1_000_000;
+const MAX_SETS: usize = 1_000_000;
 
 /// The largest number of scenarios with other keys, each of which is kept with its robot.
-const MOST_VARIANTS: usize = 10_000;
+const MAX_VARIANTS: usize = 10_000;
 
 /// The names of the built-in sweeps.
 pub fn builtin_sweeps() -> impl Iterator<Item = &'static str> {
@@ -103,8 +103,8 @@ impl Sweep {
             let condition = format!("the grid has more than {most} {what}");
             Error::input(path, "sweep", condition)
         };
-        let points = file.grid.count().filter(|points| *points <= MOST_SETS);
-        let points = points.ok_or_else(|| too_many(MOST_SETS, "sets"))?;
+        let points = file.grid.count().filter(|points| *points <= MAX_SETS);
+        let points = points.ok_or_else(|| too_many(MAX_SETS, "sets"))?;
         let mut scenarios = Vec::<Scenario>::new();
         for (i, entry) in file.head.scenarios.iter().enumerate() {
             let key = format!("scenarios[{i}]");
@@ -119,11 +119,11 @@ impl Sweep {
         }
         let [options, keys] = [false, true].map(|of_scenario| file.grid.part(of_scenario));
         let variants = keys.count().map(|count| count.saturating_mul(scenarios.len()));
-        if points.saturating_mul(scenarios.len()) > MOST_SETS {
-            return Err(too_many(MOST_SETS, "sets"));
+        if points.saturating_mul(scenarios.len()) > MAX_SETS {
+            return Err(too_many(MAX_SETS, "sets"));
         }
-        if variants.is_none_or(|count| count > MOST_VARIANTS) {
-            return Err(too_many(MOST_VARIANTS, "scenarios"));
+        if variants.is_none_or(|count| count > MAX_VARIANTS) {
+            return Err(too_many(MAX_VARIANTS, "scenarios"));
         }
         let refuse = |(key, condition)| Error::input(path, key, condition);
         let mut variants = Vec::new();

@@ -121,7 +121,7 @@ fn check(head: &Head) -> std::result::Result<(), Refusal> {
             return Err(("name".into(), condition));
         }
     }
-    let (limit, longest) = (head.time_limit_s, SolveOptions::LONGEST_TIME_LIMIT_S);
+    let (limit, longest) = (head.time_limit_s, SolveOptions::MAX_TIME_LIMIT_S);
     if !(limit > 0.0 && limit <= longest) {
         let limit = plain(limit);
         let condition = format!("it is {limit}, a positive time of at most {longest} s is needed");

@@ -5,7 +5,7 @@ use aghf_scenario::{Method, Scenario, SolveOptions};
 use serde_json::{Map, Value, json};
 
 /// The largest number of values in a list: each is compared with those before it.
-const MOST_VALUES: usize = 10_000;
+const MAX_VALUES: usize = 10_000;
 
 /// The faulty key, and the reason.
 pub(super) type Refusal = (String, String);
@@ -40,9 +40,9 @@ impl Grid {
             if values.is_empty() {
                 return Err((name.clone(), "it is an empty list".to_owned()));
             }
-            if values.len() > MOST_VALUES {
+            if values.len() > MAX_VALUES {
                 let count = values.len();
-                let condition = format!("it has {count} values, at most {MOST_VALUES} are possible");
+                let condition = format!("it has {count} values, at most {MAX_VALUES} are possible");
                 return Err((name.clone(), condition));
             }
             for (i, value) in values.iter().enumerate() {

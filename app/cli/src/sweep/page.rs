@@ -8,7 +8,7 @@ use aghf::error::Result;
 use std::collections::HashMap;
 
 /// The largest number of bars of a plot.
-const MOST_BARS: usize = 60;
+const MAX_BARS: usize = 60;
 /// The colours of the outcomes: no green for a failure.
 const OUTCOME_COLOURS: [usize; RowOutcome::ALL.len()] = [0, 1, 3, 4, 6];
 
@@ -109,7 +109,7 @@ fn shares(rows: &[Row]) -> Vec<Plot> {
             bars[at].good += usize::from(succeeds(row));
         }
         let title = cells.first()?[i].0.to_owned();
-        (2..=MOST_BARS).contains(&bars.len()).then_some(Plot::Bars { title, bars })
+        (2..=MAX_BARS).contains(&bars.len()).then_some(Plot::Bars { title, bars })
     });
     plots.collect()
 }

@@ -23,7 +23,7 @@ pub fn run(
     done: &(dyn Fn(Row) -> Result<()> + Sync),
 ) -> Result<()> {
     if let Some(jobs) = jobs {
-        check_count("jobs", jobs, 1..=DirectSettings::MOST_THREADS)?;
+        check_count("jobs", jobs, 1..=DirectSettings::MAX_THREADS)?;
     }
     let threads = ThreadPoolBuilder::new().num_threads(jobs.unwrap_or(0));
     let pool = threads.build().map_err(|e| Error::input("settings", "jobs", e.to_string()))?;

@@ -3,7 +3,7 @@
 use super::TOLERANCE;
 use crate::{Promise, Quantity, Scenario};
 use aghf::certify::{Bernstein, Motion, ORDER, Part, Piece, Polynomial, Range};
-use aghf::constraint::{AnyConstraint, Constraint, PlacedState};
+use aghf::constraint::{AnyConstraint, Constraint, PlacedState, RowSet};
 use aghf::dynamics::{Data, forward_kinematics};
 use aghf::error::Result;
 use aghf::model::Model;
@@ -19,7 +19,7 @@ const FINE: f64 = 1e-10;
 pub(super) const OTHER_ERRORS: f64 = 3.0;
 
 /// The largest error, relative to the scale of a row, with which claims are made.
-const LARGEST_ERROR: f64 = 1e-3;
+const MAX_ERROR: f64 = 1e-3;
 
 /// The largest deviation of a row that is zero, in its unit. Of two rows across a direction both are small enough for
 /// the 1e-6 by which the checkers bound the sine of the angle from it.
@@ -60,14 +60,12 @@ fn limits(scenario: &Scenario) -> Vec<(usize, Promise)> {
 
 /// The rows of constraints on the state, an equality to within [`EQUALITY`].
 pub(super) fn rows_of(promise: Quantity, constraints: &[AnyConstraint], model: &Model) -> Vec<Row> {
-    let mut scales = vec![1.0; constraints.dim()];
-    constraints.row_scales(&mut scales);
-    let row = |(i, scale): (usize, &f64)| {
-        let bounds =
-            if constraints.is_equality(i) { [-EQUALITY * scale, EQUALITY * scale] } else { [f64::NEG_INFINITY, 0.0] };
-        Row { scale: *scale, ..Row::new(promise, constraints.label(i, model).name, bounds) }
+    let row = |i: usize| {
+        let RowSet { scale, is_equality, .. } = constraints.row_set(i);
+        let bounds = if is_equality { [-EQUALITY * scale, EQUALITY * scale] } else { [f64::NEG_INFINITY, 0.0] };
+        Row { scale, ..Row::new(promise, constraints.label(i, model).name, bounds) }
     };
-    scales.iter().enumerate().map(row).collect()
+    (0..constraints.dim()).map(row).collect()
 }
 
 /// Encloses the rows of constraints in states $(q, v)$.
@@ -218,7 +216,7 @@ impl<'a> Rows<'a> {
         let (reserve, value, bound, place) = found;
         let error = polynomial.radius / scale;
         Nearest {
-            is_known: polynomial.radius <= LARGEST_ERROR * scale,
+            is_known: polynomial.radius <= MAX_ERROR * scale,
             error,
             claim: reserve - OTHER_ERRORS * error - FINE,
             value,

@@ -28,7 +28,7 @@ const CLAIMED: f64 = 0.99;
 const DECIMALS: f64 = 1e9;
 
 /// The largest error of an entry of a placement, m, with which claims are made.
-const LARGEST_ERROR: f64 = 1e-4;
+const MAX_ERROR: f64 = 1e-4;
 
 /// The half width of the parts on which the joints move very little but rounding is still small.
 const NARROW: f64 = 1.0 / (1 << 10) as f64;
@@ -310,7 +310,7 @@ impl<'a> Search<'a> {
             return Ok(Some(Vec::new()));
         }
         let (mut bodies, error) = self.bodies(alone)?;
-        if error > LARGEST_ERROR && can_halve {
+        if error > MAX_ERROR && can_halve {
             return Ok(None);
         }
         let mut left = OTHER_ERRORS;

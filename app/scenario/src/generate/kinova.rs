@@ -14,7 +14,7 @@ use rand_chacha::ChaCha8Rng;
 /// The radius of the capsules that represent the links, m.
 const LINK_RADIUS: f64 = 0.05;
 /// The shortest duration, that of the paper's scenarios, s.
-const LEAST_HORIZON: f64 = 2.0;
+const MIN_HORIZON: f64 = 2.0;
 /// The largest share of the torque limits that the bent path uses.
 const TORQUE_SHARE: f64 = 0.9;
 
@@ -32,7 +32,7 @@ fn motion<'a>(model: &'a Model, rng: &mut ChaCha8Rng) -> Result<Option<Paths<'a>
         wish.push(rng.random_range(-0.9..0.9));
     }
     let ends = [start, goal];
-    let horizon = round_up(HORIZON_RATIO * least_horizon(model, &ends)).max(LEAST_HORIZON);
+    let horizon = round_up(HORIZON_RATIO * least_horizon(model, &ends)).max(MIN_HORIZON);
     let witness = Witness::bent(model, ends, wish, horizon);
     if !witness.keeps_limits(TORQUE_SHARE)? {
         return Ok(None);

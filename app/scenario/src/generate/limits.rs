@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 use std::ops::Range;
 
 /// The shortest duration, s. Shorter ones need too much torque for robots with high velocity limits.
-const LEAST_HORIZON: f64 = 0.5;
+const MIN_HORIZON: f64 = 0.5;
 /// The central part of the range of a joint from which its ends are drawn.
 const RANGE: f64 = 0.9;
 /// The largest shares of the torque limits that the known motion uses, without and with an obstacle.
@@ -30,7 +30,7 @@ const RADII: Range<f64> = 0.04..0.12;
 /// The largest distance of the obstacle centres from the links, m.
 const OFF: f64 = 0.1;
 /// The reach below which a robot gets no obstacles, m.
-const LEAST_REACH: f64 = 0.05;
+const MIN_REACH: f64 = 0.05;
 /// The number of bent paths tried for a pair.
 const BENDS: usize = 8;
 /// The number of places tried for the obstacle of one path.
@@ -60,7 +60,7 @@ fn pair(model: &Model, rng: &mut ChaCha8Rng) -> ([Vec<f64>; 2], f64) {
     };
     let ends = [configuration(), configuration()];
     let least = least_horizon(model, &ends);
-    (ends, round_up(HORIZON_RATIO * least).max(LEAST_HORIZON))
+    (ends, round_up(HORIZON_RATIO * least).max(MIN_HORIZON))
 }
 
 /// A random pair, rest to rest, for which a polynomial on the straight line satisfies all limits.
@@ -89,7 +89,7 @@ fn reach(model: &Model) -> f64 {
 /// within all limits.
 pub(super) fn with_obstacle(model: &Model, rng: &mut ChaCha8Rng) -> Result<Option<Candidate>> {
     let scale = reach(model).min(1.0);
-    if scale < LEAST_REACH {
+    if scale < MIN_REACH {
         return Ok(None);
     }
     let (ends, horizon) = pair(model, rng);

@@ -7,7 +7,7 @@ use aghf::geometry::{BallTree, CollisionSphere, Obstacle, Sphere};
 
 /// The largest number of gaps computed beyond those of the samples and the middles of their intervals: about ten
 /// seconds.
-const MOST_GAPS: usize = 50_000_000;
+const MAX_GAPS: usize = 50_000_000;
 
 /// The cost of placing a robot, in gaps.
 const PLACING: usize = 20;
@@ -157,7 +157,7 @@ impl<'a> Search<'a> {
             least: f64::INFINITY,
             at: (first, 0.0),
             proved: f64::INFINITY,
-            budget: MOST_GAPS,
+            budget: MAX_GAPS,
             q: Vec::new(),
             ways: Vec::new(),
         }

@@ -10,10 +10,10 @@ use nalgebra::Vector3;
 const JUMP: f64 = 1e-3;
 
 /// The number of halvings of intervals in one check: a few seconds of inverse dynamics.
-const MOST_HALVINGS: usize = 100_000;
+const MAX_HALVINGS: usize = 100_000;
 
 /// The shortest part of an interval in which derived rates are enclosed: their uncertainty does not become smaller.
-const SHORTEST_DERIVED: f64 = 1.0 / 16.0;
+const MIN_DERIVED: f64 = 1.0 / 16.0;
 
 /// The multiple of the uncertainty of derived rates by which a row fails: the second differences of numbers that are
 /// rounded to the same decimal are off by at most about as much as their fourth differences, which are four times the
@@ -191,7 +191,7 @@ pub(super) struct Proof<'a> {
 
 impl<'a> Proof<'a> {
     pub fn new(row: Row, intervals: &'a Intervals) -> Self {
-        Self { row, intervals, derived: intervals.is_derived(), halvings: MOST_HALVINGS }
+        Self { row, intervals, derived: intervals.is_derived(), halvings: MAX_HALVINGS }
     }
 
     /// Takes the values of a quantity on a part of interval `k`. Returns true if nothing more is to be known about it:
@@ -229,7 +229,7 @@ impl<'a> Proof<'a> {
                 continue;
             }
             let middle = 0.5 * (from + to);
-            let shortest = if self.derived { SHORTEST_DERIVED } else { 0.0 };
+            let shortest = if self.derived { MIN_DERIVED } else { 0.0 };
             let last = middle <= from || middle >= to || to - from <= shortest;
             if last || self.halvings == 0 {
                 let at_s = self.intervals.time(k, middle);

@@ -27,14 +27,14 @@
 //! | horizon | the time from the first to the last sample with the bounds of `free_horizon`, or, unless the objective weighs time, with `horizon_s` |
 //! | start, goal | the first and last positions and velocities with those of the scenario; angles are compared without removing whole turns; a free final velocity is not checked |
 //! | continuity | the accelerations at an end at rest with zero; between the quintics they are continuous; not checked for cubics |
-//! | v is the rate of q, a is the rate of v | on each interval the mean rate with the mean of those at its ends, except for what the accelerations of the neighbouring samples explain |
-//! | u is inverse dynamics | at the samples, with their accelerations |
+//! | velocity is rate, acceleration is rate | on each interval the mean rate with the mean of those at its ends, except for what the accelerations of the neighbouring samples explain |
+//! | dynamics | at the samples, with their accelerations |
 //! | passive joints | the torques of the table and of inverse dynamics at the samples and halfway between them, because a polynomial keeps none at zero for longer |
 //! | position, velocity, acceleration, jerk limits | the Bernstein coefficients of the motion; jumps of accelerations, as those between cubics, over the time between the middles of two intervals count as jerks |
 //! | torque and power limits | the torques of the table, and inverse dynamics at all times |
 //! | goal, if it is a set | the pose of the frame in the last sample with the set that it misses least |
 //! | waypoints | the configurations or poses of the way in their order, each where the motion passes it first after the one before: the samples that are nearer than their neighbours, and the nearest time about them |
-//! | kept along the way | the poses of frames and the speeds of points at all times between those of the condition, both included |
+//! | conditions along the way | the poses of frames and the speeds of points at all times between those of the condition, both included |
 //! | standing foot | the force of the ground by the laws of Newton and Euler, body by body, at all times |
 //! | obstacles, self-collision | the distances of the balls of the robot, at all times |
 //! | added constraints | not checked: constraints that a program added |

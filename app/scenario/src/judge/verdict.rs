@@ -202,47 +202,27 @@ impl Check {
         }
     }
 
-    /// The name of the check for readers, and that in JSON.
-    fn names(self) -> [&'static str; 2] {
-        match self {
-            Self::StartPosition => ["start position", "start_position"],
-            Self::StartVelocity => ["start velocity", "start_velocity"],
-            Self::GoalPosition => ["goal position", "goal_position"],
-            Self::GoalVelocity => ["goal velocity", "goal_velocity"],
-            Self::Continuity => ["continuity"; 2],
-            Self::VelocityIsRate => ["v is the rate of q", "velocity_is_rate"],
-            Self::AccelerationIsRate => ["a is the rate of v", "acceleration_is_rate"],
-            Self::Dynamics => ["u is inverse dynamics", "dynamics"],
-            Self::Waypoints => ["waypoints"; 2],
-            Self::Bounds(of) => {
-                let name = match of {
-                    Quantity::Duration => "horizon",
-                    Quantity::Position => "position_limits",
-                    Quantity::Velocity => "velocity_limits",
-                    Quantity::Acceleration => "acceleration_limits",
-                    Quantity::Jerk => "jerk_limits",
-                    Quantity::Torque => "torque_limits",
-                    Quantity::Power => "power_limits",
-                    Quantity::Passive => "passive_joints",
-                    Quantity::Frame => "kept",
-                    Quantity::Foot | Quantity::Obstacles | Quantity::SelfCollision => of.name(),
-                    Quantity::Other => "added_constraints",
-                };
-                [promise_in_words(of), name]
-            }
-        }
-    }
-
-    /// The name of the check for readers.
+    /// The name of the check for readers; that in JSON has underscores.
     #[must_use]
     pub fn name(self) -> &'static str {
-        self.names()[0]
+        match self {
+            Self::StartPosition => "start position",
+            Self::StartVelocity => "start velocity",
+            Self::GoalPosition => "goal position",
+            Self::GoalVelocity => "goal velocity",
+            Self::Continuity => "continuity",
+            Self::VelocityIsRate => "velocity is rate",
+            Self::AccelerationIsRate => "acceleration is rate",
+            Self::Dynamics => "dynamics",
+            Self::Waypoints => "waypoints",
+            Self::Bounds(of) => promise_in_words(of),
+        }
     }
 }
 
 impl Serialize for Check {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        to.serialize_str(self.names()[1])
+        to.serialize_str(&self.name().replace([' ', '-'], "_"))
     }
 }
 

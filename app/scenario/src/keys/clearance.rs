@@ -1,7 +1,7 @@
 //! The distances that a robot keeps.
 
 use crate::Obstacle;
-use crate::keys::obstacles::LARGEST_LENGTH;
+use crate::keys::obstacles::MAX_LENGTH;
 use aghf::error::{Error, Result, plain};
 use aghf::geometry::Scene;
 use aghf::model::Model;
@@ -67,10 +67,10 @@ impl Clearance {
             Self::Each(each) => (each.obstacles, each.itself, each.pairs.as_slice()),
         };
         let check = |key: String, distance: f64| {
-            if (0.0..=LARGEST_LENGTH).contains(&distance) {
+            if (0.0..=MAX_LENGTH).contains(&distance) {
                 return Ok(());
             }
-            let condition = format!("it is {}, a distance from 0 to {LARGEST_LENGTH} m is needed", plain(distance));
+            let condition = format!("it is {}, a distance from 0 to {MAX_LENGTH} m is needed", plain(distance));
             Err(Error::input(path, key, condition))
         };
         for distance in [beside, itself] {

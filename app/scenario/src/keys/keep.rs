@@ -51,7 +51,7 @@ impl Scenario {
     /// True if something without tolerance is kept throughout, such as a plane or a pose.
     pub(crate) fn keeps_poses_exactly(&self) -> bool {
         let rows = &self.own.constraints;
-        (0..rows.dim()).any(|row| rows.is_equality(row))
+        (0..rows.dim()).any(|row| rows.row_set(row).is_equality)
     }
 
     /// The conditions that begin after the end of a motion, in words.

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 /// The largest length, m: far beyond any robot. Squared distances must neither overflow nor lose the size of the
 /// obstacle to rounding.
-pub(crate) const LARGEST_LENGTH: f64 = 1e6;
+pub(crate) const MAX_LENGTH: f64 = 1e6;
 
 /// The largest deviation of the norm of an orientation from one.
 const NOT_UNIT: f64 = 1e-3;
@@ -206,7 +206,7 @@ impl ObstacleShape {
 impl Pose {
     pub(crate) fn placement(&self) -> Checked<Placement<f64>> {
         if !bounded(&self.position_m) {
-            return Err(format!("position_m needs finite numbers, none above {LARGEST_LENGTH} m"));
+            return Err(format!("position_m needs finite numbers, none above {MAX_LENGTH} m"));
         }
         let rotation = (self.orientation_xyzw).map_or(Ok(UnitQuaternion::identity()), unit_quaternion)?;
         let rotation = rotation.to_rotation_matrix().into_inner();
@@ -227,14 +227,14 @@ pub(crate) fn placed(list: &[Obstacle], path: &str) -> Result<Vec<geometry::Obst
 }
 
 pub(crate) fn bounded(x: &[f64]) -> bool {
-    x.iter().all(|x| x.abs() <= LARGEST_LENGTH)
+    x.iter().all(|x| x.abs() <= MAX_LENGTH)
 }
 
 fn check_lengths(key: &str, lengths: &[f64]) -> Checked<()> {
-    let good = |x: &f64| *x > 0.0 && *x <= LARGEST_LENGTH;
+    let good = |x: &f64| *x > 0.0 && *x <= MAX_LENGTH;
     match lengths.iter().find(|x| !good(x)) {
         None => Ok(()),
-        Some(x) => Err(format!("{key} has {}, a positive number of at most {LARGEST_LENGTH} m is needed", plain(*x))),
+        Some(x) => Err(format!("{key} has {}, a positive number of at most {MAX_LENGTH} m is needed", plain(*x))),
     }
 }
 

@@ -1,6 +1,6 @@
 //! A foot on which the robot stands.
 
-use crate::keys::obstacles::{LARGEST_LENGTH, Pose};
+use crate::keys::obstacles::{MAX_LENGTH, Pose};
 use crate::{Scenario, ScenarioFile};
 use aghf::constraint::{FootContact, StandingFoot};
 use aghf::curve::Curve;
@@ -77,7 +77,7 @@ impl Stand {
             ("torsion", self.torsion),
         ];
         for (key, size) in sizes {
-            if let Some(size) = size.filter(|x| !(*x > 0.0 && *x <= LARGEST_LENGTH)) {
+            if let Some(size) = size.filter(|x| !(*x > 0.0 && *x <= MAX_LENGTH)) {
                 let condition = format!("it is {}, a positive number is needed", plain(size));
                 return refuse(key, condition);
             }

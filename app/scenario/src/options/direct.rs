@@ -135,5 +135,5 @@ impl DirectOptions {
 /// The number of cores on which threads can run.
 fn all_cores() -> usize {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    cores.min(DirectSettings::MOST_THREADS)
+    cores.min(DirectSettings::MAX_THREADS)
 }

@@ -77,7 +77,7 @@ impl From<FlowOptions> for SolveOptions {
 
 impl SolveOptions {
     /// The longest time limit, one year, s.
-    pub const LONGEST_TIME_LIMIT_S: f64 = 31_536_000.0;
+    pub const MAX_TIME_LIMIT_S: f64 = 31_536_000.0;
 
     /// The options of a method from their JSON keys.
     ///
@@ -205,7 +205,7 @@ impl<'de> Deserialize<'de> for SolveOptions {
 
 /// The time limit of this many seconds, if one is given.
 fn time_limit(seconds: Option<f64>) -> Result<Option<Duration>> {
-    let longest = SolveOptions::LONGEST_TIME_LIMIT_S;
+    let longest = SolveOptions::MAX_TIME_LIMIT_S;
     match seconds {
         Some(s) if !(0.0..=longest).contains(&s) => {
             let condition = format!("it is {}, at least 0 and at most {longest} s is needed", plain(s));

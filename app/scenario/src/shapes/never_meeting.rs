@@ -7,10 +7,10 @@ use aghf::model::{JointKind, Limits, Model};
 use std::f64::consts::PI;
 
 /// The largest number of joints between two links for a proof, whose cost grows with their ranges.
-const MOST_JOINTS: usize = 3;
+const MAX_JOINTS: usize = 3;
 
 /// The largest number of distances for a proof: some milliseconds.
-const MOST_DISTANCES: usize = 100_000;
+const MAX_DISTANCES: usize = 100_000;
 
 /// Returns true if two links are proved to be further from each other than `margin`, m, wherever the joints between
 /// them are within their limits, or, without `limited`, wherever they are; false if they meet or no proof was found.
@@ -27,12 +27,12 @@ pub(crate) fn never_meet(model: &Model, [tree, other]: [&BallTree; 2], limited: 
     let paths = [alone(&of_tree, &of_other), alone(&of_other, &of_tree)];
     let joints = paths.concat();
     let ranges: Option<Vec<_>> = joints.iter().map(|i| range(model, *i, limited)).collect();
-    let Some(whole) = ranges.filter(|_| joints.len() <= MOST_JOINTS) else {
+    let Some(whole) = ranges.filter(|_| joints.len() <= MAX_JOINTS) else {
         return Ok(false);
     };
     let mut reach = Reach::new(model);
     let (mut q, mut ways) = (vec![0.0; model.dof()], vec![0.0; model.dof()]);
-    let mut budget = MOST_DISTANCES;
+    let mut budget = MAX_DISTANCES;
     let mut open = vec![whole];
     while let Some(part) = open.pop() {
         for (i, [from, to]) in joints.iter().zip(&part) {

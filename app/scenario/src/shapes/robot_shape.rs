@@ -1,7 +1,7 @@
 //! The balls that represent a robot.
 
 use crate::RobotShape;
-use crate::keys::obstacles::{LARGEST_LENGTH, default_spacing};
+use crate::keys::obstacles::{MAX_LENGTH, default_spacing};
 use aghf::error::{Error, Result, plain};
 use aghf::geometry::{Capsule, CollisionGeometry, CollisionSphere, Cover, Shape, Sphere, cover_triangles};
 use aghf::model::{Collision, CollisionShape, Model};
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::path::Path;
 
 /// The largest number of balls that cover a robot: with one sphere obstacle the search then takes 130 MB at degree 16.
-const MOST_BALLS: f64 = 1e4;
+const MAX_BALLS: f64 = 1e4;
 
 /// The excess of shapes if none is given, m: of meshes, and the least and the largest of others.
 const EXCESS: [f64; 2] = [0.005, 0.02];
@@ -109,17 +109,17 @@ pub fn too_many_balls(
     folder: &Path,
     excess: Option<f64>,
 ) -> Option<[String; 2]> {
-    if count as f64 <= MOST_BALLS {
+    if count as f64 <= MAX_BALLS {
         return None;
     }
     let given = excess.map_or_else(|| "not given".to_owned(), plain);
     let condition =
-        format!("excess_m is {given}, which takes {count} balls to cover the robot, at most {MOST_BALLS} are allowed");
+        format!("excess_m is {given}, which takes {count} balls to cover the robot, at most {MAX_BALLS} are allowed");
     let mut larger = LARGER.into_iter().filter(|larger| {
         let all = model.collisions().par_iter().chain(load.into_par_iter());
         let counts = all.map(|shape| Some(cover_shape(&shape.shape, folder, *larger).ok()?.balls.len()));
         let count: Option<usize> = counts.sum();
-        excess.is_none_or(|excess| *larger > excess) && count.is_some_and(|count| count as f64 <= MOST_BALLS)
+        excess.is_none_or(|excess| *larger > excess) && count.is_some_and(|count| count as f64 <= MAX_BALLS)
     });
     let remedy = larger.next().map_or_else(
         || "spheres of the links in an SRDF (\"link_sphere_approximation\")".to_owned(),
@@ -138,7 +138,7 @@ pub(crate) fn collision_geometry(
     folder: &Path,
     path: &str,
 ) -> Result<CollisionGeometry> {
-    let bounded = |x: &[f64]| x.iter().all(|x| x.abs() <= LARGEST_LENGTH);
+    let bounded = |x: &[f64]| x.iter().all(|x| x.abs() <= MAX_LENGTH);
     let refuse = |condition: String| Err(Error::input(path, "robot_shape", condition));
     let (mut capsules, spacing) = match shape {
         RobotShape::JointFrames => {
@@ -152,7 +152,7 @@ pub(crate) fn collision_geometry(
             if !(bounded(&[radius_m, spacing_m]) && radius_m >= 0.0 && spacing_m > 0.0) {
                 return refuse(format!(
                     "a radius that is not negative and a positive spacing are needed, no number above \
-                    {LARGEST_LENGTH} m"
+                    {MAX_LENGTH} m"
                 ));
             }
             let capsules = Capsule::along_links(model, radius_m);
@@ -162,7 +162,7 @@ pub(crate) fn collision_geometry(
         }
         RobotShape::Collision { excess_m } => {
             if !excess_m.is_none_or(|excess| bounded(&[excess]) && excess > 0.0) {
-                return refuse(format!("a positive excess of at most {LARGEST_LENGTH} m is needed"));
+                return refuse(format!("a positive excess of at most {MAX_LENGTH} m is needed"));
             }
             let refused = |e: Error| Error::input(path, "robot_shape", e.to_string());
             let mut geometry = cover_with(model, load, folder, excess_m).map_err(refused)?;
@@ -193,12 +193,12 @@ pub(crate) fn collision_geometry(
 
 /// Refuses links swept by too many balls of this spacing.
 fn check_count(spacing: f64, count: f64, path: &str) -> Result<()> {
-    if count <= MOST_BALLS {
+    if count <= MAX_BALLS {
         return Ok(());
     }
     let (given, count, key) = (plain(spacing), plain(count), "robot_shape.swept_links.spacing_m");
     let condition =
-        format!("it is {given}, which takes {count} balls to cover the robot, at most {MOST_BALLS} are allowed");
+        format!("it is {given}, which takes {count} balls to cover the robot, at most {MAX_BALLS} are allowed");
     Err(Error::input(path, key, condition))
 }
 

@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 use std::path::Path;
 
 /// The largest number of rows of the constraints: each takes about 10 kB at degree 16.
-const MOST_ROWS: usize = 50_000;
+const MAX_ROWS: usize = 50_000;
 
 /// The distance of an obstacle, as a multiple of the robot's reach, beyond which the obstacle has no effect.
 pub(crate) const FAR: f64 = 100.0;
@@ -81,7 +81,7 @@ pub(crate) fn scene(
 /// Refuses a scene with too many rows; `path` names the scenario.
 fn check_rows(scene: &Scene, path: &str) -> Result<()> {
     let rows: usize = AnyConstraint::of_scene(scene).iter().map(Constraint::dim).sum();
-    if rows > MOST_ROWS {
+    if rows > MAX_ROWS {
         let (obstacles, balls) = (scene.obstacles().len(), scene.robot().balls.len());
         let key = match obstacles {
             0 => "robot_shape",
@@ -89,7 +89,7 @@ fn check_rows(scene: &Scene, path: &str) -> Result<()> {
         };
         let condition = format!(
             "{obstacles} obstacles and {balls} balls of the robot take {rows} rows of the constraints, at most \
-             {MOST_ROWS} are allowed"
+             {MAX_ROWS} are allowed"
         );
         return Err(Error::input(path, key, condition));
     }

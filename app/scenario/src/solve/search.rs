@@ -13,7 +13,7 @@ use std::time::Instant;
 const SHARE: f64 = 1000.0;
 
 /// The weight below which a search that leads to no faster motion gives up.
-const LEAST_SHARE: f64 = 2.0;
+const MIN_SHARE: f64 = 2.0;
 
 /// The same at the end, of the last motion: the effort is at most a hundredth of the objective; without it the motion
 /// of joints that do not determine the duration would be arbitrary.
@@ -161,7 +161,7 @@ impl<'s, 'o> Search<'s, 'o> {
                 _ if again > 0 => share,
                 (true, _) => SHARE,
                 // Half of the way there on a logarithmic scale.
-                (false, true) if share > LEAST_SHARE => share.sqrt(),
+                (false, true) if share > MIN_SHARE => share.sqrt(),
                 (false, false) if share > LAST_SHARE => LAST_SHARE,
                 _ => break,
             };

@@ -15,7 +15,7 @@ use std::time::Duration;
 const DEGREE: usize = 12;
 
 /// The longest deadline, s.
-const LONGEST_DEADLINE_S: f64 = 3600.0;
+const MAX_DEADLINE_S: f64 = 3600.0;
 
 /// The options of a tracker; those that are not given are the defaults of [`TrackerOptions`].
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -168,8 +168,8 @@ impl ScenarioTrackerOptions {
 /// A deadline of a step.
 fn deadline(seconds: Option<f64>) -> Result<Option<Duration>> {
     match seconds {
-        Some(s) if !(0.0..=LONGEST_DEADLINE_S).contains(&s) => {
-            let condition = format!("it is {s}, at least 0 and at most {LONGEST_DEADLINE_S} s is needed");
+        Some(s) if !(0.0..=MAX_DEADLINE_S).contains(&s) => {
+            let condition = format!("it is {s}, at least 0 and at most {MAX_DEADLINE_S} s is needed");
             Err(Error::input("options", "deadline_s", condition))
         }
         seconds => Ok(seconds.map(Duration::from_secs_f64)),

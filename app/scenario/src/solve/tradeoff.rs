@@ -37,7 +37,7 @@ impl<'a> Tradeoff<'a> {
     /// The default number of motions.
     pub const POINTS: usize = 20;
     /// The largest number of motions.
-    pub const MOST_POINTS: usize = 1000;
+    pub const MAX_POINTS: usize = 1000;
 
     /// The curve of a scenario, whose objective has no effect, with default options.
     #[must_use]
@@ -84,8 +84,8 @@ impl<'a> Tradeoff<'a> {
     /// limits nor bounds.
     pub fn run(self) -> Result<Vec<(Scenario, SolveReport)>> {
         let Self { scenario, points, options, interrupt, mut observe } = self;
-        if !(2..=Self::MOST_POINTS).contains(&points) {
-            let most = Self::MOST_POINTS;
+        if !(2..=Self::MAX_POINTS).contains(&points) {
+            let most = Self::MAX_POINTS;
             let condition = format!("it is {points}, at least 2 and at most {most} are needed");
             return Err(Error::input("options", "points", condition));
         }

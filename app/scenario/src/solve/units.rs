@@ -21,7 +21,7 @@ const LONGEST: f64 = 10.0;
 const SHORTEST: f64 = 0.1;
 
 /// The shortest horizon that the objective chooses, s: the period of usual controllers.
-const SHORTEST_S: f64 = 1e-3;
+const MIN_S: f64 = 1e-3;
 
 /// The weights of the duration and of the integrals of squares, in SI units.
 struct SiWeights {
@@ -150,11 +150,11 @@ impl Scenario {
         let shortest = match least {
             Some(least) if self.goal.is_some() => SHORTEST * least,
             Some(least) => least,
-            None if self.is_at(aim.as_deref()) => SHORTEST_S,
+            None if self.is_at(aim.as_deref()) => MIN_S,
             None => SHORTEST * given,
         };
         Some(HorizonBounds {
-            shortest_s: shortest.max(SHORTEST_S).min(given),
+            shortest_s: shortest.max(MIN_S).min(given),
             longest_s: LONGEST * least.unwrap_or(given).max(given),
         })
     }

@@ -163,11 +163,10 @@ impl Scenario {
             let (q, v) = x.as_slice().split_at(n);
             let (rows, still) = (&waypoint.constraints[..], [q, &vec![0.0; n]].concat());
             let off = worst_row(rows, &self.model, &still)?.map_or(0.0, |(off, _)| off);
-            let mut scales = vec![1.0; rows.dim()];
-            rows.row_scales(&mut scales);
+            let scales = rows.row_scales();
             let mut evaluator = Evaluator::new(&self.model);
             let (mut placed, mut speed) = (evaluator.at(&still)?, 0.0_f64);
-            for row in (0..rows.dim()).filter(|row| rows.is_equality(*row)) {
+            for row in (0..rows.dim()).filter(|row| rows.row_set(*row).is_equality) {
                 let mut alone = vec![0.0; rows.dim()];
                 alone[row] = 1.0 / scales[row];
                 let weights = Weights { first_order: &alone, gauss_newton: None };

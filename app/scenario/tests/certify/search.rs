@@ -139,7 +139,7 @@ fn broken_promises_are_refused() {
     refused(json!({ "horizon_s": 1.001 }), "horizon", "");
     // The carriage passes the origin.
     let ball = json!({ "shape": { "sphere": { "radius_m": 0.021 } }, "pose": { "position_m": [0.0, 0.0, 0.03] } });
-    refused(json!({ "obstacles": [ball] }), "clearance from obstacles", "carriage");
+    refused(json!({ "obstacles": [ball] }), "obstacles", "carriage");
 }
 
 /// The box on the carriage is 40 mm high and begins 10 mm below a ball.

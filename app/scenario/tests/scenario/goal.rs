@@ -37,7 +37,7 @@ fn each_key_has_its_rows() {
         let scenario = load("rows", &kinova(tool(keys.clone()))).expect("it is good");
         let goal = scenario.goal.expect("a set");
         let rows = &goal.alternatives[0];
-        let held = (0..rows.dim()).filter(|row| rows.is_equality(*row)).count();
+        let held = (0..rows.dim()).filter(|row| rows.row_set(*row).is_equality).count();
         assert_eq!([held, rows.dim() - held], *expected, "{keys}");
     }
     let list: Vec<_> = cases.iter().map(|(keys, _)| tool(keys.clone())).collect();
