@@ -5,7 +5,7 @@ use std::fmt::Display;
 use std::str::FromStr;
 
 /// The number of names up to which a message lists all.
-const FEW: usize = 8;
+const MAX_LISTED: usize = 8;
 /// The number of nearest names in a message otherwise.
 const NEAREST: usize = 3;
 
@@ -41,7 +41,7 @@ pub fn instead<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> String {
     let mut all: Vec<_> = names.collect();
     let count = all.len();
     let mut words = "there are".to_owned();
-    if count > FEW {
+    if count > MAX_LISTED {
         // The one is for pieces of a longer name, the other for a digit that differs.
         let likeness = |other: &str| strsim::sorensen_dice(name, other) + strsim::jaro_winkler(name, other);
         all.sort_by(|a, b| likeness(b).total_cmp(&likeness(a)));

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 /// The number of balls of two links up to which all their pairs are compared: 64 squares of distances cost about as
 /// much as four bounds.
-const FEW: usize = 8;
+const MAX_COMPARED: usize = 8;
 
 /// The nearest of several distances.
 #[derive(Clone, Copy)]
@@ -226,7 +226,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Pair<'_, C, S> {
         let bound = |of| self.between(of).0;
         let is_nearer = |a: &S, b: &S| is_negative(*b - *a);
         // Of `n` nodes half are leaves.
-        let are_few = |tree: &BallTree<C>, node: usize| tree.nodes[node].next - node < 2 * FEW;
+        let are_few = |tree: &BallTree<C>, node: usize| tree.nodes[node].next - node < 2 * MAX_COMPARED;
         tree.search_pairs(other, bound, is_nearer, |[k, l], g| {
             let is_near = !is_negative(*g - rows.least);
             let are_few = are_few(tree, k) && are_few(other, l);
@@ -240,7 +240,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Pair<'_, C, S> {
     /// Compares all balls below two nodes.
     fn compare(&self, [k, l]: [usize; 2], rows: &mut Rows<'_, S>) {
         let [tree, other] = self.links;
-        let mut few = [(0, 0, C::zero(), Vector3::zeros()); FEW];
+        let mut few = [(0, 0, C::zero(), Vector3::zeros()); MAX_COMPARED];
         let leaves = (k..tree.nodes[k].next).filter_map(|k| tree.nodes[k].leaf.map(|a| (k, a)));
         let mut count = 0;
         for (found, (k, a)) in few.iter_mut().zip(leaves) {

@@ -12,7 +12,7 @@ use crate::spatial::dot;
 use nalgebra::Vector3;
 
 /// The number of balls up to which their places are on the stack: more than those of most models of arms.
-const FEW: usize = 128;
+const MAX_ON_STACK: usize = 128;
 
 /// The two balls of every pair do not overlap: $g = (r_1 + r_2)^2 - |p_1 - p_2|^2$ in m^2, one row per pair. The
 /// squares make it smooth everywhere. Consecutive pairs on the same two bodies share their work.
@@ -51,9 +51,9 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
     }
 
     fn value<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, g: &mut [S]) -> Result<()> {
-        let (mut few, mut many) = ([Vector3::zeros(); FEW], Vec::new());
+        let (mut few, mut many) = ([Vector3::zeros(); MAX_ON_STACK], Vec::new());
         let count = self.balls.len();
-        let places = if count <= FEW {
+        let places = if count <= MAX_ON_STACK {
             &mut few[..count]
         } else {
             many.resize(count, Vector3::zeros());

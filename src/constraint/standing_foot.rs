@@ -54,7 +54,7 @@ pub struct FootContact {
 }
 
 /// The largest number of rows.
-const MOST: usize = 8;
+const MAX_ROWS: usize = 8;
 
 /// The weighted derivatives of the rows in $z = [q; v; a]$, with scratch space.
 #[derive(Clone, Debug)]
@@ -99,8 +99,8 @@ impl<C: Scalar> StandingFoot<C> {
     #[must_use]
     pub fn dim(&self) -> usize {
         match self.torsion {
-            Some(_) => MOST,
-            None => MOST - 2,
+            Some(_) => MAX_ROWS,
+            None => MAX_ROWS - 2,
         }
     }
 
@@ -164,8 +164,8 @@ impl<C: Scalar> StandingFoot<C> {
     }
 
     /// The gradients of the rows in the wrench.
-    fn slopes<S: AlgebraOver<C>>(&self, wrench: &Force<S>) -> [[S; 6]; MOST] {
-        let mut slopes = [[S::zero(); 6]; MOST];
+    fn slopes<S: AlgebraOver<C>>(&self, wrench: &Force<S>) -> [[S; 6]; MAX_ROWS] {
+        let mut slopes = [[S::zero(); 6]; MAX_ROWS];
         for (to, row) in slopes.iter_mut().zip(self.linear()) {
             *to = entries(&row).map(S::lift);
         }
@@ -202,7 +202,7 @@ impl<C: Scalar> StandingFoot<C> {
         for weights in [weights.slopes, weights.multipliers, weights.curvatures] {
             check_length("weights", self.dim(), weights.len())?;
         }
-        let mut slopes = [[S::zero(); 6]; MOST];
+        let mut slopes = [[S::zero(); 6]; MAX_ROWS];
         let weigh = |wrench: &Force<S>| {
             slopes = self.slopes(wrench);
             motion(&sum(&slopes, weights.multipliers))
@@ -332,7 +332,7 @@ fn motion<S: Scalar>(x: &[S; 6]) -> Motion<S> {
 }
 
 /// The weighted sum of the gradients of the rows.
-fn sum<S: Scalar>(slopes: &[[S; 6]; MOST], weights: &[S]) -> [S; 6] {
+fn sum<S: Scalar>(slopes: &[[S; 6]; MAX_ROWS], weights: &[S]) -> [S; 6] {
     let mut sum = [S::zero(); 6];
     for (slope, weight) in slopes.iter().zip(weights) {
         for (to, slope) in sum.iter_mut().zip(slope) {

@@ -49,7 +49,7 @@ use std::f64::consts::PI;
 const SHORT: f64 = 1.25;
 
 /// The accepted violation of a row at the ends of the problem, in its unit.
-const HARMLESS: f64 = 1e-6;
+const END_TOLERANCE: f64 = 1e-6;
 
 /// The settings of a planner.
 #[derive(Clone, Debug, PartialEq)]
@@ -168,7 +168,7 @@ pub fn plan<K: Constraint + ?Sized>(
     let mut checker = Checker::new(problem.model(), constraint, settings.resolution)?;
     for (goal, end) in [(false, ends[0]), (true, ends[1])] {
         let (row, by) = checker.worst(end)?;
-        if by > HARMLESS {
+        if by > END_TOLERANCE {
             return Ok(Plan::EndBlocked { goal, row, by });
         }
     }

@@ -7,7 +7,7 @@ use crate::error::Result;
 use rand_chacha::ChaCha8Rng;
 
 /// The share of a step by which it comes nearer after its projection, and by how much longer it may then be.
-const NEARER: f64 = 0.2;
+const MIN_PROGRESS: f64 = 0.2;
 const FARTHEST: f64 = 2.0;
 
 /// A tree of configurations, each joined to its parent by a free line.
@@ -129,7 +129,7 @@ pub(super) fn step<K: Constraint + ?Sized>(
         let Some(next) = checker.projected(between(from, to, range / far))? else {
             return Ok(None);
         };
-        if distance(&next, to) > far - NEARER * range || distance(from, &next) > FARTHEST * range {
+        if distance(&next, to) > far - MIN_PROGRESS * range || distance(from, &next) > FARTHEST * range {
             return Ok(None);
         }
         next

@@ -69,7 +69,7 @@ fn rough(obstacle: &Solid, p: [f64; 3]) -> f64 {
 /// More than the error of distances in `f64` up to the largest length, m, by rounding and by the enclosure of a
 /// rotation.
 const ROUGH: f64 = 1e-8;
-const LARGEST: f64 = 1e6;
+const MAX_COORDINATE: f64 = 1e6;
 
 /// The directions that are listed for pairs of shapes on an interval; obstacles follow the shapes of the robot.
 pub(crate) type Directions = BTreeMap<[usize; 2], [f64; 3]>;
@@ -96,7 +96,7 @@ impl Clearances<'_> {
         let middle = |i: usize| self.placed[i].1.map(|x| x.c[0]);
         let way = |i: usize| {
             let off = self.placed[i].1.map(|x| x.turn().1.most());
-            let is_rough = middle(i).into_iter().all(|x| x.abs() <= LARGEST);
+            let is_rough = middle(i).into_iter().all(|x| x.abs() <= MAX_COORDINATE);
             if is_rough { off.iter().map(|x| x * x).sum::<f64>().sqrt() + ROUGH } else { f64::INFINITY }
         };
         let apart = |p: [f64; 3], q: [f64; 3]| (p[0] - q[0]).hypot(p[1] - q[1]).hypot(p[2] - q[2]);

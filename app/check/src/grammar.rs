@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 /// The largest length, mass and similar number, in SI units.
-const LARGEST: f64 = 1e6;
+const MAX_NUMBER: f64 = 1e6;
 
 /// A value of a file: of JSON, an element of XML, or an attribute of one.
 #[derive(Clone, Copy)]
@@ -122,9 +122,9 @@ fn members(item: Item) -> Option<Vec<(String, Item)>> {
 fn is_atom(item: Item, kind: &str) -> bool {
     let is_in = |x: f64| match kind {
         "number" | "decimal" => x.is_finite(),
-        "positive" | "decimal1" | "decimals1" => x > 0.0 && x <= LARGEST,
-        "magnitude" => (0.0..=LARGEST).contains(&x),
-        "length" | "decimals" => x.abs() <= LARGEST,
+        "positive" | "decimal1" | "decimals1" => x > 0.0 && x <= MAX_NUMBER,
+        "magnitude" => (0.0..=MAX_NUMBER).contains(&x),
+        "length" | "decimals" => x.abs() <= MAX_NUMBER,
         "weight" | "decimal0" => x >= 0.0 && x.is_finite(),
         "share" => x > 0.0 && x <= 1.0,
         "angle" => x > 0.0 && x < PI,
@@ -142,7 +142,7 @@ fn is_atom(item: Item, kind: &str) -> bool {
         ("text", _) => text.is_some(),
         ("name", _) => text.is_some_and(|text| !text.is_empty()),
         ("hash", _) => text.is_some_and(|text| text.len() == 64 && text.bytes().all(|b| b.is_ascii_hexdigit())),
-        ("index", Item::Json(value)) => value.as_u64().is_some_and(|i| i as f64 <= LARGEST),
+        ("index", Item::Json(value)) => value.as_u64().is_some_and(|i| i as f64 <= MAX_NUMBER),
         (_, Item::Json(Value::Number(x))) => x.as_f64().is_some_and(is_in),
         (_, Item::Attribute(text)) if kind.starts_with("decimal") => {
             let count = if kind.starts_with("decimals") { 3 } else { 1 };

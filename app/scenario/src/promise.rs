@@ -63,7 +63,7 @@ pub(super) fn roles(scenario: &Scenario) -> Vec<(&'static str, Role)> {
         let all = scopes.into_iter().enumerate();
         Promised(all.map(|(i, scope)| Promise { index: Some(i), ..promise(quantity, scope) }).collect())
     };
-    let phases_or = |are_phases: bool, role: Role| if are_phases { OfPhases } else { role };
+    let unless = |are_phases: bool| if are_phases { OfPhases } else { NoPromise };
     let ScenarioFile {
         schema, robot, packages, root, mount, gravity, mimic, srdf, group, held_state, locked_joints, losses,
         payload, passive, horizon_s, q_start, v_start, q_goal, v_goal, turns, goal, keep, waypoints, stand,
@@ -72,10 +72,8 @@ pub(super) fn roles(scenario: &Scenario) -> Vec<(&'static str, Role)> {
     } = &scenario.file;
     let (is_free, apart) = (scenario.file.has_free_horizon(), scenario.keeps_links_clear());
     let horizon = Promise { bounds: scenario.file.horizon_bounds(), ..promise(Quantity::Duration, Scope::Goal) };
-    let limits = scenario.limits();
-    let of_passive = |limit: &Promise| limit.quantity == Quantity::Passive;
-    let is_passive = !passive.is_empty();
-    let (without_motor, limits): (Vec<_>, Vec<_>) = limits.into_iter().partition(of_passive);
+    let limits = scenario.limits().into_iter();
+    let (without_motor, limits): (Vec<_>, Vec<_>) = limits.partition(|limit| limit.quantity == Quantity::Passive);
     vec![
         row("$schema", schema, NoPromise),
         row("robot", robot, Assumed),
@@ -90,7 +88,7 @@ pub(super) fn roles(scenario: &Scenario) -> Vec<(&'static str, Role)> {
         row("locked_joints", locked_joints, Assumed),
         row("losses", losses, Assumed),
         row("payload", payload, Assumed),
-        row("passive", passive, if is_passive { Promised(without_motor) } else { NoPromise }),
+        row("passive", passive, if passive.is_empty() { NoPromise } else { Promised(without_motor) }),
         row("horizon_s", horizon_s, if is_free { NoPromise } else { Promised(vec![horizon.clone()]) }),
         row("q_start", q_start, one(true, Quantity::Position, Scope::Start)),
         row("v_start", v_start, one(true, Quantity::Velocity, Scope::Start)),
@@ -101,8 +99,8 @@ pub(super) fn roles(scenario: &Scenario) -> Vec<(&'static str, Role)> {
         row("keep", keep, each(keep.iter().map(|kept| Scope::Between(kept.times())).collect(), Quantity::Frame)),
         row("waypoints", waypoints, each((0..waypoints.len()).map(Scope::Waypoint).collect(), Quantity::Frame)),
         row("stand", stand, one(stand.is_some(), Quantity::Foot, Scope::THROUGHOUT)),
-        row("phases", phases, phases_or(!phases.is_empty(), NoPromise)),
-        row("periodic", periodic, phases_or(*periodic, NoPromise)),
+        row("phases", phases, unless(!phases.is_empty())),
+        row("periodic", periodic, unless(*periodic)),
         row("free_final_velocity", free_final_velocity, NoPromise),
         row("continuity", continuity, one(true, Quantity::Acceleration, Scope::THROUGHOUT)),
         row("objective", objective, NoPromise),
@@ -124,11 +122,10 @@ impl Scenario {
     pub fn promises(&self) -> Vec<Promise> {
         let mut all: Vec<Promise> = Vec::new();
         for (_, role) in roles(self) {
-            let Role::Promised(own) = role else {
-                continue;
-            };
-            let new: Vec<_> = own.into_iter().filter(|promise| !all.contains(promise)).collect();
-            all.extend(new);
+            if let Role::Promised(mut own) = role {
+                own.retain(|promise| !all.contains(promise));
+                all.extend(own);
+            }
         }
         all
     }
@@ -138,10 +135,8 @@ impl Scenario {
     pub fn limits(&self) -> Vec<Promise> {
         let all = Quantity::JOINT.into_iter().flat_map(|of| (0..self.model.dof()).map(move |joint| (of, joint)));
         let limit = |(of, joint): (Quantity, usize)| {
-            let is_passive = of == Quantity::Torque && self.is_passive(joint);
-            let quantity = if is_passive { Quantity::Passive } else { of };
-            let bounds = self.bound(of, joint)?;
-            Some(Promise { quantity, index: Some(joint), bounds, scope: Scope::THROUGHOUT })
+            let quantity = if of == Quantity::Torque && self.is_passive(joint) { Quantity::Passive } else { of };
+            Some(Promise { quantity, index: Some(joint), bounds: self.bound(of, joint)?, scope: Scope::THROUGHOUT })
         };
         all.filter_map(limit).collect()
     }

@@ -10,7 +10,7 @@ use nalgebra::DVector;
 
 /// The number of times beside an end, each half as far from it as the one before, which divides a violation between it
 /// and the end by four at rest, and by eight with zero acceleration.
-const TIMES: i32 = 3;
+const HALVINGS: i32 = 3;
 
 /// A row of the state that is at its bound at an end.
 struct AtBound {
@@ -42,7 +42,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             let power = 2 + i32::from(ends.acceleration && ends.rest[end]);
             let rows = self.rows_at_bound(end)?;
             self.rows_of_ends[end] = rows.iter().map(|of| of.row).collect();
-            for half in (1..=TIMES).take_while(|_| !rows.is_empty()) {
+            for half in (1..=HALVINGS).take_while(|_| !rows.is_empty()) {
                 let part = 0.5_f64.powi(half);
                 let factor = part.powi(-power);
                 // The reserve, which is added to the rows of points, cancels.

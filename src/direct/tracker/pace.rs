@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 const SHARES: [f64; 2] = [0.05, 0.5];
 /// The largest factor by which a time counts above its estimate, so that a single interruption by the system has a
 /// small effect.
-const MOST: f64 = 2.0;
+const MAX_FACTOR: f64 = 2.0;
 /// The time that has to be left relative to an estimate: one in a hundred steps takes 1.5 times as long as its estimate
 /// on a virtual machine.
 const MARGIN: f64 = 1.25;
@@ -68,6 +68,6 @@ pub(super) fn learn(estimate: &mut f64, time: f64) {
     if estimate.is_nan() {
         *estimate = time;
     }
-    let by = time.min(MOST * *estimate) - *estimate;
+    let by = time.min(MAX_FACTOR * *estimate) - *estimate;
     *estimate += SHARES[usize::from(by > 0.0)] * by;
 }

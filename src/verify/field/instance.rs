@@ -12,9 +12,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 /// The smallest robot.
-const SMALLEST: usize = 5;
+const MIN_JOINTS: usize = 5;
 /// The largest robot. Trees of this size contain every case of branching.
-const LARGEST: usize = 8;
+const MAX_JOINTS: usize = 8;
 
 /// A random instance: a robot of five to eight joints with arbitrary branching, axes, placements, inertias, drives and
 /// gravity, the input of the flow at a node, and a penalty, all of them random elements of the field.
@@ -45,7 +45,7 @@ impl RandomInstance {
     /// # Errors
     /// None: there is at least one joint, and parents come before children.
     pub fn random(rng: &mut ChaCha8Rng) -> Result<Self> {
-        let n = rng.random_range(SMALLEST..=LARGEST);
+        let n = rng.random_range(MIN_JOINTS..=MAX_JOINTS);
         let model = robot(n, rng)?;
         let mut numbers = |count: usize| DVector::from_fn(count, |_, _| number(rng));
         Ok(Self {

@@ -9,7 +9,7 @@ use urdf_rs::{Inertia, Joint, Link, Robot};
 
 /// The radius of gyration and the distance of the centre of mass of a link without shapes that are still plausible, as
 /// a multiple of the distance to its joints: the link may extend beyond them.
-const BEYOND: f64 = 3.0;
+const MAX_MULTIPLE: f64 = 3.0;
 
 /// The radius of gyration that is still plausible, as a multiple of the diagonal of the box about the shapes: these may
 /// be smaller than the link. A rod has 0.29.
@@ -107,7 +107,7 @@ fn by_joints(robot: &Robot, link: &Link, centre: &Vector3<f64>) -> Extent {
     let touches = |joint: &&Joint| [&joint.parent.link, &joint.child.link].contains(&&link.name);
     let distances = robot.joints.iter().filter(touches);
     let distances = distances.map(|joint| Vector3::from(joint.origin.xyz.0).norm());
-    let most = BEYOND * distances.fold(NEAR, f64::max);
+    let most = MAX_MULTIPLE * distances.fold(NEAR, f64::max);
     Extent { lower: *centre, upper: *centre, widest: most, farthest: most }
 }
 

@@ -7,7 +7,7 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// The largest number of folders of one name.
-const MOST: usize = 10_000;
+const MAX_FOLDERS: usize = 10_000;
 
 /// A folder that is tested for writing before the work begins. A newly created one is removed again if nothing was
 /// written.
@@ -40,7 +40,7 @@ impl OutputFolder {
         if let Some(parent) = path.parent() {
             fs::create_dir_all(parent).map_err(|e| Error::io(parent, e))?;
         }
-        for number in 1..=MOST {
+        for number in 1..=MAX_FOLDERS {
             let mut name = path.as_os_str().to_owned();
             if number > 1 {
                 name.push(format!("-{number}"));
@@ -52,7 +52,7 @@ impl OutputFolder {
                 Err(e) => return Err(Error::io(name, e)),
             }
         }
-        let condition = format!("there are {MOST} folders of this name already");
+        let condition = format!("there are {MAX_FOLDERS} folders of this name already");
         Err(Error::input(path.display().to_string(), "folder", condition))
     }
 

@@ -33,14 +33,14 @@ impl Sampling {
     }
 
     /// The largest number of rows of a table: several GB of text for an arm.
-    pub const MOST: usize = 10_000_000;
+    pub const MAX_ROWS: usize = 10_000_000;
 
     /// The times of a motion with this horizon, all in s.
     ///
     /// # Errors
     /// The number or the rate is out of range.
     pub fn times(self, horizon: f64) -> Result<impl Iterator<Item = f64> + use<>> {
-        let most = Self::MOST;
+        let most = Self::MAX_ROWS;
         let refuse = |what: &str, condition: String| Err(Error::input("options", what, condition));
         // Times are quotients, so that each has only one rounding error.
         let (count, per_second) = match self {

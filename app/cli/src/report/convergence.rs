@@ -7,7 +7,7 @@ use aghf_scenario::{Record, SolveReport};
 use plotters::style::RGBColor;
 
 /// The lower limit of numbers on a logarithmic axis, for example of violations that are zero.
-const LEAST: f64 = 1e-12;
+const MIN_SHOWN: f64 = 1e-12;
 
 /// A named sequence of numbers by iteration.
 struct Series {
@@ -63,7 +63,7 @@ fn logarithmic(title: &str, series: Vec<(Series, RGBColor)>) -> Result<Option<Pl
     let (mut lines, mut legend) = (Vec::new(), Vec::new());
     for (Series { name, points }, colour) in series {
         let points = points.into_iter().filter(|(_, y)| y.is_finite());
-        let points: Vec<_> = points.map(|(x, y)| (x, y.max(LEAST).log10())).collect();
+        let points: Vec<_> = points.map(|(x, y)| (x, y.max(MIN_SHOWN).log10())).collect();
         if points.len() > 1 {
             legend.push([name.to_owned(), css(colour)]);
             lines.push(Line { points, colour, bounds: f64::NEG_INFINITY..f64::INFINITY });

@@ -11,7 +11,7 @@ use std::ops::Range;
 const FINE: i32 = 4;
 const SIZE: [i32; 2] = [330, 160];
 /// The space for labels of up to eight characters on the left, for labels below, and beyond the ends of the axes.
-const LEFT: i32 = 52;
+const LEFT_SPACE: i32 = 52;
 const BELOW: i32 = 20;
 const MARGIN: i32 = 8;
 const FONT: i32 = 11;
@@ -156,7 +156,7 @@ pub(super) fn plot(axes: Axes, lines: &[Line]) -> Result<Plot> {
         unit: axes.unit,
         svg: text.replace(" fill=\"none\" opacity=\"1\"", "").replace(" \"/>", "\"/>"),
         frame: [
-            f64::from(MARGIN + LEFT) / width,
+            f64::from(MARGIN + LEFT_SPACE) / width,
             1.0 - f64::from(MARGIN) / width,
             f64::from(MARGIN) / height,
             1.0 - f64::from(MARGIN + BELOW) / height,
@@ -223,7 +223,7 @@ fn draw(root: &DrawingArea<SVGBackend<'_>, Shift>, axes: &Axes, lines: &[Line], 
     let mut chart = ChartBuilder::on(root)
         .margin(fine(MARGIN))
         .x_label_area_size(fine(BELOW))
-        .y_label_area_size(fine(LEFT))
+        .y_label_area_size(fine(LEFT_SPACE))
         .build_cartesian_2d(across.clone(), up.clone())?;
     let mut rectangle = |strip: &Strip, style: RGBAColor| {
         let corners = [(across.start, strip.from), (across.end, strip.to)];

@@ -17,7 +17,7 @@ pub(super) const MOTION: [f64; 2] = [120.0, 600.0];
 pub(super) const GHOST: [f64; 2] = [40.0, 200.0];
 
 /// The largest 16-bit number.
-const LARGEST: f64 = 32767.0;
+const MAX_16_BIT: f64 = 32767.0;
 
 /// The placements of all bodies over time.
 #[derive(Serialize)]
@@ -80,7 +80,7 @@ impl Track {
         let poses: Vec<[f64; 7]> = placements.iter().flatten().map(pose).collect();
         let positions = || poses.iter().flat_map(|p| p[..3].iter().copied());
         let furthest = positions().fold(1e-6, |most: f64, x| most.max(x.abs()));
-        let unit = furthest / LARGEST;
+        let unit = furthest / MAX_16_BIT;
         Self {
             name,
             kind,
@@ -88,7 +88,7 @@ impl Track {
             times: of_f32(rows.iter().map(|row| row.t)),
             unit,
             positions: of_i16(positions(), unit),
-            turns: of_i16(poses.iter().flat_map(|p| p[3..].iter().copied()), 1.0 / LARGEST),
+            turns: of_i16(poses.iter().flat_map(|p| p[3..].iter().copied()), 1.0 / MAX_16_BIT),
         }
     }
 }

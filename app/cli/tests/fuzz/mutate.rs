@@ -5,9 +5,9 @@ use rand_chacha::ChaCha8Rng;
 use std::ops::Range;
 
 /// The largest input, in bytes.
-const LARGEST: usize = 1 << 16;
+const MAX_INPUT: usize = 1 << 16;
 /// The most mutations of one input.
-const MOST: usize = 6;
+const MAX_MUTATIONS: usize = 6;
 
 /// Numbers and texts at which readers stumble, beside the words of the corpus itself.
 const ODD: [&str; 44] = [
@@ -91,9 +91,9 @@ impl Mutator {
         let among = if self.below(2) == 0 { first } else { pool.len() };
         let mut text = pool[self.below(among)].clone();
         // One is enough more often than not, for what is refused early shows little.
-        for _ in 0..=self.below(MOST).saturating_sub(MOST / 2) {
+        for _ in 0..=self.below(MAX_MUTATIONS).saturating_sub(MAX_MUTATIONS / 2) {
             text = self.mutate(text, pool);
-            text.truncate(LARGEST);
+            text.truncate(MAX_INPUT);
         }
         text
     }

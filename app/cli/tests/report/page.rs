@@ -8,14 +8,14 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use serde_json::Value;
 
 /// The largest page of a robot with 22 joints, bytes.
-const LARGEST: usize = 2_000_000;
+const MAX_PAGE: usize = 2_000_000;
 
 #[test]
 fn every_body_is_where_the_kinematics_put_it() {
     let scenario = Scenario::load("digit_free_step").expect("it is built in");
     let outcome = solved(&scenario, 1);
     let (text, data) = page_of(&scenario, &outcome);
-    assert!(text.len() < LARGEST, "{} bytes", text.len());
+    assert!(text.len() < MAX_PAGE, "{} bytes", text.len());
     let n = scenario.model.dof();
     let track = &data["tracks"][0];
     let (times, unit) = (floats(&track["times"]), track["unit"].as_f64().expect("a number"));

@@ -9,11 +9,11 @@ use aghf::spatial::Placement;
 use nalgebra::Vector3;
 
 /// The largest reserve that is claimed, m: distant pairs need no accurate bound.
-pub(super) const ENOUGH: f64 = 0.05;
+pub(super) const MAX_CLAIM: f64 = 0.05;
 
 /// The accuracy of squared distances, m^2, and the allowance of a claim for another arithmetic, m.
 const ACCURACY: f64 = 1e-12;
-pub(super) const LEFT: f64 = 1e-10;
+pub(super) const ALLOWANCE: f64 = 1e-10;
 
 pub(super) type Model = TaylorModel<ORDER>;
 
@@ -123,26 +123,26 @@ impl<'a> Balls<'a> {
         };
         let mut all: Vec<_> = pairs.iter().map(|pair| (rough(pair), pair)).collect();
         all.retain(|((_, bound), _)| {
-            let is_far = *bound > ENOUGH + LEFT;
+            let is_far = *bound > MAX_CLAIM + ALLOWANCE;
             !is_far
         });
         all.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
-        let mut claim = ENOUGH;
+        let mut claim = MAX_CLAIM;
         let mut nearest: Option<(f64, &Pair)> = None;
         for ((middle, bound), pair) in all {
-            if bound >= claim + LEFT {
+            if bound >= claim + ALLOWANCE {
                 break;
             }
             if nearest.is_none_or(|(known, _)| middle < known) {
                 nearest = Some((middle, pair));
             }
-            let fine = self.bound(pair) - LEFT;
+            let fine = self.bound(pair) - ALLOWANCE;
             // A claim that is not a number stays NaN.
             claim = if fine >= claim { claim } else { fine };
         }
         Least {
             claim,
-            middle: nearest.map_or(ENOUGH, |(middle, _)| middle),
+            middle: nearest.map_or(MAX_CLAIM, |(middle, _)| middle),
             place: nearest.map_or_else(String::new, |(_, pair)| self.names(pair)),
         }
     }

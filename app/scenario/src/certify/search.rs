@@ -14,11 +14,11 @@ use aghf::error::Result;
 use aghf::spatial::Placement;
 
 /// The fewest intervals of a motion.
-const FEWEST: usize = 16;
+const MIN_INTERVALS: usize = 16;
 
 /// The largest number of intervals, and the smallest half width of one: beyond, a promise is not provable.
-const MOST: usize = 4000;
-const SMALLEST: f64 = 1.0 / (1 << 24) as f64;
+const MAX_INTERVALS: usize = 4000;
+const MIN_HALF_WIDTH: f64 = 1.0 / (1 << 24) as f64;
 
 /// The share of a proved reserve that is claimed: with the arithmetic of the checkers the reserve is smaller by up to
 /// about 1e-4 of it.
@@ -34,10 +34,10 @@ const MAX_ERROR: f64 = 1e-4;
 const NARROW: f64 = 1.0 / (1 << 10) as f64;
 
 /// The largest reserve of a row that is claimed.
-const ENOUGH: f64 = 1.0;
+const MAX_CLAIM: f64 = 1.0;
 
 /// The share of a segment by which intervals reach beyond the times of a condition, more than rounding of times.
-const BEYOND: f64 = 1.0 / (1_u64 << 39) as f64;
+const OVERLAP: f64 = 1.0 / (1_u64 << 39) as f64;
 
 /// The proof under construction.
 struct Search<'a> {
@@ -172,12 +172,12 @@ impl<'a> Search<'a> {
         Ok((reserve, passages))
     }
 
-    /// The segments, cut at the times between which conditions are kept, and at least [`FEWEST`] parts.
+    /// The segments, cut at the times between which conditions are kept, and at least [`MIN_INTERVALS`] parts.
     fn parts(&self) -> Vec<Part> {
         let segments = self.motion.segments();
         let mut parts: Vec<Part> = (0..segments).map(Part::whole).collect();
         for [from, to] in self.rows.all.iter().map(|row| row.times) {
-            for (time, out) in [(from, -BEYOND), (to, BEYOND)] {
+            for (time, out) in [(from, -OVERLAP), (to, OVERLAP)] {
                 let place = time / self.motion.horizon() * segments as f64 + out;
                 let x = 2.0 * place.fract() - 1.0;
                 let cut = |part: Part| {
@@ -191,7 +191,7 @@ impl<'a> Search<'a> {
                 parts = parts.into_iter().flat_map(cut).collect();
             }
         }
-        while parts.len() < FEWEST {
+        while parts.len() < MIN_INTERVALS {
             parts = parts.into_iter().flat_map(|part| part.split(part.middle)).collect();
         }
         parts
@@ -204,7 +204,7 @@ impl<'a> Search<'a> {
         let basis = Bernstein::new(ORDER - 1);
         let mut found = Vec::new();
         while let Some(part) = open.pop() {
-            let can_halve = part.half > SMALLEST && found.len() + open.len() < MOST;
+            let can_halve = part.half > MIN_HALF_WIDTH && found.len() + open.len() < MAX_INTERVALS;
             match self.claims(part, &basis, can_halve)? {
                 Some((claims, directions)) => {
                     let [from, to] = part.ends();
@@ -242,7 +242,7 @@ impl<'a> Search<'a> {
     fn claims(&mut self, part: Part, basis: &Bernstein, can_halve: bool) -> Result<Option<Claims>> {
         let alone = self.motion.piece(part);
         let tube = (self.tracking_error > 0.0).then(|| alone.widened(self.tracking_error));
-        let mut claims = vec![ENOUGH; self.promises.len()];
+        let mut claims = vec![MAX_CLAIM; self.promises.len()];
         let mut failures = Vec::new();
         let mut nearest = self.rows.nearest(&alone)?;
         if let Some(tube) = &tube {

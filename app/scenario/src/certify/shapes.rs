@@ -1,7 +1,7 @@
 //! Lower bounds on the distances of convex shapes on a piece of a motion, by directions that separate them.
 
 use super::Direction;
-use super::clearance::{Beside, ENOUGH, LEFT, Least, Model, Pair, lower};
+use super::clearance::{ALLOWANCE, Beside, Least, MAX_CLAIM, Model, Pair, lower};
 use crate::{Quantity, RobotShape, Scenario};
 use aghf::certify::Bernstein;
 use aghf::error::Result;
@@ -138,7 +138,7 @@ impl<'a> Shapes<'a> {
         };
         let mut all: Vec<_> = pairs.iter().map(rough).collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (mut claim, mut middle, mut place) = (ENOUGH, ENOUGH, String::new());
+        let (mut claim, mut middle, mut place) = (MAX_CLAIM, MAX_CLAIM, String::new());
         let mut directions = Vec::new();
         for (bound, of, margin, is_bounded) in all {
             if bound >= claim {
@@ -202,7 +202,7 @@ impl<'a> Shapes<'a> {
         let [a, b] = of.map(|i| &self.placed[i]);
         let off = b.at.translation - a.at.translation;
         let gap = n.dot(&off) - extent(a, n) - extent(b, n);
-        lower(self.basis, self.left, gap) / n.dot(n).magnitude().sqrt() - margin - LEFT
+        lower(self.basis, self.left, gap) / n.dot(n).magnitude().sqrt() - margin - ALLOWANCE
     }
 }
 

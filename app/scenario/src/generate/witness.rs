@@ -15,7 +15,7 @@ pub(super) const HORIZON_RATIO: f64 = 1.3;
 /// The velocity limit of a joint that has none, rad/s or m/s.
 const NOMINAL_SPEED: f64 = 3.0;
 /// The number of times at which the limits are checked.
-const TIMES: usize = 241;
+const SAMPLES: usize = 241;
 /// The fractions of a bend tried until one satisfies all limits; the line is the last resort.
 const PARTS: [f64; 8] = [1.0, 0.7, 0.5, 0.35, 0.25, 0.15, 0.08, 0.0];
 /// The stride of the first pass over the times, which already rejects most motions that violate a limit.
@@ -63,7 +63,7 @@ impl<'a> Witness<'a> {
             let wish = witness.bend[i];
             for part in PARTS {
                 witness.bend[i] = part * wish;
-                if (0..TIMES).all(|k| witness.joint_keeps(i, k)) {
+                if (0..SAMPLES).all(|k| witness.joint_keeps(i, k)) {
                     break;
                 }
             }
@@ -80,9 +80,9 @@ impl<'a> Witness<'a> {
         [start + along(0), along(1) * rate, along(2) * rate * rate]
     }
 
-    /// Returns true if a joint satisfies its limits of position and velocity at time `k` of [`TIMES`].
+    /// Returns true if a joint satisfies its limits of position and velocity at time `k` of [`SAMPLES`].
     fn joint_keeps(&self, i: usize, k: usize) -> bool {
-        let [q, v, _] = self.joint(i, k as f64 / (TIMES - 1) as f64);
+        let [q, v, _] = self.joint(i, k as f64 / (SAMPLES - 1) as f64);
         let limits = self.model.joints()[i].limits();
         v.abs() <= VELOCITY_SHARE * limits.velocity && (limits.lower..=limits.upper).contains(&q)
     }
@@ -106,9 +106,9 @@ impl<'a> Witness<'a> {
         }
         let [mut q, mut v, mut a] = [rest.clone(), rest.clone(), rest];
         for stride in [STRIDE, 1] {
-            for k in (0..TIMES).step_by(stride) {
+            for k in (0..SAMPLES).step_by(stride) {
                 for i in 0..n {
-                    [q[i], v[i], a[i]] = self.joint(i, k as f64 / (TIMES - 1) as f64);
+                    [q[i], v[i], a[i]] = self.joint(i, k as f64 / (SAMPLES - 1) as f64);
                 }
                 if !(0..n).all(|i| self.joint_keeps(i, k)) {
                     return Ok(false);

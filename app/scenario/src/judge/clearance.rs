@@ -74,15 +74,12 @@ pub(super) fn clearances(scenario: &Scenario, intervals: &Intervals, overlap: f6
         Pair { between, margin: *margin }
     });
     let mut rows = Vec::new();
-    for (check, pairs) in [
-        (Check::Bounds(Quantity::Obstacles), obstacles.collect::<Vec<_>>()),
-        (Check::Bounds(Quantity::SelfCollision), links.collect()),
-    ] {
+    let all = [(Quantity::Obstacles, obstacles.collect::<Vec<_>>()), (Quantity::SelfCollision, links.collect())];
+    for (quantity, pairs) in all {
+        let check = Check::Bounds(quantity);
         if pairs.is_empty() {
-            let why = match check {
-                Check::Bounds(Quantity::SelfCollision) if !scenario.keeps_links_clear() => "links may overlap",
-                _ => "there is nothing to keep clear of",
-            };
+            let may_overlap = quantity == Quantity::SelfCollision && !scenario.keeps_links_clear();
+            let why = if may_overlap { "links may overlap" } else { "there is nothing to keep clear of" };
             let outcome = Outcome::NotApplicable;
             rows.push(Row::without_value(check, overlap, outcome, why));
             continue;

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// The shortest time for which a condition is kept, relative to the horizon: within it a motion changes by about as
 /// much as a condition may be exceeded.
-const SHORTEST: f64 = 1e-6;
+const MIN_SHARE: f64 = 1e-6;
 
 /// A condition that is kept along the way: a set of poses or a bound on a speed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -101,7 +101,7 @@ impl Kept {
         let [_, longest] = file.horizon_bounds();
         let [from, to] = self.times();
         let (begin, end) = (from.max(0.0), to.min(longest));
-        let least = SHORTEST * longest.min(file.horizon_s);
+        let least = MIN_SHARE * longest.min(file.horizon_s);
         if end - begin >= least {
             return Ok(());
         }

@@ -11,7 +11,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The largest number: far beyond any load, in kg, m and kg m^2. Products of several must not overflow.
-const LARGEST: f64 = 1e6;
+const MAX_NUMBER: f64 = 1e6;
 
 /// A body that a link of the robot carries, such as a tool or a grasped object. It moves with the link, and its shape
 /// is one of the link's own.
@@ -73,13 +73,16 @@ impl Payload {
 
     /// The inertia in the frame of the link; `refuse` makes an error for a key.
     fn inertia(&self, refuse: &impl Fn(&str, String) -> Error) -> Result<Inertia<f64>> {
-        if !(self.mass_kg > 0.0 && self.mass_kg <= LARGEST) {
+        if !(self.mass_kg > 0.0 && self.mass_kg <= MAX_NUMBER) {
             let mass = plain(self.mass_kg);
-            return Err(refuse("mass_kg", format!("it is {mass}, a positive number of at most {LARGEST} is needed")));
+            return Err(refuse(
+                "mass_kg",
+                format!("it is {mass}, a positive number of at most {MAX_NUMBER} is needed"),
+            ));
         }
         for (key, numbers) in [("center_m", &self.center_m[..]), ("inertia_kg_m2", &self.inertia_kg_m2)] {
-            if !numbers.iter().all(|x| x.abs() <= LARGEST) {
-                let condition = format!("a number is not finite, or above {LARGEST}");
+            if !numbers.iter().all(|x| x.abs() <= MAX_NUMBER) {
+                let condition = format!("a number is not finite, or above {MAX_NUMBER}");
                 return Err(refuse(key, condition));
             }
         }

@@ -47,8 +47,8 @@ impl WalkPhase {
     /// The set of poses halfway through the phase, of a foot that is lifted.
     fn lifted(&self) -> Option<Goal> {
         let (height, land) = self.lift_m.zip(self.land.as_ref())?;
-        let pose = Pose { position_m: [0.0, 0.0, height + 0.5 * HIGHEST], orientation_xyzw: None };
-        let size_m = [None, None, Some(HIGHEST)];
+        let pose = Pose { position_m: [0.0, 0.0, height + 0.5 * MAX_HEIGHT], orientation_xyzw: None };
+        let size_m = [None, None, Some(MAX_HEIGHT)];
         Some(self.relative(&Goal {
             frame: land.frame.clone(),
             relative_to: land.relative_to.clone(),
@@ -73,7 +73,7 @@ impl WalkPhase {
 }
 
 /// The height of the box of poses in which a foot is that is lifted, m: beyond the reach of any leg.
-const HIGHEST: f64 = 10.0;
+const MAX_HEIGHT: f64 = 10.0;
 
 /// The accepted difference of a cosine from one between upright feet: 1e-4 rad, for quaternions that are rounded.
 const UPRIGHT: f64 = 5e-9;
@@ -248,7 +248,7 @@ pub(crate) fn points_of_walk(file: &ScenarioFile, model: &Model, path: &str) -> 
         match (&phase.land, phase.lift_m) {
             (None, _) if !is_last => return refuse("land", "it is missing"),
             (None, Some(_)) => return refuse("lift_m", "it needs land, which names the foot"),
-            (_, Some(height)) if !(0.0..=HIGHEST).contains(&height) => {
+            (_, Some(height)) if !(0.0..=MAX_HEIGHT).contains(&height) => {
                 return refuse("lift_m", "a height from 0 to 10 m is needed");
             }
             _ => (),

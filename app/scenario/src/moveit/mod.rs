@@ -30,11 +30,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The shortest default horizon, s.
-const SHORTEST: f64 = 0.1;
+const MIN_HORIZON: f64 = 0.1;
 
 /// The default first and longest horizon of a search, as multiples of the time that the limits allow about.
-const FIRST: f64 = 2.0;
-const LONGEST: f64 = 15.0;
+const FIRST_MULTIPLE: f64 = 2.0;
+const MAX_MULTIPLE: f64 = 15.0;
 
 /// The files of a MoveIt planning problem, and the options for converting it to a scenario.
 #[derive(Clone, Debug)]
@@ -223,19 +223,19 @@ impl MoveIt {
     /// The initial horizon of a motion that takes at `least` this time, and about the `usual` one, both in s, and its
     /// bounds if it is free.
     fn horizon(&self, [least, usual]: [f64; 2], by_pose: bool) -> (f64, Option<HorizonBounds>) {
-        let [least, usual] = [least, usual].map(|time| time.max(SHORTEST));
+        let [least, usual] = [least, usual].map(|time| time.max(MIN_HORIZON));
         let free = |shortest_s: f64, longest_s: f64| {
             let bounds = HorizonBounds { shortest_s, longest_s };
             // Invalid bounds are refused like those of any scenario.
-            let first = (FIRST * usual).min(longest_s).max(shortest_s);
+            let first = (FIRST_MULTIPLE * usual).min(longest_s).max(shortest_s);
             (first, Some(bounds))
         };
         match self.horizon {
             MoveItHorizon::Given(horizon) => (horizon, None),
             MoveItHorizon::Between(shortest, longest) => free(shortest, longest),
             // The joint positions of a pose are not known, and so not the least time.
-            MoveItHorizon::Free if by_pose => free(SHORTEST, LONGEST * usual),
-            MoveItHorizon::Free => free(least, LONGEST * usual),
+            MoveItHorizon::Free if by_pose => free(MIN_HORIZON, MAX_MULTIPLE * usual),
+            MoveItHorizon::Free => free(least, MAX_MULTIPLE * usual),
         }
     }
 }

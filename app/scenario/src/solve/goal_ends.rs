@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, Vector3};
 /// The number of first guesses for each alternative.
 const GUESSES: usize = 64;
 /// The number of ends of an alternative after which the search for further ones stops.
-const ENOUGH: usize = 12;
+const MAX_ENDS: usize = 12;
 /// The least difference of some joint by which two configurations are different ends, rad or m.
 const DIFFERENT: f64 = 0.2;
 /// The degree of the polynomials by which the effort of first motions is compared.
@@ -147,7 +147,7 @@ impl Scenario {
                 }
                 Err(other) => return Err(other),
             }
-            if found.len() == ENOUGH {
+            if found.len() == MAX_ENDS {
                 break;
             }
         }

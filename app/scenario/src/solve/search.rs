@@ -32,7 +32,7 @@ const NOT_LONGER: f64 = 1.0 + 1e-6;
 
 /// The factor up to which a horizon with a larger weight of time shows that there is no faster motion nearby: margins
 /// of rows between the points of the quadrature differ from search to search by parts in ten thousand of it.
-const SAME: f64 = 1.001;
+const SAME_HORIZON: f64 = 1.001;
 
 /// The first penalty of the equalities of goals and waypoints in a search from a motion that meets them: ten times that
 /// of others, with which 28 motions of a Panda to poses take 8 % more iterations, and one ends at no minimum.
@@ -40,8 +40,8 @@ const POINT_PENALTY: f64 = 1000.0;
 
 /// The factor of the first penalty with which a search that leads to no better minimum is done again, and the largest
 /// number of times: with a larger penalty a search from a motion that keeps its rows violates them less.
-const AGAIN: f64 = 10.0;
-const TIMES: i32 = 2;
+const PENALTY_FACTOR: f64 = 10.0;
+const MAX_REPEATS: i32 = 2;
 
 /// The part of a time limit for the starts of a search that continues from the best one.
 const PART_OF_STARTS: f64 = 0.5;
@@ -145,8 +145,8 @@ impl<'s, 'o> Search<'s, 'o> {
             let last = weight * next.curve.horizon() >= LAST_SHARE * next.cost;
             let is_faster = is_valid(&next) && later <= NOT_LONGER;
             // A search that fails may return the motion with which it began.
-            let is_better = is_faster && (next.converged || later * SAME <= 1.0);
-            self.complete = next.converged && is_valid(&next) && later <= SAME;
+            let is_better = is_faster && (next.converged || later * SAME_HORIZON <= 1.0);
+            self.complete = next.converged && is_valid(&next) && later <= SAME_HORIZON;
             let ends = if self.complete { last } else { is_better };
             if is_better {
                 weight_before = weight;
@@ -155,7 +155,7 @@ impl<'s, 'o> Search<'s, 'o> {
                 let before = others.last_mut().unwrap_or(&mut first);
                 before.iterations.extend(next.iterations);
             }
-            again = if self.complete || again == TIMES { 0 } else { again + 1 };
+            again = if self.complete || again == MAX_REPEATS { 0 } else { again + 1 };
             share = match (self.complete, others.is_empty()) {
                 _ if ends => break,
                 _ if again > 0 => share,
@@ -233,7 +233,7 @@ impl<'s, 'o> Search<'s, 'o> {
         free_horizon: Option<FreeHorizon>,
     ) -> Result<DirectSolution> {
         let mut found = self.from(from, horizon, free_horizon, None, 0)?;
-        for again in 1..=TIMES {
+        for again in 1..=MAX_REPEATS {
             if found.converged || !self.goes_on(from) {
                 break;
             }
@@ -295,7 +295,7 @@ impl<'s, 'o> Search<'s, 'o> {
             ..self.settings.clone()
         };
         settings.search.point_penalty = POINT_PENALTY;
-        settings.search.planned_penalty *= AGAIN.powi(again);
+        settings.search.planned_penalty *= PENALTY_FACTOR.powi(again);
         let problem = self.problem()?.with_horizon(horizon)?;
         let found = self.solve(&problem, settings)?;
         Ok(DirectSolution { alternative, ..found })

@@ -11,14 +11,14 @@ use std::array::from_fn;
 
 /// The duration of the straight motion by which terms are scaled, as a multiple of the least horizon. Its largest
 /// velocity is then 15/16 of that of the least horizon.
-const SLOWER: f64 = 2.0;
+const STRAIGHT_DURATION: f64 = 2.0;
 
 /// The number of intervals in which the cost of that motion is integrated.
 const INTERVALS: usize = 64;
 
 /// The bounds of a horizon that the objective makes free, as multiples of the least one and of `horizon_s`.
-const LONGEST: f64 = 10.0;
-const SHORTEST: f64 = 0.1;
+const MAX_MULTIPLE: f64 = 10.0;
+const MIN_MULTIPLE: f64 = 0.1;
 
 /// The shortest horizon that the objective chooses, s: the period of usual controllers.
 const MIN_S: f64 = 1e-3;
@@ -39,13 +39,13 @@ impl Scenario {
 
     /// The duration from which a search to an end of a goal that is a set begins, s.
     pub(crate) fn first_horizon(&self, end: &[f64]) -> f64 {
-        SLOWER * self.unit_of_time(Some(end))
+        STRAIGHT_DURATION * self.unit_of_time(Some(end))
     }
 
     /// The integral of a running cost along the straight motion from rest to rest to `goal`, `N` entries,
     /// $q = q_0 + (10 x^3 - 15 x^4 + 6 x^5) (q_1 - q_0)$ with $x = t / T$, in twice the unit of time.
     pub(crate) fn cost_of_straight(&self, cost: &mut impl CostWithControl, goal: &[f64]) -> Result<f64> {
-        let (file, horizon) = (&self.file, SLOWER * self.unit_of_time(Some(goal)));
+        let (file, horizon) = (&self.file, STRAIGHT_DURATION * self.unit_of_time(Some(goal)));
         let ends = || file.q_start.iter().zip(goal);
         let along = |share: f64| ends().map(|(from, to)| share * (to - from)).collect();
         let mut sum = 0.0;
@@ -70,7 +70,7 @@ impl Scenario {
     fn units_of_squares(&self) -> Result<[f64; 4]> {
         let aim = self.aim();
         let goal = aim.as_ref().unwrap_or(&self.file.q_goal);
-        let horizon = SLOWER * self.unit_of_time(Some(goal));
+        let horizon = STRAIGHT_DURATION * self.unit_of_time(Some(goal));
         let ends = self.file.q_start.iter().zip(goal);
         let way: f64 = ends.map(|(from, to)| (to - from).powi(2)).sum();
         let effort = self.cost_of_straight(&mut ControlEffort::new(&self.model), goal)?;
@@ -148,14 +148,14 @@ impl Scenario {
         let least = self.least_horizon_to(aim.as_deref());
         let least = least.map(|(.., least)| least);
         let shortest = match least {
-            Some(least) if self.goal.is_some() => SHORTEST * least,
+            Some(least) if self.goal.is_some() => MIN_MULTIPLE * least,
             Some(least) => least,
             None if self.is_at(aim.as_deref()) => MIN_S,
-            None => SHORTEST * given,
+            None => MIN_MULTIPLE * given,
         };
         Some(HorizonBounds {
             shortest_s: shortest.max(MIN_S).min(given),
-            longest_s: LONGEST * least.unwrap_or(given).max(given),
+            longest_s: MAX_MULTIPLE * least.unwrap_or(given).max(given),
         })
     }
 

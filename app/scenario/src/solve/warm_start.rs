@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// The share of the largest multiplier below which others are not written: those of rows far from their bounds, which
 /// are of the order of the barrier parameter.
-const LEAST: f64 = 1e-7;
+const MIN_SHARE: f64 = 1e-7;
 
 /// The multipliers of the rows of a direct solve in a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -26,7 +26,7 @@ pub struct MultipliersFile {
 
 impl MultipliersFile {
     pub(crate) fn new(multipliers: &Multipliers) -> Option<Self> {
-        let entries = multipliers.entries(LEAST);
+        let entries = multipliers.entries(MIN_SHARE);
         let finite = |z: &f64| z.is_finite();
         (entries.iter().all(|(.., z)| finite(z)) && multipliers.of_points().iter().all(finite)).then(|| Self {
             times: multipliers.times().to_vec(),

@@ -245,19 +245,14 @@ fn promises(scenario: &Scenario) -> Vec<&'static str> {
     let is_limited = |quantity| limits.iter().any(|limit| limit.quantity == quantity);
     let file = &scenario.file;
     let pairs = scenario.scene.robot().tree_pairs(&[]).len();
-    let all = [
-        ("position", is_limited(Quantity::Position)),
-        ("velocity", is_limited(Quantity::Velocity)),
-        ("acceleration", is_limited(Quantity::Acceleration)),
-        ("jerk", is_limited(Quantity::Jerk)),
-        ("torque", is_limited(Quantity::Torque)),
-        ("power", is_limited(Quantity::Power)),
+    let of_joints = Quantity::JOINT.map(|quantity| (quantity.name(), is_limited(quantity)));
+    let others = [
         ("keep", !file.keep.is_empty()),
         ("stand", file.stand.is_some()),
         ("obstacles", !file.obstacles.is_empty()),
         ("self_collision", scenario.keeps_links_clear() && pairs > 0),
     ];
-    all.into_iter().filter(|(_, is_promised)| *is_promised).map(|(name, _)| name).collect()
+    of_joints.into_iter().chain(others).filter(|(_, is_promised)| *is_promised).map(|(name, _)| name).collect()
 }
 
 /// Claims that fit anything, of the promises and the keys of a scenario.

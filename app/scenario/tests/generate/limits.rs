@@ -16,7 +16,7 @@ use std::path::Path;
 /// The number of scenarios of each kind.
 const SEEDS: u64 = 20;
 /// At how many times a motion is.
-const TIMES: usize = 301;
+const SAMPLES: usize = 301;
 
 /// Position, velocity and acceleration of all joints at a time.
 type State = [Vec<f64>; 3];
@@ -40,7 +40,7 @@ fn motion(scenario: &Scenario, bend: &[f64]) -> Vec<State> {
         ]
     };
     let state = |n: usize| {
-        let t = n as f64 / (TIMES - 1) as f64;
+        let t = n as f64 / (SAMPLES - 1) as f64;
         let s = derivatives([0.0, 0.0, 5.0, -10.0, 10.0, -4.0], t);
         let h = derivatives([0.0, 0.0, 16.0, -32.0, 16.0, 0.0], t);
         [0, 1, 2].map(|k| {
@@ -52,7 +52,7 @@ fn motion(scenario: &Scenario, bend: &[f64]) -> Vec<State> {
             joints.map(entry).collect()
         })
     };
-    (0..TIMES).map(state).collect()
+    (0..SAMPLES).map(state).collect()
 }
 
 /// The largest part of a limit of velocity, and of torque, that a motion takes; infinite if it leaves the range of a

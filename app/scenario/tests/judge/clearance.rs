@@ -1,9 +1,9 @@
 //! Nothing passes through unseen.
 
-use crate::robot::{good, row, scenario, verdict};
+use crate::robot::{bounds, good, scenario, verdict};
 use aghf::dynamics::forward_kinematics;
 use aghf::spatial::Placement;
-use aghf_scenario::judge::{Check, Hermite, Outcome, Tolerances, Trajectory, judge};
+use aghf_scenario::judge::{Hermite, Outcome, Tolerances, Trajectory, judge};
 use aghf_scenario::{Quantity, Scenario};
 use serde_json::json;
 
@@ -24,7 +24,7 @@ fn a_thin_obstacle_between_two_samples_is_seen() {
         let scenario = scenario(&format!("thin_{i}"), keys.clone());
         let motion = good(&scenario.model, [-0.5, 1.5, 0.0], [0.5, 1.5, 0.0], 2);
         let judgement = verdict(&scenario, &motion);
-        let row = row(&judgement, Check::Bounds(Quantity::Obstacles));
+        let row = bounds(&judgement, Quantity::Obstacles);
         assert_eq!(row.outcome, Outcome::Fail, "{keys}");
         let worst = row.worst.as_ref().expect("it fails");
         let place = worst.place.as_deref().unwrap_or_default();
@@ -48,17 +48,14 @@ fn a_fold_through_itself_is_seen() {
     let scenario = scenario_of("fold", keys);
     let motion = good(&scenario.model, from, to, 2);
     let judgement = verdict(&scenario, &motion);
-    let row_of = row(&judgement, Check::Bounds(Quantity::SelfCollision));
+    let row_of = bounds(&judgement, Quantity::SelfCollision);
     assert_eq!(row_of.outcome, Outcome::Fail);
     let worst = row_of.worst.as_ref().expect("it fails");
     assert_eq!(worst.place.as_deref(), Some("link 'carriage' and link 'fore'"));
     assert!((worst.value + 0.02).abs() < 1.1e-3, "{worst:?}");
     let keys = json!({ "self_collision": { "ignored_pairs": [["fore", "carriage"]] } });
     let scenario = scenario_of("folded", keys);
-    assert_eq!(
-        row(&verdict(&scenario, &motion), Check::Bounds(Quantity::SelfCollision)).outcome,
-        Outcome::NotApplicable
-    );
+    assert_eq!(bounds(&verdict(&scenario, &motion), Quantity::SelfCollision).outcome, Outcome::NotApplicable);
 }
 
 /// A floor that the carriage slides along, just above it, at the accepted depth, and deeper.
@@ -70,7 +67,7 @@ fn grazing_is_decided() {
         let scenario = scenario(&format!("grazing_{offset}"), keys);
         let motion = good(&scenario.model, [-0.5, 1.5, 0.0], [0.5, 1.5, 0.0], 11);
         let judgement = verdict(&scenario, &motion);
-        let row = row(&judgement, Check::Bounds(Quantity::Obstacles));
+        let row = bounds(&judgement, Quantity::Obstacles);
         assert_eq!(row.outcome, wanted, "{row:?}");
     }
 }
@@ -84,7 +81,7 @@ fn what_cannot_be_proved_is_undecided() {
     let motion = good(&scenario.model, [-0.5, 1.5, 0.0], [0.5, 1.5, 0.0], 11);
     let judgement = verdict(&scenario, &motion);
     assert!(!judgement.valid);
-    let row = row(&judgement, Check::Bounds(Quantity::Obstacles));
+    let row = bounds(&judgement, Quantity::Obstacles);
     assert_eq!(row.outcome, Outcome::Undecided);
     assert!(row.note.as_ref().is_some_and(|note| note.starts_with("within ")));
 }
@@ -126,7 +123,7 @@ proptest::proptest! {
         let motion = good(&scenario.model, from, to, 4);
         let tolerances = Tolerances { overlap_m: 1e-3, ..Tolerances::default() };
         let judgement = judge(&scenario, &motion, tolerances).expect("it is of this robot");
-        let row = row(&judgement, Check::Bounds(Quantity::Obstacles));
+        let row = bounds(&judgement, Quantity::Obstacles);
         let least = row.worst.as_ref().expect("it is checked").value;
         let (proved, dense) = (row.proved_at_least.expect("it is proved"), dense(&scenario, &motion));
         proptest::prop_assert!(proved <= dense + 1e-12, "{proved}, {dense}");

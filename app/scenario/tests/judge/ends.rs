@@ -1,6 +1,6 @@
 //! Every promise of a scenario is judged, or listed as not checked.
 
-use crate::robot::{FROM, TO, good, row, scenario, verdict};
+use crate::robot::{FROM, TO, bounds, good, row, scenario, verdict};
 use aghf::Result;
 use aghf::constraint::{Constraint, PlacedState};
 use aghf::scalar::AlgebraOver;
@@ -87,7 +87,7 @@ fn added_constraints_are_listed() {
     scenario.add_constraint(Slow);
     let judgement = verdict(&scenario, &motion);
     assert_eq!((judgement.verdict, judgement.valid), (Verdict::ValidInPart, false));
-    let added = row(&judgement, Check::Bounds(Quantity::Other));
+    let added = bounds(&judgement, Quantity::Other);
     assert_eq!(added.outcome, Outcome::NotChecked);
     assert!(added.note.as_ref().is_some_and(|note| note.starts_with("1 of a program")));
 }
@@ -130,6 +130,6 @@ fn the_horizon_is_that_of_a_certificate() {
     ] {
         let scenario = scenario("horizon", keys);
         let motion = good(&scenario.model, FROM, TO, 101);
-        assert_eq!(row(&verdict(&scenario, &motion), Check::Bounds(Quantity::Duration)).outcome, wanted);
+        assert_eq!(bounds(&verdict(&scenario, &motion), Quantity::Duration).outcome, wanted);
     }
 }

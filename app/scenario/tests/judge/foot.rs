@@ -1,6 +1,6 @@
 //! A standing foot: the judge's own sums against the wrench of the root.
 
-use crate::robot::{FROM, TO, failed, good, row, scenario, verdict};
+use crate::robot::{FROM, TO, bounds, failed, good, scenario, verdict};
 use aghf_scenario::Quantity;
 use aghf_scenario::judge::Check;
 use serde_json::{Value, json};
@@ -39,7 +39,7 @@ fn the_force_of_the_ground_is_the_wrench_of_the_root() {
         let tight = scenario(key, stand(small));
         let judgement = verdict(&tight, &motion);
         assert_eq!(failed(&judgement), [Check::Bounds(Quantity::Foot)]);
-        let worst = row(&judgement, Check::Bounds(Quantity::Foot)).worst.clone().expect("it was checked");
+        let worst = bounds(&judgement, Quantity::Foot).worst.clone().expect("it was checked");
         assert_eq!(worst.place.as_deref(), Some(&*format!("{place} of foot 'rail'")));
         let off = (worst.value.abs() - largest).abs();
         assert!(off < 1e-3 * largest, "{key}: {} {largest}", worst.value);

@@ -1,6 +1,6 @@
 //! Nothing is valid that the motion between the samples breaks, whatever its table.
 
-use crate::robot::{row, scenario, verdict};
+use crate::robot::{bounds, row, scenario, verdict};
 use aghf::dynamics::{Data, rnea};
 use aghf::model::Model;
 use aghf_scenario::judge::{Check, Hermite, Judgement, Outcome, Trajectory, Verdict};
@@ -154,7 +154,7 @@ fn jumps_at_samples_are_jumps() {
     let mut keys = keys;
     keys["continuity"] = json!("acceleration");
     let judgement = verdict(&scenario("continuous", keys), &table(&bang, 100.0, 3));
-    assert_eq!(row(&judgement, Check::Bounds(Quantity::Acceleration)).outcome, Outcome::Fail);
+    assert_eq!(bounds(&judgement, Quantity::Acceleration).outcome, Outcome::Fail);
     assert_eq!(row(&judgement, Check::Continuity).outcome, Outcome::Fail);
 }
 
@@ -173,7 +173,7 @@ fn jumps_between_cubics_are_jerks() {
         q += v * h - 0.5 * 0.5 * h * h + 100.0 * h * h * h / 6.0;
         v += -0.5 * h + 50.0 * h * h;
     }
-    let jerk = row(&verdict(&scenario, &motion), Check::Bounds(Quantity::Jerk)).clone();
+    let jerk = bounds(&verdict(&scenario, &motion), Quantity::Jerk).clone();
     assert_eq!(jerk.outcome, Outcome::Pass);
     let steep = jerk.worst.expect("it is limited").value.abs();
     assert!((steep - 100.0).abs() < 1e-6, "{steep}");
@@ -184,5 +184,5 @@ fn jumps_between_cubics_are_jerks() {
         late.q[k].iter_mut().for_each(|q| *q -= t * t);
         late.v.as_mut().expect("given")[k].iter_mut().for_each(|v| *v -= 2.0 * t);
     }
-    assert_eq!(row(&verdict(&scenario, &late), Check::Bounds(Quantity::Jerk)).outcome, Outcome::Fail);
+    assert_eq!(bounds(&verdict(&scenario, &late), Quantity::Jerk).outcome, Outcome::Fail);
 }

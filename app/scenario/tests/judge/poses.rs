@@ -6,6 +6,7 @@ use aghf_scenario::judge::{Check, Outcome};
 use serde_json::{Value, json};
 
 const NONE: [Check; 0] = [];
+const KEPT: Check = Check::Bounds(Quantity::Frame);
 
 /// The elbow, which is the origin of the fore link, and the direction of that link.
 fn elbow([slide, shoulder, elbow]: [f64; 3]) -> ([f64; 3], f64) {
@@ -85,13 +86,10 @@ fn poses_relative_to_a_link_on_the_way() {
         json!({ "keep": [{ "poses": { "frame": "fore", "relative_to": "upper",
             "orientation_xyzw": [0.0, 0.0, (0.5 * middle).sin(), (0.5 * middle).cos()], "tolerance_rad": half } }] })
     };
-    let (bad, worst, place) = judged("elbow", kept(FROM[2], TO[2]), Check::Bounds(Quantity::Frame));
+    let (bad, worst, place) = judged("elbow", kept(FROM[2], TO[2]), KEPT);
     assert_eq!((bad, &*place), (NONE.to_vec(), "rad angle of frame 'fore'"));
     assert!((worst - 0.5 * (TO[2] - FROM[2])).abs() < 1e-3, "{worst}");
-    assert_eq!(
-        judged("bent", kept(FROM[2], TO[2] - 0.01), Check::Bounds(Quantity::Frame)).0,
-        [Check::Bounds(Quantity::Frame)]
-    );
+    assert_eq!(judged("bent", kept(FROM[2], TO[2] - 0.01), KEPT).0, [KEPT]);
 }
 
 /// A condition counts between its times alone, and between the samples.
@@ -104,27 +102,25 @@ fn conditions_are_kept_between_their_times() {
         for (key, value) in times.as_object().expect("an object") {
             kept[key] = value.clone();
         }
-        judged("times", json!({ "keep": [kept] }), Check::Bounds(Quantity::Frame)).0
+        judged("times", json!({ "keep": [kept] }), KEPT).0
     };
-    assert_eq!(kept(json!({})), [Check::Bounds(Quantity::Frame)]);
+    assert_eq!(kept(json!({})), [KEPT]);
     assert_eq!(kept(json!({ "to_s": 0.5 })), NONE);
-    assert_eq!(kept(json!({ "to_s": 0.505 })), [Check::Bounds(Quantity::Frame)]);
+    assert_eq!(kept(json!({ "to_s": 0.505 })), [KEPT]);
     assert_eq!(kept(json!({ "from_s": 0.495, "to_s": 0.5 })), NONE);
-    assert_eq!(kept(json!({ "from_s": 0.505 })), [Check::Bounds(Quantity::Frame)]);
+    assert_eq!(kept(json!({ "from_s": 0.505 })), [KEPT]);
 }
 
 /// The carriage is fastest, at 15/8 m/s, halfway.
 #[test]
 fn speeds_are_those_of_the_point() {
     let kept = |most: f64| json!({ "keep": [{ "speed": { "frame": "carriage", "most_m_s": most } }] });
-    let (bad, fastest, place) = judged("speed", kept(1.876), Check::Bounds(Quantity::Frame));
+    let (bad, fastest, place) = judged("speed", kept(1.876), KEPT);
     assert_eq!((bad, &*place), (NONE.to_vec(), "m/s speed of frame 'carriage'"));
     // To the error of polynomials of degree two.
     assert!((fastest - 1.875).abs() < 1e-6, "{fastest}");
-    assert_eq!(judged("fast", kept(1.87), Check::Bounds(Quantity::Frame)).0, [Check::Bounds(Quantity::Frame)]);
+    assert_eq!(judged("fast", kept(1.87), KEPT).0, [KEPT]);
     let scenario = scenario("none", json!({}));
     let judgement = verdict(&scenario, &good(&scenario.model, FROM, TO, 101));
-    assert!(
-        judgement.checks.iter().all(|row| row.check != Check::Bounds(Quantity::Frame) || row.outcome == Outcome::Pass)
-    );
+    assert!(judgement.checks.iter().all(|row| row.check != KEPT || row.outcome == Outcome::Pass));
 }

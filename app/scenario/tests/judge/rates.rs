@@ -1,7 +1,7 @@
 //! Tables of positions alone.
 
 use crate::intervals::{limited, table};
-use crate::robot::{failed, row, scenario, verdict};
+use crate::robot::{bounds, failed, row, scenario, verdict};
 use aghf_scenario::Quantity;
 use aghf_scenario::judge::{Check, Outcome, Trajectory, Verdict};
 use proptest::prelude::*;
@@ -119,5 +119,5 @@ fn rates_at_the_ends_are_known_as_far_as_samples_determine_them() {
     let limits = limited("few");
     let few = Trajectory { times: times[..3].to_vec(), q: motion.q[..3].to_vec(), ..motion };
     let judgement = verdict(&limits, &few);
-    assert_eq!(row(&judgement, Check::Bounds(Quantity::Acceleration)).outcome, Outcome::NotChecked);
+    assert_eq!(bounds(&judgement, Quantity::Acceleration).outcome, Outcome::NotChecked);
 }

@@ -3,8 +3,8 @@
 pub use crate::gantry::{FROM, TO, scenario};
 use aghf::dynamics::{Data, rnea};
 use aghf::model::Model;
-use aghf_scenario::Scenario;
 use aghf_scenario::judge::{Check, Judgement, Row, Tolerances, Trajectory, Verdict, judge};
+use aghf_scenario::{Quantity, Scenario};
 
 /// The motion from rest to rest in 1 s by a polynomial of degree five, with the torques that it takes.
 pub fn good(model: &Model, from: [f64; 3], to: [f64; 3], samples: usize) -> Trajectory {
@@ -50,4 +50,9 @@ pub fn failed(judgement: &Judgement) -> Vec<Check> {
 pub fn row(judgement: &Judgement, check: Check) -> &Row {
     let row = judgement.checks.iter().find(|row| row.check == check);
     row.expect("every check has a row")
+}
+
+/// The row of the bounds of a quantity.
+pub fn bounds(judgement: &Judgement, of: Quantity) -> &Row {
+    row(judgement, Check::Bounds(of))
 }

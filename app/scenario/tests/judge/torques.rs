@@ -1,8 +1,8 @@
 //! Torques at all times.
 
-use crate::robot::{row, scenario, verdict};
+use crate::robot::{bounds, scenario, verdict};
 use aghf_scenario::Quantity;
-use aghf_scenario::judge::{Check, Outcome, Trajectory};
+use aghf_scenario::judge::{Outcome, Trajectory};
 use serde_json::json;
 
 /// A force that is largest between a sample and the middle of an interval: the slide, of 4 kg with the arm, has the
@@ -24,7 +24,7 @@ fn forces_between_samples_are_proved() {
             u: None,
         };
         let judgement = verdict(&scenario, &motion);
-        let row = row(&judgement, Check::Bounds(Quantity::Torque));
+        let row = bounds(&judgement, Quantity::Torque);
         assert_eq!(row.outcome, wanted, "{row:?}");
     }
 }

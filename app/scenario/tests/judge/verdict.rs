@@ -1,6 +1,6 @@
 //! Good motions pass, and each kind of violation is found.
 
-use crate::robot::{FROM, TO, failed, good, row, scenario, torques, verdict};
+use crate::robot::{FROM, TO, bounds, failed, good, row, scenario, torques, verdict};
 use aghf::model::Model;
 use aghf_scenario::Quantity;
 use aghf_scenario::judge::{Check, Outcome, Tolerances, Trajectory, judge};
@@ -19,7 +19,7 @@ fn a_good_motion_passes() {
     let checked = judgement.checks.iter().filter(|row| row.outcome == Outcome::Pass);
     // All but passive joints and limits of accelerations and jerks.
     assert_eq!(checked.count(), 14);
-    let clearance = row(&judgement, Check::Bounds(Quantity::Obstacles));
+    let clearance = bounds(&judgement, Quantity::Obstacles);
     let least = clearance.worst.as_ref().expect("there is one").value;
     assert!((least - 0.94).abs() < 1e-12, "{least}");
     let proved = clearance.proved_at_least.expect("there is one");
@@ -88,37 +88,19 @@ fn another_duration_and_other_ends_are_found() {
 
 #[test]
 fn each_broken_limit_is_found() {
-    for (name, keys, check, place) in [
-        (
-            "too large an acceleration",
-            json!({ "enforced_limits": { "acceleration": [1e3, 1e3, 0.5] } }),
-            Check::Bounds(Quantity::Acceleration),
-            "elbow",
-        ),
-        (
-            "too large a jerk",
-            json!({ "enforced_limits": { "jerk": [1e4, 0.5, 1e4] } }),
-            Check::Bounds(Quantity::Jerk),
-            "shoulder",
-        ),
-        ("torque limit", json!({ "enforced_limits": { "torque": 0.05 } }), Check::Bounds(Quantity::Torque), "slide"),
-        ("power limit", json!({ "enforced_limits": { "power": 0.05 } }), Check::Bounds(Quantity::Power), "slide"),
-        (
-            "velocity limit",
-            json!({ "enforced_limits": { "velocity": 0.23 } }),
-            Check::Bounds(Quantity::Velocity),
-            "slide",
-        ),
-        (
-            "position limit",
-            json!({ "enforced_limits": { "position": 0.2 } }),
-            Check::Bounds(Quantity::Position),
-            "elbow",
-        ),
-        ("passive", json!({ "passive": ["shoulder"] }), Check::Bounds(Quantity::Passive), "shoulder"),
+    for (quantity, limit, place) in [
+        (Quantity::Acceleration, json!([1e3, 1e3, 0.5]), "elbow"),
+        (Quantity::Jerk, json!([1e4, 0.5, 1e4]), "shoulder"),
+        (Quantity::Torque, json!(0.05), "slide"),
+        (Quantity::Power, json!(0.05), "slide"),
+        (Quantity::Velocity, json!(0.23), "slide"),
+        (Quantity::Position, json!(0.2), "elbow"),
     ] {
-        assert_found(name, keys, |_, _| (), &[check], place);
+        let keys = json!({ "enforced_limits": { quantity.name(): limit } });
+        assert_found(quantity.name(), keys, |_, _| (), &[Check::Bounds(quantity)], place);
     }
+    let without = json!({ "passive": ["shoulder"] });
+    assert_found("passive", without, |_, _| (), &[Check::Bounds(Quantity::Passive)], "shoulder");
 }
 
 fn rates(table: &mut Option<Vec<Vec<f64>>>) -> &mut Vec<Vec<f64>> {
@@ -180,14 +162,14 @@ fn extrema_between_samples_are_found() {
     // The samples of a cubic whose speed is highest between them: 3/2 of the mean one.
     let mut motion = good(&scenario.model, [0.0; 3], [0.0, 1.0, 0.0], 2);
     (motion.a, motion.u) = (None, None);
-    let velocity = row(&verdict(&scenario, &motion), Check::Bounds(Quantity::Velocity)).worst.clone();
+    let velocity = bounds(&verdict(&scenario, &motion), Quantity::Velocity).worst.clone();
     let worst = velocity.expect("it is limited");
     assert!((worst.value - 1.5).abs() < 1e-12 && worst.at_s == 0.5, "{worst:?}");
     // And one that swings beyond the limit of 3 and back.
     let mut motion = good(&scenario.model, [0.0, 2.9, 0.0], [0.0, 2.9, 0.0], 2);
     motion.v = Some(vec![vec![0.0, 2.0, 0.0], vec![0.0, -2.0, 0.0]]);
     motion.a = None;
-    let position = row(&verdict(&scenario, &motion), Check::Bounds(Quantity::Position)).worst.clone();
+    let position = bounds(&verdict(&scenario, &motion), Quantity::Position).worst.clone();
     let worst = position.expect("it is limited");
     assert!((worst.value - 3.4).abs() < 1e-12 && worst.at_s == 0.5, "{worst:?}");
 }
@@ -201,7 +183,7 @@ fn torques_between_samples_are_found() {
     rates(&mut motion.v)[1][0] = 2.0;
     (motion.a, motion.u) = (None, None);
     let judgement = verdict(&scenario, &motion);
-    let row = row(&judgement, Check::Bounds(Quantity::Torque));
+    let row = bounds(&judgement, Quantity::Torque);
     assert_eq!(row.outcome, Outcome::Fail);
     // 4 kg gain 2 m/s in a second.
     let worst = row.worst.as_ref().expect("it fails");
@@ -221,10 +203,8 @@ fn overflow_is_not_valid() {
     rates(&mut motion.v)[5][0] = 1e308;
     motion.times.iter_mut().for_each(|t| *t *= 1e3);
     let failed = failed(&verdict(&scenario, &motion));
-    assert!(
-        failed.contains(&Check::Bounds(Quantity::Obstacles)) && failed.contains(&Check::Bounds(Quantity::Velocity)),
-        "{failed:?}"
-    );
+    let wanted = [Quantity::Obstacles, Quantity::Velocity].map(Check::Bounds);
+    assert!(wanted.iter().all(|check| failed.contains(check)), "{failed:?}");
 }
 
 #[test]

@@ -195,7 +195,7 @@ fn a_window_beyond_the_end_of_the_motion_is_noted() {
 }
 
 /// The shortest horizon of a motion with a condition in a window, if it is free, s.
-const SHORTEST: f64 = 1.0;
+const MIN_HORIZON: f64 = 1.0;
 
 /// A motion between random configurations of one of two robots with a condition in a random window, short, long or
 /// open, which the motion without it breaks by some share; on a given horizon or a free one.
@@ -224,7 +224,7 @@ impl Windowed {
                 "v_start": vec![0.0; n], "v_goal": vec![0.0; n],
             });
             if is_free {
-                scenario["free_horizon"] = json!({ "shortest_s": SHORTEST, "longest_s": 3.0 });
+                scenario["free_horizon"] = json!({ "shortest_s": MIN_HORIZON, "longest_s": 3.0 });
                 scenario["objective"] = json!({ "time": 40.0, "effort": 1.0 });
             }
             Self { scenario, tool, times, share, is_speed }
@@ -270,7 +270,7 @@ proptest! {
         let middle = 0.5 * (of.times[0] + of.times[1]).min(curve.horizon());
         let place = pose_of(&free.model, of.tool, &curve.at(middle).0.as_slice()[..free.model.dof()]).translation;
         let mut bound = of.share * of.largest(&free.model, &curve, &place);
-        if !of.is_speed && of.times[1] >= SHORTEST {
+        if !of.is_speed && of.times[1] >= MIN_HORIZON {
             // The end of the motion is given.
             let last = pose_of(&free.model, of.tool, &free.file.q_goal).translation;
             bound = bound.max(1.01 * (last - place).norm());

@@ -105,11 +105,9 @@ fn limits_that_are_not_there_or_no_limits_are_refused() {
         let error = error(source);
         assert!(error.starts_with("enforced_limits.acceleration: ") && error.contains(words), "{error}");
     }
-    for source in [json!("urdf"), json!({ "file": "joint_limits.yaml" })] {
-        let keys = json!({ "enforced_limits": { "power": source } });
-        let error = load("bad", &with(files(), keys)).expect_err("robots have no powers");
-        assert!(error.starts_with("enforced_limits.power: ") && error.contains("no limits of power"), "{error}");
-    }
+    let keys = json!({ "enforced_limits": { "power": "urdf" } });
+    let error = load("bad", &with(files(), keys)).expect_err("robots have no powers");
+    assert!(error.starts_with("enforced_limits.power: ") && error.contains("no limits of power"), "{error}");
     let file = json!({ "file": "joint_limits.yaml" });
     for (yaml, words) in [
         (

@@ -6,13 +6,13 @@ use aghf_scenario::{HorizonBound, Quantity, Scenario};
 use serde_json::json;
 
 /// The least time of the cart, 2 kg, with 40 N: at 20 m/s^2 to 3 m/s, and as long to a stop.
-const LEAST: f64 = 1.5 / 3.0 + 3.0 / 20.0;
+const MIN_TIME: f64 = 1.5 / 3.0 + 3.0 / 20.0;
 
 #[test]
 fn the_least_time_is_near_that_of_full_force() {
     let file = cart(2.0, 40.0, json!({ "objective": "least-time", "continuity": "velocity" }));
     let details = solved("fast", &file);
-    let ratio = details.horizon_s / LEAST;
+    let ratio = details.horizon_s / MIN_TIME;
     assert!((1.0..1.06).contains(&ratio), "{ratio}");
     let bound = HorizonBound { least_s: 0.5, joint: "rail".to_owned(), limit: Quantity::Velocity };
     assert_eq!(details.horizon_bound, Some(bound));
