@@ -129,6 +129,8 @@ pub(crate) fn measures<P: Nlp>(problem: &P, x: &DVector<f64>) -> impl Fn(usize) 
 pub enum Tightened {
     /// The largest violation of a row, in its unit.
     Violation(f64),
+    /// No row is violated by more than the tolerance, but other margins may keep all bounds themselves.
+    Beyond,
     /// The points are too few for the objective.
     Coarse,
 }

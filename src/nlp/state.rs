@@ -245,6 +245,11 @@ impl State {
         self.iterate.update_multipliers(&self.h, range);
         let violation = match problem.tighten(&self.x, &mut self.h, self.rounds)? {
             Tightened::Coarse => return Ok(Some(Status::Coarse)),
+            Tightened::Beyond if self.rounds <= options.rounds && self.progress.infeasibility <= options.feasible => {
+                self.follow(problem, f64::INFINITY, options)?;
+                return Ok(None);
+            }
+            Tightened::Beyond => 0.0,
             Tightened::Violation(violation) => violation,
         };
         if violation > options.feasible {

@@ -358,9 +358,9 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         self.set_margins(grow);
         // The reserve is there to keep the bounds themselves: within the tolerance a row is beyond them only if margins
         // that are set exactly do not help.
-        let is_beyond = self.look.found.iter().any(|maximum| maximum.height > 0.0);
+        let is_beyond = violation <= self.stage.feasible && self.look.found.iter().any(|row| row.height > 0.0);
         let again = end && !grow && self.stage.last && is_beyond;
-        Ok(Tightened::Violation(if again { violation + self.stage.feasible } else { violation }))
+        Ok(if again { Tightened::Beyond } else { Tightened::Violation(violation) })
     }
 
     fn violation(&mut self, x: &DVector<f64>) -> Result<f64> {

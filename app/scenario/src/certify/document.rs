@@ -69,11 +69,10 @@ fn names<S: Serializer>(promises: &[Quantity], to: S) -> Result<S::Ok, S::Error>
 
 fn by_names<'d, D: Deserializer<'d>>(from: D) -> Result<Vec<Quantity>, D::Error> {
     let others = [Quantity::Frame, Quantity::Foot, Quantity::Obstacles, Quantity::SelfCollision];
-    let found = |name: &String| {
-        let mut all = Quantity::JOINT.into_iter().chain(others);
-        all.find(|promise| name_of(*promise) == name)
+    let named = |name: String| {
+        let found = Quantity::JOINT.into_iter().chain(others).find(|promise| name_of(*promise) == name);
+        found.ok_or_else(|| D::Error::custom(format!("there is no promise '{name}'")))
     };
-    let named = |name: String| found(&name).ok_or_else(|| D::Error::custom(format!("there is no promise '{name}'")));
     Vec::deserialize(from)?.into_iter().map(named).collect()
 }
 

@@ -24,15 +24,14 @@ const MESHES: &str = "a shape of the robot is a mesh, or it consists of balls an
 /// added in code.
 pub(super) fn keys(scenario: &Scenario) -> Result<BTreeMap<String, String>> {
     let is_known = has_balls(scenario) || parts(scenario)?.is_some();
-    let (own, file) = (scenario.added_constraints(), &scenario.file);
-    let written = serde_json::to_value(file);
+    let own = scenario.added_constraints();
+    let written = serde_json::to_value(&scenario.file);
     let written = written.map_err(|e| Error::input("certify", "scenario", e.to_string()))?;
     let by_default = ["continuity", "enforced_limits", "self_collision"];
-    let mut all: BTreeMap<String, String> = roles(scenario)
-        .into_iter()
-        .filter(|(key, _)| written.get(key).is_some() || by_default.contains(key))
-        .map(|(key, role)| (key.to_owned(), outcome(&role, is_known)))
-        .collect();
+    let mut all = roles(scenario);
+    all.retain(|(key, _)| written.get(key).is_some() || by_default.contains(key));
+    let all = all.into_iter().map(|(key, role)| (key.to_owned(), outcome(&role, is_known)));
+    let mut all: BTreeMap<String, String> = all.collect();
     if own > 0 {
         let reason = format!("{LEFT_OUT}no key of the scenario has these, {own} in number");
         all.insert("constraints added in code".to_owned(), reason);
@@ -55,21 +54,15 @@ fn outcome(role: &Role, is_known: bool) -> String {
 
 /// The reason why there is no proof for a quantity; `None` if there is one.
 fn missing_proof(quantity: Quantity, is_known: bool) -> Option<&'static str> {
+    use Quantity as Q;
     match quantity {
-        Quantity::Duration
-        | Quantity::Position
-        | Quantity::Velocity
-        | Quantity::Acceleration
-        | Quantity::Jerk
-        | Quantity::Torque
-        | Quantity::Power
-        | Quantity::Frame
-        | Quantity::Foot => None,
-        Quantity::Passive => {
+        Q::Position | Q::Velocity | Q::Acceleration | Q::Jerk | Q::Torque | Q::Power => None,
+        Q::Duration | Q::Frame | Q::Foot => None,
+        Q::Passive => {
             Some("a polynomial keeps the torque of a joint without a motor at zero at finitely many times only")
         }
-        Quantity::Obstacles | Quantity::SelfCollision => (!is_known).then_some(MESHES),
-        Quantity::Other => Some("no key of the scenario has these"),
+        Q::Obstacles | Q::SelfCollision => (!is_known).then_some(MESHES),
+        Q::Other => Some("no key of the scenario has these"),
     }
 }
 
