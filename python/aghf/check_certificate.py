@@ -1225,7 +1225,7 @@ def check_intervals(scenario, robot, motion, tube, limits, pairs, promises, inte
     states, rows = States(robot, q, v), []
     if {"torque", "power", "stand"} & set(promises):
         torques, ground = robot.torques(q, v, a)
-        quantities += [torques, torques * v]
+        quantities += [torques, torques * v] if "power" in promises else [torques]
         if "stand" in promises:
             rows += [("stand", row, always) for row in states.foot(scenario["stand"], *ground)]
     for promise, joint, bounds in limits:

@@ -1,7 +1,7 @@
 //! The rows of constraints at the points of a curve.
 
 use super::{Near, Shared, Which};
-use crate::constraint::{Constraint, Constraints, Evaluator, Phase, Piece, StandingFoot, searched_from};
+use crate::constraint::{Constraint, Constraints, Evaluator, Phase, Piece, RowSet, StandingFoot, searched_from};
 use crate::cost::{CostWithControl, Points};
 use crate::dynamics::Data;
 use crate::error::Result;
@@ -107,23 +107,18 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         let state = &constraints.state;
         let n = model.dof();
         let [scales, units] = constraints.factors_and_units();
-        let equalities = (0..scales.len()).map(|row| constraints.is_equality(row));
         let states = state.dim();
-        let is_clearance = |row| {
-            if row < states {
-                let set = state.row_set(row);
-                set.is_clearance && !set.is_equality
-            } else {
-                constraints.label(row, model).quantity.is_clearance() && !constraints.is_equality(row)
-            }
-        };
-        let cutoff =
-            |row| if row < states { state.row_set(row).cutoff.unwrap_or(f64::INFINITY) } else { f64::INFINITY };
+        let mut sets: Vec<_> = (0..states).map(|row| state.row_set(row)).collect();
+        sets.extend((states..scales.len()).map(|row| RowSet {
+            is_equality: constraints.is_equality(row),
+            is_clearance: constraints.label(row, model).quantity.is_clearance(),
+            ..RowSet::at_most_zero()
+        }));
         let attributes = Attributes {
-            clearances: (0..scales.len()).map(is_clearance).collect(),
-            cutoffs: (0..scales.len()).map(cutoff).collect(),
+            clearances: sets.iter().map(|set| set.is_clearance && !set.is_equality).collect(),
+            cutoffs: sets.iter().map(|set| set.cutoff.unwrap_or(f64::INFINITY)).collect(),
             units,
-            equalities: equalities.collect(),
+            equalities: sets.iter().map(|set| set.is_equality).collect(),
             times: constraints.times(),
             scales,
         };

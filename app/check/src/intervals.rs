@@ -139,7 +139,7 @@ impl<'a> Promised<'a> {
         let [mut q, v, a, jerk] = self.motion.expand(segment, [m, w]);
         q.iter_mut().for_each(|(_, radius)| *radius = (*radius + self.tube) * UP);
         let [qs, vs, accelerations] = [&q, &v, &a].map(|all| all.iter().map(cut).collect::<Vec<Tm>>());
-        let (mut torques, mut powers, mut foot) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut torques, mut foot) = (Vec::new(), Vec::new());
         let stand = option(self.scenario, "stand");
         let loads = if stand.is_some() || self.limits.iter().any(|limit| matches!(limit.0, "torque" | "power")) {
             Some(self.robot.torques(&qs, &vs, &accelerations))
@@ -148,9 +148,7 @@ impl<'a> Promised<'a> {
         };
         let state = State::new(&self.robot, qs, vs);
         if let Some((all, ground)) = loads {
-            let polynomial = |x: Tm| (x.c.to_vec(), x.r);
-            torques = all.iter().map(|torque| polynomial(*torque)).collect();
-            powers = all.iter().zip(&state.v).map(|(torque, v)| polynomial(*torque * *v)).collect();
+            torques = all;
             foot = stand.map_or(Ok(Vec::new()), |stand| state.foot(stand, ground))?;
         }
         let mut kept = Vec::new();
@@ -162,13 +160,19 @@ impl<'a> Promised<'a> {
                 kept.extend(state.kept(condition)?);
             }
         }
-        let all = [q, v, a, jerk, torques, powers];
+        let derivatives = [q, v, a, jerk];
         let limit = |Limit(kind, joint, bounds): &Limit| {
-            let at = KINDS.iter().position(|known| known == kind).ok_or("a limit of an unknown kind")?;
+            let polynomial = |x: Tm| (x.c.to_vec(), x.r);
+            let value = match KINDS.iter().zip(&derivatives).find(|(known, _)| *known == kind) {
+                Some((_, all)) => all[*joint].clone(),
+                None if *kind == "torque" => polynomial(torques[*joint]),
+                None if *kind == "power" => polynomial(torques[*joint] * state.v[*joint]),
+                None => return Err("a limit of an unknown kind".to_owned()),
+            };
             let scale = bounds.iter().filter(|b| b.is_finite()).fold(0.0_f64, |scale, b| scale.max(b.abs()));
             let scale = if scale > 0.0 { scale } else { 1.0 };
             let name = format!("{kind} of joint '{}'", self.robot.joints[*joint].name);
-            Ok::<_, String>((*kind, Row { name, value: all[at][*joint].clone(), bounds: *bounds, scale }))
+            Ok((*kind, Row { name, value, bounds: *bounds, scale }))
         };
         let limits = self.limits.iter().map(limit).collect::<Checked<Vec<_>>>()?;
         let conditions = kept.into_iter().map(|row| ("keep", row)).chain(foot.into_iter().map(|row| ("stand", row)));

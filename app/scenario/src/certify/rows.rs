@@ -138,13 +138,13 @@ pub(super) struct Rows<'a> {
 impl<'a> Rows<'a> {
     pub(super) fn new(scenario: &'a Scenario, motion: &Motion) -> Result<Self> {
         let (model, limits) = (&scenario.model, limits(scenario));
-        let of_limit = |(joint, limit): &(usize, Promise)| {
+        let limit_row = |(joint, limit): &(usize, Promise)| {
             let place = format!("joint '{}'", model.joints()[*joint].name());
             let largest = limit.bounds.into_iter().filter(|bound| bound.is_finite()).map(f64::abs).fold(0.0, f64::max);
             let scale = if largest > 0.0 { largest } else { 1.0 };
             Row { scale, ..Row::new(limit.quantity, place, limit.bounds) }
         };
-        let mut all: Vec<Row> = limits.iter().map(of_limit).collect();
+        let mut all: Vec<Row> = limits.iter().map(limit_row).collect();
         let mut kept = Vec::new();
         for (i, condition) in scenario.file.keep.iter().enumerate() {
             let rows = condition.rows(model, &format!("keep[{i}]"), &scenario.name)?;
@@ -175,18 +175,17 @@ impl<'a> Rows<'a> {
     pub(super) fn nearest(&mut self, piece: &Piece) -> Result<Vec<Nearest>> {
         let model = &self.scenario.model;
         let [q, v, a] = piece.models();
-        let (mut torques, mut powers) = (Vec::new(), Vec::new());
-        if self.limits.iter().any(|(_, limit)| matches!(limit.quantity, Quantity::Torque | Quantity::Power)) {
-            let all = piece.torques(model, &mut self.data)?;
-            powers.extend(all.iter().zip(&v).map(|(torque, v)| Polynomial::from(*torque * *v)));
-            torques.extend(all.into_iter().map(Polynomial::from));
+        let mut torques = Vec::new();
+        if self.limits.iter().any(|(_, limit)| limit.quantity.order().is_none()) {
+            torques = piece.torques(model, &mut self.data)?;
         }
-        let of_joints = [&piece.q, &piece.v, &piece.a, &piece.jerk, &torques, &powers];
-        let of_limit = |(joint, limit): &(usize, Promise)| {
-            let of = Quantity::JOINT.iter().position(|quantity| *quantity == limit.quantity);
-            of_joints[of.unwrap_or_default()][*joint].clone()
+        let derivatives = [&piece.q, &piece.v, &piece.a, &piece.jerk];
+        let value = |(joint, limit): &(usize, Promise)| match limit.quantity.order() {
+            Some(order) => derivatives[order][*joint].clone(),
+            None if limit.quantity == Quantity::Power => Polynomial::from(torques[*joint] * v[*joint]),
+            None => Polynomial::from(torques[*joint]),
         };
-        let mut values: Vec<Polynomial> = self.limits.iter().map(of_limit).collect();
+        let mut values: Vec<Polynomial> = self.limits.iter().map(value).collect();
         if !self.kept.is_empty() {
             values.extend(values_of(&self.kept, model, [q.clone(), v.clone()])?);
         }

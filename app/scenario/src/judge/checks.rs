@@ -24,8 +24,8 @@ pub(super) fn by_joint(
     rows.push(continuity(scenario, trajectory, intervals, tolerance));
     rows.extend(consistency(scenario, trajectory, tolerance));
     rows.extend(torques(scenario, trajectory, intervals, tolerance)?);
-    for (order, quantity) in Quantity::JOINT.into_iter().enumerate().filter(|(_, of)| of.order().is_some()) {
-        rows.push(limits(scenario, trajectory, intervals, (quantity, order), tolerance)?);
+    for limited in Quantity::JOINT.into_iter().filter_map(|of| Some((of, of.order()?))) {
+        rows.push(limits(scenario, trajectory, intervals, limited, tolerance)?);
     }
     Ok(rows)
 }

@@ -16,9 +16,9 @@ pub(super) fn torques(
     share: f64,
 ) -> Result<Vec<Row>> {
     let (mut largest, mut power) = (0.0_f64, 0.0_f64);
-    at_places(scenario, intervals, |torques, k, s| {
+    at_places(scenario, intervals, |[v, torques], _| {
         largest = torques.iter().fold(largest, |largest, torque| largest.max(torque.abs()));
-        let powers = torques.iter().zip(intervals.at(1, k, s));
+        let powers = torques.iter().zip(v);
         power = powers.fold(power, |most, (torque, v)| most.max((torque * v).abs()));
     })?;
     let tolerance = share * largest;
@@ -30,15 +30,15 @@ pub(super) fn torques(
     ])
 }
 
-/// Passes the torques at the ends and in the middle of every interval on, with the interval and the fraction of it.
-fn at_places(scenario: &Scenario, intervals: &Intervals, mut take: impl FnMut(&[f64], usize, f64)) -> Result<()> {
+/// Passes velocities and torques at the ends and in the middle of every interval on, with the time after the start, s.
+fn at_places(scenario: &Scenario, intervals: &Intervals, mut take: impl FnMut([&[f64]; 2], f64)) -> Result<()> {
     let model = &scenario.model;
     let (mut data, mut torques) = (Data::new(model), vec![0.0; model.dof()]);
     for k in 0..intervals.joints.len() {
         for s in [0.0, 0.5, 1.0] {
             let [q, v, a] = [0, 1, 2].map(|order| intervals.at(order, k, s));
             rnea(model, &mut data, &q, &v, &a, &mut torques)?;
-            take(&torques, k, s);
+            take([&v, &torques], intervals.time(k, s));
         }
     }
     Ok(())
@@ -86,7 +86,7 @@ fn passive(scenario: &Scenario, trajectory: &Trajectory, intervals: &Intervals, 
     for (t, u) in trajectory.times.iter().zip(trajectory.u.iter().flatten()) {
         take(u, t - trajectory.times[0]);
     }
-    at_places(scenario, intervals, |torques, k, s| take(torques, intervals.time(k, s)))?;
+    at_places(scenario, intervals, |[_, torques], at_s| take(torques, at_s))?;
     row.note = Some("at the samples and halfway between them".to_owned());
     if intervals.is_derived() {
         row.outcome = Outcome::NotChecked;

@@ -8,7 +8,7 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tolerances {
     /// The accepted deviation of everything but clearances: absolute for rad, m, rad/s, m/s, rad/s^2, m/s^2 and s;
-    /// relative to the largest torque or force of the motion for torques and forces.
+    /// relative to the largest torque or force of the motion for torques and forces, to the largest power for powers.
     pub tolerance: f64,
     /// The accepted depth of a ball in an obstacle or another ball, m. Clearances are proved to within a tenth of it.
     pub overlap_m: f64,

@@ -36,7 +36,8 @@ pub struct EnforcedLimits {
     /// For the direct method: the largest rates of accelerations, rad/s^3 or m/s^3; none by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jerk: Option<RateLimits>,
-    /// For the direct method: the largest absolute powers of the motors, torque times velocity, W; none by default.
+    /// For the direct method: the largest absolute powers of the motors, torque times velocity, W, as numbers
+    /// alone; none by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub power: Option<RateLimits>,
 }
