@@ -98,7 +98,7 @@ fn options() -> Vec<(&'static str, Change)> {
         count: search.most_points, search.scan, search.last_scan, search.exact_margins, search.largest_passive_size,
             search.batch, search.lower_iterations, search.segment_iterations, search.more_starts, search.most_starts,
             search.planned_segments, search.planned_degree, search.margin_checks, search.kept_ends;
-        both: search.hopeless;
+        both: search.drop_ratio;
         factor: search.horizon_growth, search.planned_penalty_factor;
         fraction: search.share_of_starts;
         scaled: nlp.feasible, nlp.first_barrier, nlp.warm_barrier, nlp.last_barrier, nlp.longest_step, nlp.tangent,
@@ -106,7 +106,7 @@ fn options() -> Vec<(&'static str, Change)> {
             nlp.largest_penalty, nlp.infeasible_cost, nlp.sufficient_decrease, nlp.largest_warm_slack,
             nlp.multiplier_range, nlp.first_regularisation, nlp.smallest_regularisation, nlp.largest_regularisation,
             nlp.saddle_step;
-        count: nlp.memory, nlp.cuts, nlp.rounds, nlp.steps_without_share;
+        count: nlp.memory, nlp.max_backtracks, nlp.rounds, nlp.steps_without_share;
         fraction: nlp.fraction_to_boundary, nlp.infeasible_progress, nlp.backtracking, nlp.short_fraction,
             nlp.long_fraction, nlp.smallest_share;
         shares: nlp.share_factors;

@@ -64,7 +64,7 @@ pub fn check_count(what: &str, found: usize, allowed: RangeInclusive<usize>) -> 
         return Ok(());
     }
     let (least, most) = allowed.into_inner();
-    let condition = format!("it is {found}, at least {least} and at most {most} is needed");
+    let condition = format!("it is {found} and must be at least {least} and at most {most}");
     Err(Error::input("settings", what, condition))
 }
 
@@ -74,7 +74,7 @@ pub fn check_positive(of: &str, what: &str, value: f64) -> Result<()> {
     if value.is_finite() && value > 0.0 {
         return Ok(());
     }
-    let condition = format!("it is {value}, a positive number is needed");
+    let condition = format!("it is {value} and must be a positive number");
     Err(Error::input(of, what, condition))
 }
 

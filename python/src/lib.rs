@@ -2,6 +2,7 @@
 //! documentation.
 
 mod batch;
+mod custom_terms;
 mod dynamics;
 mod error;
 mod experiments;
@@ -9,7 +10,6 @@ mod flow;
 mod inverse_kinematics;
 mod model;
 mod motion;
-mod own_terms;
 mod signals;
 mod solve;
 mod tracker;

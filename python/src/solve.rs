@@ -1,10 +1,10 @@
 //! Solving scenarios.
 
 use crate::batch::{Array, Numbers};
+use crate::custom_terms::{PyConstraint, PyRunningCost, Raised};
 use crate::error::raised;
 use crate::model::PyModel;
 use crate::motion::evaluate;
-use crate::own_terms::{PyConstraint, PyRunningCost, Raised};
 use crate::signals::{LOOK, until_signalled, watched};
 use aghf::motion::Interrupt;
 use aghf_cli::export::{joint_trajectory, save_mcap};

@@ -1,7 +1,7 @@
 //! The built-in constraints and a variant for any other.
 
 use super::{
-    Bounds, Constraint, CoverClearance, DynConstraint, FrameRows, Piece, PlacedState, PointSpeedLimit, RowLabel,
+    ActivePair, Bounds, Constraint, CoverClearance, DynConstraint, FrameRows, PlacedState, PointSpeedLimit, RowLabel,
     RowList, RowSet, SelfClearance, SolidClearance, SphereClearance, WeightedDerivatives, Weights,
 };
 use crate::error::Result;
@@ -134,9 +134,9 @@ impl<C: Scalar> Constraint<C> for AnyConstraint<C> {
         at: &PlacedState<'_, C, S>,
         rows: Option<RowList<'_>>,
         g: &mut [S],
-        pieces: &mut Vec<Piece>,
+        active_pairs: &mut Vec<ActivePair>,
     ) -> Result<()> {
-        each!(self, it => it.value_and_pieces(at, rows, g, pieces))
+        each!(self, it => it.value_and_pieces(at, rows, g, active_pairs))
     }
 
     fn parts<'a>(&'a self, parts: &mut Vec<&'a Self>) -> bool {

@@ -58,7 +58,8 @@ impl<T: Scalar> Moving<T> {
         T: AlgebraOver<C>,
     {
         forward_kinematics(at.model, &self.x[..self.x.len() / 2], &mut self.placements)?;
-        let moved = PlacedState { model: at.model, x: &self.x, placements: &self.placements, pieces: at.pieces };
+        let moved =
+            PlacedState { model: at.model, x: &self.x, placements: &self.placements, active_pairs: at.active_pairs };
         constraint.value(&moved, &mut self.g)?;
         Ok(&self.g)
     }

@@ -2,7 +2,8 @@
 
 use super::label::name_of;
 use super::{
-    CollisionSphere, Constraint, Gap, PlacedState, Quantity, RowLabel, RowList, RowSet, WeightedDerivatives, Weights,
+    CollisionSphere, Constraint, PairDistance, PlacedState, Quantity, RowLabel, RowList, RowSet, WeightedDerivatives,
+    Weights,
 };
 use crate::error::Result;
 use crate::geometry::Sphere;
@@ -56,7 +57,7 @@ impl<C: Scalar> Constraint<C> for SphereClearance<C> {
         let m = self.spheres.len().max(1);
         let gap = |ball: &CollisionSphere<C>| {
             let reach = self.spheres[row % m].radius + ball.radius;
-            Gap::new([Some(ball), None], Some(reach))
+            PairDistance::new([Some(ball), None], Some(reach))
         };
         RowSet::clearance(self.balls.get(row / m).map(gap))
     }

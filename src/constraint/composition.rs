@@ -1,6 +1,8 @@
 //! Tuples and lists of constraints as one constraint.
 
-use super::{AnyConstraint, Constraint, Piece, PlacedState, RowLabel, RowList, RowSet, WeightedDerivatives, Weights};
+use super::{
+    ActivePair, AnyConstraint, Constraint, PlacedState, RowLabel, RowList, RowSet, WeightedDerivatives, Weights,
+};
 use crate::error::Result;
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
@@ -56,13 +58,13 @@ impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
         at: &PlacedState<'_, C, S>,
         rows: Option<RowList<'_>>,
         g: &mut [S],
-        pieces: &mut Vec<Piece>,
+        active_pairs: &mut Vec<ActivePair>,
     ) -> Result<()> {
         let (a, b) = g.split_at_mut(self.0.dim());
         let (at_a, at_b) = at.split_at(a.len());
         let (of_a, of_b) = rows.map(|rows| rows.split_at(a.len())).unzip();
-        self.0.value_and_pieces(&at_a, of_a, a, pieces)?;
-        append_pieces(&self.1, (&at_b, of_b), (b, a.len()), pieces)
+        self.0.value_and_pieces(&at_a, of_a, a, active_pairs)?;
+        append_active_pairs(&self.1, (&at_b, of_b), (b, a.len()), active_pairs)
     }
 
     fn parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {
@@ -133,7 +135,7 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
         at: &PlacedState<'_, C, S>,
         mut rows: Option<RowList<'_>>,
         mut g: &mut [S],
-        pieces: &mut Vec<Piece>,
+        active_pairs: &mut Vec<ActivePair>,
     ) -> Result<()> {
         let (mut at, mut first) = (*at, 0);
         for constraint in self {
@@ -141,7 +143,7 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
             let count = own.len();
             let (here, others) = at.split_at(count);
             let (listed, unlisted) = rows.map(|rows| rows.split_at(count)).unzip();
-            append_pieces(constraint, (&here, listed), (own, first), pieces)?;
+            append_active_pairs(constraint, (&here, listed), (own, first), active_pairs)?;
             (at, rows, first, g) = (others, unlisted, first + count, rest);
         }
         Ok(())
@@ -168,17 +170,17 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
     }
 }
 
-/// Computes the rows of a constraint, the first of which has this number among all, and appends its active pieces.
-fn append_pieces<C: Scalar, S: AlgebraOver<C>, K: Constraint<C>>(
+/// Computes the rows of a constraint, the first of which has this number among all, and appends its active pairs.
+fn append_active_pairs<C: Scalar, S: AlgebraOver<C>, K: Constraint<C>>(
     constraint: &K,
     (at, rows): (&PlacedState<'_, C, S>, Option<RowList<'_>>),
     (g, first): (&mut [S], usize),
-    pieces: &mut Vec<Piece>,
+    active_pairs: &mut Vec<ActivePair>,
 ) -> Result<()> {
-    let before = pieces.len();
-    constraint.value_and_pieces(at, rows, g, pieces)?;
-    for piece in &mut pieces[before..] {
-        piece.row += first;
+    let before = active_pairs.len();
+    constraint.value_and_pieces(at, rows, g, active_pairs)?;
+    for pair in &mut active_pairs[before..] {
+        pair.row += first;
     }
     Ok(())
 }
@@ -235,10 +237,10 @@ macro_rules! delegate {
                 at: &PlacedState<'_, C, S>,
                 rows: Option<RowList<'_>>,
                 g: &mut [S],
-                pieces: &mut Vec<Piece>,
+                active_pairs: &mut Vec<ActivePair>,
             ) -> Result<()> {
                 let $it = self;
-                $inner.value_and_pieces(at, rows, g, pieces)
+                $inner.value_and_pieces(at, rows, g, active_pairs)
             }
 
             $(fn $parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {

@@ -5,7 +5,10 @@ use super::clearance::distance;
 use super::cover_search::length_and_inverse;
 use super::label::name_of;
 use super::solid_clearance::name_of_solid;
-use super::{Constraint, Gap, Piece, PlacedState, Quantity, RowLabel, RowList, RowSet, WeightedDerivatives, Weights};
+use super::{
+    ActivePair, Constraint, PairDistance, PlacedState, Quantity, RowLabel, RowList, RowSet, WeightedDerivatives,
+    Weights,
+};
 use crate::error::Result;
 use crate::geometry::{BallTree, Scene, Solid};
 use crate::model::Model;
@@ -26,7 +29,7 @@ const FAR: f64 = 0.35;
 /// The nearest balls are found by branch and bound in the trees of links, so links further than $m + f$ from each other
 /// cost one distance. Their rows are constant. Within, a row has a kink where two distances are the least. Balls of a
 /// set are far from each other and so rarely equally near, while the nearest of all sets are neighbours. The
-/// [pieces](Piece) of a row are pairs of nodes of two trees, or a node twice beside a solid.
+/// [pairs](ActivePair) of a row are pairs of nodes of two trees, or a node twice beside a solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoverClearance<C: Scalar = f64> {
     /// The balls of each link.
@@ -97,7 +100,7 @@ impl<C: Scalar> CoverClearance<C> {
     }
 
     /// The distance of the sets of a pair.
-    fn gap(&self, pair: usize) -> Gap<C> {
+    fn gap(&self, pair: usize) -> PairDistance<C> {
         let links = match pair {
             k if k < self.solid_pairs.len() => [Some(self.solid_pairs[k][0]), None],
             k => self.pairs[k - self.solid_pairs.len()].map(Some),
@@ -108,7 +111,7 @@ impl<C: Scalar> CoverClearance<C> {
             let r = dot(&root.centre, &root.centre).sqrt() + root.radius;
             tree.body.map(|body| (body, r))
         };
-        Gap { bodies: links.map(|link| link.and_then(body)), squared: None }
+        PairDistance { bodies: links.map(|link| link.and_then(body)), squared: None }
     }
 
     /// The number of the pair of a row.
@@ -125,11 +128,11 @@ impl<C: Scalar> CoverClearance<C> {
         &self,
         at: &PlacedState<'_, C, S>,
         is_needed: impl Fn(&Range<usize>) -> bool,
-        pieces: Option<&mut Vec<Piece>>,
+        active_pairs: Option<&mut Vec<ActivePair>>,
         g: &mut [S],
     ) -> Result<()> {
         let far = S::lift(-self.far);
-        self.visit(at, is_needed, pieces, |_, own, rows| {
+        self.visit(at, is_needed, active_pairs, |_, own, rows| {
             match rows {
                 [] => g[own].fill(far),
                 rows => {
@@ -161,10 +164,10 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
         at: &PlacedState<'_, C, S>,
         rows: Option<RowList<'_>>,
         g: &mut [S],
-        pieces: &mut Vec<Piece>,
+        active_pairs: &mut Vec<ActivePair>,
     ) -> Result<()> {
         let is_needed = |own: &Range<usize>| rows.is_none_or(|rows| rows.has_any(own));
-        self.values(at, is_needed, Some(pieces), g)
+        self.values(at, is_needed, Some(active_pairs), g)
     }
 
     fn label(&self, row: usize, model: &Model<C>) -> RowLabel {

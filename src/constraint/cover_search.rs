@@ -1,6 +1,6 @@
 //! The search for the nearest balls of covers.
 
-use super::{CoverClearance, Piece, Pieces, PlacedState};
+use super::{ActivePair, ActivePairs, CoverClearance, PlacedState};
 use crate::error::{Error, Result};
 use crate::geometry::{BallTree, FLAT, SETS};
 use crate::scalar::{AlgebraOver, Scalar};
@@ -85,10 +85,10 @@ struct Rows<'p, S: Scalar> {
     /// this need no look.
     from: S,
     least: S,
-    /// The number of pieces before those of this pair.
+    /// The number of active pairs before those of this pair.
     before: usize,
-    /// The pieces that were taken, if they are asked for.
-    pieces: Option<&'p mut Vec<Piece>>,
+    /// The active pairs that were taken, if they are asked for.
+    active_pairs: Option<&'p mut Vec<ActivePair>>,
 }
 
 impl<S: Scalar> Rows<'_, S> {
@@ -96,7 +96,7 @@ impl<S: Scalar> Rows<'_, S> {
     fn begin(&mut self, first: usize, count: usize) {
         (self.first, self.count, self.least) = (first, count, self.from);
         (self.is_far, self.taken) = (true, 0);
-        self.before = self.pieces.as_ref().map_or(0, |pieces| pieces.len());
+        self.before = self.active_pairs.as_ref().map_or(0, |active_pairs| active_pairs.len());
     }
 
     /// The value of a row so far.
@@ -107,7 +107,7 @@ impl<S: Scalar> Rows<'_, S> {
 
     /// Takes the distance of the balls of two nodes for a row, unless it is nowhere larger than that of others.
     fn take(&mut self, row: usize, g: S, points: [&Vector3<S>; 2], of: [usize; 2]) {
-        // A search finds again the pieces with which it begins. NaN is taken.
+        // A search finds again the active pairs with which it begins. NaN is taken.
         let is_finite = (g * S::zero()).vanishes();
         if is_finite && is_nowhere_negative(self.value(row) - g) {
             return;
@@ -117,8 +117,8 @@ impl<S: Scalar> Rows<'_, S> {
         }
         let all = &mut self.all[..self.count];
         let before = all[row].g;
-        // With pieces for the points, none of them is read.
-        let points = self.pieces.is_none().then_some(points);
+        // With active pairs for the points, none of them is read.
+        let points = self.active_pairs.is_none().then_some(points);
         all[row].take(g, points);
         self.taken |= 1 << row;
         // While one of the rows is far, and where this one was larger than the least, that remains.
@@ -129,37 +129,37 @@ impl<S: Scalar> Rows<'_, S> {
             let least = least.unwrap_or(self.far);
             self.least = (least - self.from).if_negative(self.from, least);
         }
-        if let Some(pieces) = &mut self.pieces {
+        if let Some(active_pairs) = &mut self.active_pairs {
             let row = self.first + row;
-            pieces.push(Piece { row, of });
+            active_pairs.push(ActivePair { row, of });
         }
     }
 
-    /// Drops the pieces of this pair that are not active, for their values.
+    /// Drops the active pairs of this pair that are not active, for their values.
     fn drop_pieces(&mut self, value: impl Fn([usize; 2]) -> S) {
         let (first, before, all) = (self.first, self.before, &self.all);
-        let Some(pieces) = &mut self.pieces else {
+        let Some(active_pairs) = &mut self.active_pairs else {
             return;
         };
         let mut kept = before;
-        for at in before..pieces.len() {
-            let Piece { row, of } = pieces[at];
+        for at in before..active_pairs.len() {
+            let ActivePair { row, of } = active_pairs[at];
             if !is_negative(value(of) - all[row - first].g) {
-                pieces[kept] = pieces[at];
+                active_pairs[kept] = active_pairs[at];
                 kept += 1;
             }
         }
-        pieces.truncate(kept);
+        active_pairs.truncate(kept);
         // Those that the search began with are found again.
-        pieces[before..].sort_unstable_by_key(|piece| (piece.row, piece.of));
+        active_pairs[before..].sort_unstable_by_key(|pair| (pair.row, pair.of));
         kept = before;
-        for at in before..pieces.len() {
-            if kept == before || pieces[kept - 1] != pieces[at] {
-                pieces[kept] = pieces[at];
+        for at in before..active_pairs.len() {
+            if kept == before || active_pairs[kept - 1] != active_pairs[at] {
+                active_pairs[kept] = active_pairs[at];
                 kept += 1;
             }
         }
-        pieces.truncate(kept);
+        active_pairs.truncate(kept);
     }
 }
 
@@ -271,12 +271,12 @@ impl<C: Scalar, S: AlgebraOver<C>> Pair<'_, C, S> {
 
 impl<C: Scalar> CoverClearance<C> {
     /// Calls `visit` with the index of each pair that has a row that is needed, those of solids first, and with the
-    /// range of its rows and these, none if all are far. Appends the active pieces of the rows if they are asked for.
+    /// range of its rows and these, none if all are far. Appends the active pairs of the rows if they are asked for.
     pub(super) fn visit<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
         is_needed: impl Fn(&Range<usize>) -> bool,
-        pieces: Option<&mut Vec<Piece>>,
+        active_pairs: Option<&mut Vec<ActivePair>>,
         mut visit: impl FnMut(usize, Range<usize>, &[Nearest<S>]) -> Result<()>,
     ) -> Result<()> {
         let bodies = self.links.iter().filter_map(|link| link.body);
@@ -288,8 +288,8 @@ impl<C: Scalar> CoverClearance<C> {
             });
         }
         let far = S::lift(-self.far);
-        let known = at.pieces.unwrap_or(Pieces::new(&[]));
-        let from = match at.pieces.map(|pieces| pieces.searched_from()) {
+        let known = at.active_pairs.unwrap_or(ActivePairs::new(&[]));
+        let from = match at.active_pairs.map(|active_pairs| active_pairs.searched_from()) {
             Some(from) => {
                 let from = S::from_f64(from);
                 (from - far).if_negative(far, from)
@@ -306,10 +306,10 @@ impl<C: Scalar> CoverClearance<C> {
             from,
             least: from,
             before: 0,
-            pieces,
+            active_pairs,
         };
         let mut first = 0;
-        let searches = at.pieces.is_none_or(|pieces| pieces.searched_from() < f64::INFINITY);
+        let searches = at.active_pairs.is_none_or(|active_pairs| active_pairs.searched_from() < f64::INFINITY);
         let mut known = known.iter().peekable();
         for (k, count) in self.counts().enumerate() {
             let own = first..first + count;
@@ -319,8 +319,8 @@ impl<C: Scalar> CoverClearance<C> {
                 }
                 rows.begin(first, count);
                 let pair = self.pair(at, k);
-                while known.next_if(|piece| piece.row < first).is_some() {}
-                while let Some(Piece { row, of }) = known.next_if(|of| of.row < own.end) {
+                while known.next_if(|pair| pair.row < first).is_some() {}
+                while let Some(ActivePair { row, of }) = known.next_if(|of| of.row < own.end) {
                     let (g, [p, q]) = pair.piece(of);
                     rows.take(row - first, g, [&p, &q], of);
                 }

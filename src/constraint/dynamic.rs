@@ -129,9 +129,9 @@ impl<C: Scalar> Constraint<C> for Box<dyn DynConstraint<C>> {
         (Functions::behind(constraint)?.value)(constraint.constraint(), at, g)
     }
 
-    /// Without what needs the active pieces or lists of rows, which a pointer does not pass on.
+    /// Without what needs the active pairs or lists of rows, which a pointer does not pass on.
     fn row_set(&self, row: usize) -> RowSet<C> {
-        RowSet { cutoff: None, gap: None, ..(**self).set_of_row(row) }
+        RowSet { cutoff: None, distance: None, ..(**self).set_of_row(row) }
     }
 
     fn label(&self, row: usize, model: &Model<C>) -> RowLabel {

@@ -1,6 +1,8 @@
 //! Evaluation of constraints and their contractions at states.
 
-use super::{Constraint, Piece, Pieces, PlacedState, RowLabel, RowList, RowSet, WeightedDerivatives, Weights};
+use super::{
+    ActivePair, ActivePairs, Constraint, PlacedState, RowLabel, RowList, RowSet, WeightedDerivatives, Weights,
+};
 use crate::dynamics::forward_kinematics;
 use crate::error::{Result, check_length};
 use crate::model::Model;
@@ -38,7 +40,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> Evaluator<'m, C, S> {
         check_length("x", 2 * self.model.dof(), x.len())?;
         forward_kinematics(self.model, &x[..self.model.dof()], &mut self.placements)?;
         Ok(Placed {
-            state: PlacedState { model: self.model, x, placements: &self.placements, pieces: None },
+            state: PlacedState { model: self.model, x, placements: &self.placements, active_pairs: None },
             axes: &mut self.axes,
             contraction: &mut self.contraction,
         })
@@ -53,10 +55,10 @@ impl<C: Scalar, S: AlgebraOver<C>> Evaluator<'_, C, S> {
     pub(crate) fn weighted_derivatives_at<K: Constraint<C> + ?Sized>(
         &mut self,
         x: &[S],
-        (constraint, pieces): (&K, Option<&[Piece]>),
+        (constraint, active_pairs): (&K, Option<&[ActivePair]>),
         weights: Weights<'_, S>,
     ) -> Result<&WeightedDerivatives<S>> {
-        let mut placed = self.at(x)?.with_pieces(pieces);
+        let mut placed = self.at(x)?.with_active_pairs(active_pairs);
         placed.weighted_derivatives(constraint, weights)?;
         Ok(&self.contraction)
     }
@@ -71,10 +73,10 @@ pub struct Placed<'a, C: Scalar, S: Scalar> {
 }
 
 impl<'a, C: Scalar, S: AlgebraOver<C>> Placed<'a, C, S> {
-    /// The same with the active pieces of the constraint that is evaluated, if they are known.
+    /// The same with the active pairs of the constraint that is evaluated, if they are known.
     #[must_use]
-    pub fn with_pieces(mut self, pieces: Option<&'a [Piece]>) -> Self {
-        self.state.pieces = pieces.map(Pieces::new);
+    pub fn with_active_pairs(mut self, active_pairs: Option<&'a [ActivePair]>) -> Self {
+        self.state.active_pairs = active_pairs.map(ActivePairs::new);
         self
     }
 }

@@ -135,7 +135,7 @@ impl FrameRows {
         for (i, (l, h)) in lower.iter().zip(upper).enumerate() {
             let between = l <= h && *l < f64::INFINITY && *h > f64::NEG_INFINITY;
             if !between {
-                let condition = format!("they are {l} and {h}, which nothing is between");
+                let condition = format!("the lower bound {l} exceeds the upper bound {h}");
                 return Err(self.refused("bounds of the position", condition));
             }
             let axis = Vector3::ith(i, 1.0);
@@ -157,7 +157,7 @@ impl FrameRows {
     /// The distance `r`, in m, is not positive and finite.
     pub fn within_distance(mut self, r: f64) -> Result<Self> {
         if !(r > 0.0 && r.is_finite()) {
-            let condition = format!("it is {r}, a positive number is needed");
+            let condition = format!("it is {r} and must be a positive number");
             return Err(self.refused("largest distance", condition));
         }
         self.rows.push(FrameRow {
@@ -245,7 +245,7 @@ impl FrameRows {
     fn unit(&self, what: &str, v: &Vector3<f64>) -> Result<Vector3<f64>> {
         unit_vector(v).ok_or_else(|| {
             let [x, y, z] = [v.x, v.y, v.z];
-            self.refused(what, format!("it is ({x}, {y}, {z}), which has no direction"))
+            self.refused(what, format!("({x}, {y}, {z}) has length zero or is not finite"))
         })
     }
 
@@ -253,7 +253,7 @@ impl FrameRows {
         if theta > 0.0 && theta < PI {
             return Ok(());
         }
-        let condition = format!("it is {theta}, an angle between 0 and pi is needed");
+        let condition = format!("it is {theta} and must be an angle between 0 and pi");
         Err(self.refused("largest angle", condition))
     }
 

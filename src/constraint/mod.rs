@@ -10,9 +10,9 @@
 //! active rows for an augmented Lagrangian. By default they come from dual numbers; all built-in constraints have
 //! analytic ones. An [`Evaluator`] computes the placements of the bodies once per state for all constraints.
 
+mod active_pair;
 mod any;
 mod autodiff;
-mod between;
 mod bounds;
 mod clearance;
 mod composition;
@@ -21,11 +21,10 @@ mod cover_search;
 mod dynamic;
 mod evaluator;
 mod frame_rows;
-mod gap;
 mod label;
+mod pair_distance;
 mod pair_loads;
 mod phase;
-mod piece;
 mod point_speed;
 mod power_limits;
 mod row_set;
@@ -33,11 +32,13 @@ mod self_clearance;
 mod solid_clearance;
 mod stage;
 mod standing_foot;
+mod time_window;
 mod torque_limits;
 mod weighted_derivatives;
 
+pub(crate) use active_pair::searched_from;
+pub use active_pair::{ActivePair, ActivePairs};
 pub use any::AnyConstraint;
-pub use between::Between;
 pub use bounds::{Bound, Bounds, RateLimit, Side};
 pub use clearance::SphereClearance;
 pub use cover_clearance::CoverClearance;
@@ -45,12 +46,10 @@ pub(crate) use cover_search::place;
 pub use dynamic::{DynConstraint, Functions};
 pub use evaluator::{Evaluator, Placed};
 pub use frame_rows::{FrameRow, FrameRows};
-pub use gap::{Gap, RowList};
 pub use label::{Quantity, RowForm, RowLabel};
+pub use pair_distance::{PairDistance, RowList};
 pub use phase::Phase;
 pub(crate) use phase::is_permutation;
-pub(crate) use piece::searched_from;
-pub use piece::{Piece, Pieces};
 pub use point_speed::PointSpeedLimit;
 pub use power_limits::PowerLimits;
 pub use row_set::RowSet;
@@ -59,6 +58,7 @@ pub use solid_clearance::SolidClearance;
 pub(crate) use stage::still;
 pub use stage::{StageConstraint, StageConstraints, StageDerivatives, StageInput, StageRows};
 pub use standing_foot::{FootContact, FootDerivatives, FootWeights, StandingFoot};
+pub use time_window::TimeWindow;
 pub(crate) use torque_limits::NONE;
 pub use torque_limits::{Constraints, TorqueLimits};
 pub use weighted_derivatives::WeightedDerivatives;
@@ -114,8 +114,9 @@ pub trait Constraint<C: Scalar = f64> {
         self.value(at, g)
     }
 
-    /// Computes [`value`](Self::value), or at least [some rows](Self::value_of), and appends the active [pieces](Piece)
-    /// of those that are maxima of many functions, in ascending order of the rows. By default there are none.
+    /// Computes [`value`](Self::value), or at least [some rows](Self::value_of), and appends the active
+    /// [pairs](ActivePair) of those that are maxima of many functions, in ascending order of the rows. By default there
+    /// are none.
     ///
     /// # Errors
     /// Those of [`value`](Self::value).
@@ -124,9 +125,9 @@ pub trait Constraint<C: Scalar = f64> {
         at: &PlacedState<'_, C, S>,
         rows: Option<RowList<'_>>,
         g: &mut [S],
-        pieces: &mut Vec<Piece>,
+        active_pairs: &mut Vec<ActivePair>,
     ) -> Result<()> {
-        let _ = pieces;
+        let _ = active_pairs;
         match rows {
             Some(rows) => self.value_of(at, rows, g),
             None => self.value(at, g),
@@ -164,16 +165,16 @@ pub struct PlacedState<'a, C: Scalar, S: Scalar> {
     pub x: &'a [S],
     /// The placements of all bodies in the base frame.
     pub placements: &'a [Placement<S>],
-    /// The active pieces of the rows of the constraint, if they are known.
-    pub pieces: Option<Pieces<'a>>,
+    /// The active pairs of the rows of the constraint, if they are known.
+    pub active_pairs: Option<ActivePairs<'a>>,
 }
 
 impl<'a, C: Scalar, S: AlgebraOver<C>> PlacedState<'a, C, S> {
     /// The same state for the first `count` rows of a constraint, and for the others.
     #[must_use]
     pub fn split_at(&self, count: usize) -> (Self, Self) {
-        let (own, rest) = self.pieces.map(|pieces| pieces.split_at(count)).unzip();
-        let [first, rest] = [own, rest].map(|pieces| Self { pieces, ..*self });
+        let (own, rest) = self.active_pairs.map(|active_pairs| active_pairs.split_at(count)).unzip();
+        let [first, rest] = [own, rest].map(|active_pairs| Self { active_pairs, ..*self });
         (first, rest)
     }
 

@@ -1,6 +1,6 @@
 //! The sets of values that rows may have.
 
-use super::Gap;
+use super::PairDistance;
 use crate::scalar::Scalar;
 
 /// The set of values that a row of a [constraint](super::Constraint) may have, and what is known of the row at every
@@ -18,14 +18,14 @@ pub struct RowSet<C: Scalar = f64> {
     /// on the state everywhere.
     pub cutoff: Option<C>,
     /// The distance of which the row is a function; `None` if it is not known to be one of a single distance.
-    pub gap: Option<Gap<C>>,
+    pub distance: Option<PairDistance<C>>,
 }
 
 impl<C: Scalar> RowSet<C> {
     /// An inequality of scale one of which nothing else is known.
     #[must_use]
     pub fn at_most_zero() -> Self {
-        Self { is_equality: false, scale: C::one(), is_clearance: false, cutoff: None, gap: None }
+        Self { is_equality: false, scale: C::one(), is_clearance: false, cutoff: None, distance: None }
     }
 
     /// An equality of scale one.
@@ -41,9 +41,9 @@ impl<C: Scalar> RowSet<C> {
     }
 
     /// A clearance that is a function of a distance, of the slope $2 R$ if it is one of squares.
-    pub(super) fn clearance(gap: Option<Gap<C>>) -> Self {
-        let squared = gap.and_then(|gap| gap.squared);
+    pub(super) fn clearance(distance: Option<PairDistance<C>>) -> Self {
+        let squared = distance.and_then(|distance| distance.squared);
         let scale = squared.map_or(C::one(), |reach| reach + reach);
-        Self { is_clearance: true, gap, ..Self::at_most_zero() }.scaled(scale)
+        Self { is_clearance: true, distance, ..Self::at_most_zero() }.scaled(scale)
     }
 }

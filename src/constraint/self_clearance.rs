@@ -3,7 +3,8 @@
 use super::clearance::distance;
 use super::label::name_of;
 use super::{
-    CollisionSphere, Constraint, Gap, PlacedState, Quantity, RowLabel, RowList, RowSet, WeightedDerivatives, Weights,
+    CollisionSphere, Constraint, PairDistance, PlacedState, Quantity, RowLabel, RowList, RowSet, WeightedDerivatives,
+    Weights,
 };
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -82,7 +83,7 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         let pair = self.pairs.get(row).and_then(|pair| self.pair(*pair).ok());
         RowSet::clearance(pair.map(|[first, second]| {
             let reach = first.radius + second.radius;
-            Gap::new([Some(first), Some(second)], Some(reach))
+            PairDistance::new([Some(first), Some(second)], Some(reach))
         }))
     }
 

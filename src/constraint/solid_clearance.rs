@@ -3,7 +3,8 @@
 use super::clearance::distance;
 use super::label::name_of;
 use super::{
-    CollisionSphere, Constraint, Gap, PlacedState, Quantity, RowLabel, RowList, RowSet, WeightedDerivatives, Weights,
+    CollisionSphere, Constraint, PairDistance, PlacedState, Quantity, RowLabel, RowList, RowSet, WeightedDerivatives,
+    Weights,
 };
 use crate::error::Result;
 use crate::geometry::Solid;
@@ -60,7 +61,7 @@ impl<C: Scalar> Constraint<C> for SolidClearance<C> {
 
     fn row_set(&self, row: usize) -> RowSet<C> {
         let ball = self.balls.get(row / self.solids.len().max(1));
-        RowSet::clearance(ball.map(|ball| Gap::new([Some(ball), None], None)))
+        RowSet::clearance(ball.map(|ball| PairDistance::new([Some(ball), None], None)))
     }
 
     /// Solids are counted from zero.

@@ -1,7 +1,7 @@
 //! Constraints on a motion at one time: limits of acceleration and jerk, a standing foot, and user-defined rows in
 //! $(t, q, v, a, u)$.
 
-use super::{Between, Phase, Quantity, RateLimit, RowLabel, StandingFoot};
+use super::{Phase, Quantity, RateLimit, RowLabel, StandingFoot, TimeWindow};
 use crate::error::{Error, Result, check_length};
 use crate::model::Model;
 use crate::scalar::Scalar;
@@ -90,7 +90,7 @@ pub trait StageConstraint: fmt::Debug + Send + Sync {
     }
 
     /// The rows of the state that are kept between two times, at these times too, if that is what they are.
-    fn between(&self) -> Option<&Between> {
+    fn window(&self) -> Option<&TimeWindow> {
         None
     }
 
@@ -229,12 +229,12 @@ pub struct StageConstraints {
     /// The phases, which the direct method alone knows; none for one foot, or none.
     pub phases: Vec<Phase>,
     /// Any other rows.
-    pub others: Vec<Arc<dyn StageConstraint>>,
+    pub custom: Vec<Arc<dyn StageConstraint>>,
 }
 
 impl StageConstraints {
     /// None.
-    pub const NONE: Self = Self { rates: Vec::new(), foot: None, phases: Vec::new(), others: Vec::new() };
+    pub const NONE: Self = Self { rates: Vec::new(), foot: None, phases: Vec::new(), custom: Vec::new() };
 
     /// Returns true if any row depends on the jerk.
     pub(crate) fn has_jerk(&self) -> bool {
@@ -247,19 +247,19 @@ impl StageConstraints {
     }
 
     /// The first row of the other constraints.
-    fn first_of_others(&self) -> usize {
+    fn first_custom_row(&self) -> usize {
         self.rates.len() + self.foot.as_ref().map_or(0, StandingFoot::dim)
     }
 
     /// The number of rows: one for each limit, then those of the foot, then those of the others.
     #[must_use]
     pub fn dim(&self) -> usize {
-        self.first_of_others() + self.others.iter().map(|other| other.dim()).sum::<usize>()
+        self.first_custom_row() + self.custom.iter().map(|other| other.dim()).sum::<usize>()
     }
 
     /// The other constraints, each with its first row.
-    pub(crate) fn others(&self) -> impl Iterator<Item = (usize, &dyn StageConstraint)> {
-        self.others.iter().scan(self.first_of_others(), |next, other| {
+    pub(crate) fn custom_rows(&self) -> impl Iterator<Item = (usize, &dyn StageConstraint)> {
+        self.custom.iter().scan(self.first_custom_row(), |next, other| {
             let first = *next;
             *next += other.dim();
             Some((first, &**other))
@@ -268,7 +268,7 @@ impl StageConstraints {
 
     /// The scale of each row: limits of acceleration and jerk themselves.
     pub(crate) fn scales(&self) -> Vec<f64> {
-        let others = self.others.iter();
+        let others = self.custom.iter();
         let others = others.flat_map(|other| (0..other.dim()).map(|row| other.scale(row)));
         let foot = self.foot.iter().flat_map(StandingFoot::scales);
         let rates = self.rates.iter().map(|rate| rate.limit);
@@ -279,10 +279,10 @@ impl StageConstraints {
     #[must_use]
     pub fn label(&self, row: usize, model: &Model) -> RowLabel {
         let Some(rate) = self.rates.get(row) else {
-            if let Some((first, foot)) = self.foot().filter(|_| row < self.first_of_others()) {
+            if let Some((first, foot)) = self.foot().filter(|_| row < self.first_custom_row()) {
                 return foot.label(row - first);
             }
-            let other = self.others().take_while(|(first, _)| *first <= row).last();
+            let other = self.custom_rows().take_while(|(first, _)| *first <= row).last();
             let label = |(first, of): (usize, &dyn StageConstraint)| of.label(row - first, model);
             return other.map_or_else(|| RowLabel::numbered(row), label);
         };
@@ -321,7 +321,7 @@ impl StageConstraints {
             }
             if !(limit.is_finite() && *limit > 0.0) {
                 let element = format!("joint '{}': {} limit", joint.name(), Quantity::JOINT[*order].name());
-                return refuse(&element, format!("it is {limit}, a positive number is needed"));
+                return refuse(&element, format!("it is {limit} and must be a positive number"));
             }
         }
         self.foot.as_ref().map_or(Ok(()), StandingFoot::check)

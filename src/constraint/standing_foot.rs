@@ -275,7 +275,7 @@ impl StandingFoot {
         ];
         for (what, size) in sizes {
             if let Some(size) = size.filter(|size| !(size.is_finite() && *size > 0.0)) {
-                let condition = format!("it is {size}, a positive number is needed");
+                let condition = format!("it is {size} and must be a positive number");
                 return Err(Error::input(format!("foot '{}'", self.name), what, condition));
             }
         }

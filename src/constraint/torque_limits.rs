@@ -177,7 +177,7 @@ impl<K: Constraint> Constraints<K> {
         for (row, scale) in scales {
             if !(scale > 0.0 && scale.is_finite()) {
                 let RowLabel { name, .. } = self.stage.label(row, model);
-                let condition = format!("it is {scale}, a positive number is needed");
+                let condition = format!("it is {scale} and must be a positive number");
                 return Err(Error::input("constraints", format!("scale of {name}"), condition));
             }
         }
@@ -236,7 +236,7 @@ impl TorqueLimits {
         for (joint, limit) in model.joints().iter().zip(&self.0) {
             if let Some(limit) = limit.filter(|limit| !(limit.is_finite() && *limit >= 0.0)) {
                 let element = format!("joint '{}': torque limit", joint.name());
-                let condition = format!("it is {limit}, zero or a positive number is needed");
+                let condition = format!("it is {limit} and must be zero or a positive number");
                 return Err(Error::input(model.name(), element, condition));
             }
         }

@@ -27,7 +27,7 @@ impl Chebyshev {
             return Ok(());
         }
         let largest = Self::MAX_DEGREE;
-        Err(format!("it is {p}, at least 2 and at most {largest} is needed"))
+        Err(format!("it is {p} and must be at least 2 and at most {largest}"))
     }
 
     /// Computes the nodes of degree `p` on `[0, horizon]`, in s, and their matrices. Cost O(p^2).
@@ -38,7 +38,7 @@ impl Chebyshev {
     pub fn new(p: usize, horizon: f64) -> Result<Self> {
         Self::check_degree(p).map_err(|condition| Error::input("settings", "degree", condition))?;
         if !(horizon.is_finite() && horizon > 0.0) {
-            let condition = format!("it is {horizon}, a positive time is needed");
+            let condition = format!("it is {horizon} and must be a positive time");
             return Err(Error::input("settings", "horizon", condition));
         }
         let d = differentiation(p);

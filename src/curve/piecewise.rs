@@ -41,7 +41,7 @@ impl Curve {
     /// or the horizon is not positive and finite.
     pub fn piecewise(horizon: f64, segments: usize, x: DMatrix<f64>) -> Result<Self> {
         let nodes = x.ncols().checked_div(segments).ok_or_else(|| {
-            let condition = "it is 0, at least 1 is needed";
+            let condition = "it is 0 and must be at least 1";
             Error::input("curve", "segments", condition)
         })?;
         let chebyshev = Chebyshev::new(nodes.saturating_sub(1), horizon / segments as f64)?;

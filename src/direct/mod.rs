@@ -133,7 +133,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
         }
         let segments = self.settings.segments;
         if !segments.is_multiple_of(phases) {
-            let condition = format!("it is {segments}, a multiple of the {phases} phases is needed");
+            let condition = format!("it is {segments} and must be a multiple of the {phases} phases");
             return refuse("segments", condition);
         }
         if phases > 1 && self.settings.continuous_acceleration {

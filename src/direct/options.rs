@@ -63,7 +63,7 @@ pub struct SearchOptions {
     pub share_of_starts: f64,
     /// The relative excess over the cost of the best earlier start beyond which a start is dropped, on the last basis
     /// but one and on lower ones: low degrees are a poor indicator.
-    pub hopeless: [f64; 2],
+    pub drop_ratio: [f64; 2],
     /// The number of starts of a batch that go on to the next basis if the goal is a set.
     pub kept_ends: usize,
     /// The relative gradient norm at the end in the bases below the last one: a curve there is only the start of the
@@ -129,7 +129,7 @@ impl Default for SearchOptions {
             largest_passive_size: 512,
             batch: 8,
             share_of_starts: 0.5,
-            hopeless: [0.1, 1.0],
+            drop_ratio: [0.1, 1.0],
             kept_ends: 1,
             lower_tolerance: 0.1,
             lower_iterations: 30,
@@ -190,8 +190,8 @@ impl SearchOptions {
             ("passive_share", self.passive_share),
             ("deviation", self.deviation),
             ("share_of_starts", self.share_of_starts),
-            ("hopeless", self.hopeless[0]),
-            ("hopeless", self.hopeless[1]),
+            ("drop_ratio", self.drop_ratio[0]),
+            ("drop_ratio", self.drop_ratio[1]),
             ("lower_tolerance", self.lower_tolerance),
             ("lower_quadrature_tolerance", self.lower_quadrature_tolerance),
             ("lower_last_barrier", self.lower_last_barrier),
@@ -206,12 +206,12 @@ impl SearchOptions {
         let most = Self::MAX_POINTS;
         let points = self.points.max(self.points_of_segments);
         if points > most as f64 {
-            let condition = format!("it is {points}, at most {most} is needed");
+            let condition = format!("it is {points} and must be at most {most}");
             return Err(Error::input("search", "points", condition));
         }
         // Otherwise the horizons would not grow.
         if !(self.horizon_growth.is_finite() && self.horizon_growth > 1.0) {
-            let condition = format!("it is {}, more than 1 is needed", self.horizon_growth);
+            let condition = format!("it is {} and must be more than 1", self.horizon_growth);
             return Err(Error::input("search", "horizon_growth", condition));
         }
         Ok(())

@@ -253,7 +253,7 @@ impl DirectSettings {
             check_positive("settings", what, value)?;
         }
         if !self.start_amplitude.is_finite() {
-            let condition = format!("it is {}, a finite number is needed", self.start_amplitude);
+            let condition = format!("it is {} and must be a finite number", self.start_amplitude);
             return Err(Error::input("settings", "start_amplitude", condition));
         }
         let degrees = self.continuity(problem).smallest_degree()..=Self::MAX_DEGREE;
@@ -275,7 +275,7 @@ impl DirectSettings {
         if let Some(longest) = self.longest_horizon {
             let least = problem.horizon();
             if !(longest.is_finite() && longest >= least) {
-                let condition = format!("it is {longest}, at least the horizon {least} is needed");
+                let condition = format!("it is {longest} and must be at least the horizon {least}");
                 return Err(Error::input("settings", "longest_horizon", condition));
             }
         }

@@ -27,7 +27,7 @@ impl<C: Scalar> DualTrajectory<C> {
             return refused("coefficients", "there are none, at least one column is needed");
         }
         if horizon.is_zero() {
-            return refused("horizon", "it is zero, a positive time is needed");
+            return refused("horizon", "it is zero and must be a positive time");
         }
         Ok(Self { horizon, coefficients })
     }

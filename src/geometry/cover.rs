@@ -115,7 +115,7 @@ fn prism(corners: &[[f64; 2]], half_length: f64) -> Vec<Triangle> {
 pub(super) fn check(named: &[(&str, f64)]) -> Result<()> {
     for (what, x) in named {
         if !(x.is_finite() && *x > 0.0) {
-            let condition = format!("it is {}, a positive number is needed", plain(*x));
+            let condition = format!("it is {} and must be a positive number", plain(*x));
             return refused(what, condition);
         }
     }

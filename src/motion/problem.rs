@@ -26,7 +26,7 @@ impl<'m> Problem<'m> {
             return Ok(());
         }
         let [horizon, least, most] = [horizon, Self::MIN_HORIZON, Self::MAX_HORIZON].map(plain);
-        Err(format!("it is {horizon}, a positive time of at least {least} s and at most {most} s is needed"))
+        Err(format!("it is {horizon} and must be a positive time of at least {least} s and at most {most} s"))
     }
 
     /// The problem from state `start` to state `goal`, each $[q; v]$ with `2 N` entries, in `horizon` seconds.

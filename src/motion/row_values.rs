@@ -1,6 +1,8 @@
 //! The rows of constraints at times of a motion.
 
-use crate::constraint::{Constraint, Constraints, Evaluator, Piece, Pieces, PlacedState, StageInput, searched_from};
+use crate::constraint::{
+    ActivePair, ActivePairs, Constraint, Constraints, Evaluator, PlacedState, StageInput, searched_from,
+};
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
 use crate::model::Model;
@@ -18,11 +20,11 @@ pub(super) struct Rows<'a, K> {
     z: Vec<Wide>,
     u: Vec<Wide>,
     g: Vec<Wide>,
-    /// The active pieces at the last times if they are known, memory for others, and the value of a row above which
-    /// active pieces are searched.
-    pieces: Vec<Piece>,
+    /// The active pairs at the last times if they are known, memory for others, and the value of a row above which
+    /// active pairs are searched.
+    active_pairs: Vec<ActivePair>,
     pub are_known: bool,
-    active: Vec<Piece>,
+    active: Vec<ActivePair>,
     searched_from: f64,
     /// The least value of each row: minus its cutoff divided by its scale.
     pub least: Vec<f64>,
@@ -58,7 +60,7 @@ impl<'a, K: Constraint> Rows<'a, K> {
             evaluator: Evaluator::new(model),
             data: Data::new(model),
             z: vec![zero; 4 * n],
-            pieces: Vec::new(),
+            active_pairs: Vec::new(),
             are_known: false,
             active: Vec::new(),
             searched_from: searched_from(&constraints.state),
@@ -86,13 +88,13 @@ impl<'a, K: Constraint> Rows<'a, K> {
             let (of_torque, of_stage) = others.split_at_mut(torque.dim());
             Lanes::gather(states, first, &mut self.z);
             let placed = self.evaluator.at(&self.z[..2 * n])?;
-            let known = Pieces::new(&self.pieces).and_above(self.searched_from);
-            let at = PlacedState { pieces: self.are_known.then_some(known), ..*placed.state() };
+            let known = ActivePairs::new(&self.active_pairs).and_above(self.searched_from);
+            let at = PlacedState { active_pairs: self.are_known.then_some(known), ..*placed.state() };
             self.active.clear();
             state.value_and_pieces(&at, None, of_state, &mut self.active)?;
-            std::mem::swap(&mut self.pieces, &mut self.active);
+            std::mem::swap(&mut self.active_pairs, &mut self.active);
             self.are_known = true;
-            if !(of_torque.is_empty() && stage.others.is_empty()) {
+            if !(of_torque.is_empty() && stage.custom.is_empty()) {
                 let [q, v, a] = [0, 1, 2].map(|part| &self.z[part * n..(part + 1) * n]);
                 rnea(self.model, &mut self.data, q, v, a, &mut self.u)?;
                 if !of_torque.is_empty() {
@@ -108,15 +110,15 @@ impl<'a, K: Constraint> Rows<'a, K> {
                 let g = &mut of_stage[row..row + foot.dim()];
                 foot.value(self.model, &mut self.data, z, g)?;
             }
-            for (row, other) in stage.others() {
+            for (row, other) in stage.custom_rows() {
                 for lane in 0..LANES.min(times - first) {
                     let t = begin + own_times[first + lane];
                     let z: Vec<f64> = self.z.iter().chain(&self.u).map(|z| z.0[lane]).collect();
                     let [q, v, a, _, u] = [0, 1, 2, 3, 4].map(|part| &z[part * n..(part + 1) * n]);
                     let mut g = vec![0.0; other.dim()];
                     let at = StageInput { t, q, v, a, u };
-                    match other.between() {
-                        Some(between) => between.at_all_times(&at, &mut g)?,
+                    match other.window() {
+                        Some(window) => window.at_all_times(&at, &mut g)?,
                         None => other.value(&at, &mut g)?,
                     }
                     for (to, g) in of_stage[row..].iter_mut().zip(g) {
@@ -132,7 +134,7 @@ impl<'a, K: Constraint> Rows<'a, K> {
     /// Writes the rows at times that were evaluated side by side, from the `first` one on.
     fn write(&mut self, first: usize, scales: &[f64]) {
         let stride = self.stride;
-        for row in self.pieces.iter().map(|piece| piece.row) {
+        for row in self.active_pairs.iter().map(|pair| pair.row) {
             if self.places[row].is_none() {
                 self.places[row] = Some(self.known.len());
                 self.known.push(row);

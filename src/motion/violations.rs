@@ -96,7 +96,7 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
         let constraints = constraints.into();
         constraints.check(model)?;
         if intervals == 0 {
-            let condition = "it is 0, at least 1 is needed";
+            let condition = "it is 0 and must be at least 1";
             return Err(Error::input("violations", "intervals", condition));
         }
         let scales = constraints.row_scales();

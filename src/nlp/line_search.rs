@@ -29,7 +29,7 @@ pub(super) fn line_search<P: Nlp>(
     let whole = options.longest_step / state.progress.step;
     let first = problem.longest(&state.x, &step.x).min(whole);
     let (mut alpha, mut predicted) = (first, f64::NAN);
-    for _ in 0..options.cuts {
+    for _ in 0..options.max_backtracks {
         let f = trial.evaluate(problem, state, &step.x, alpha)?;
         if f.is_finite() {
             let slope = step.slope + trial.take(problem, state, alpha, options);
@@ -135,7 +135,7 @@ impl Trial {
         let part = (options.tangent / state.progress.step).min(1.0);
         assign(&mut self.x, &state.x);
         self.x.axpy(part, &step.x, 1.0);
-        problem.value_beside(&self.x, &mut self.h)?;
+        problem.value_at_trial(&self.x, &mut self.h)?;
         self.tangent.clear();
         let rows = working.iter().map(|of| of.row.at);
         let rows = rows.chain(held.iter().map(|of| of.row.at));
@@ -221,7 +221,7 @@ pub(super) fn leave_saddle<P: Nlp>(
 ) -> Result<bool> {
     let before = state.merit(problem);
     let mut length = options.saddle_step;
-    for _ in 0..options.cuts {
+    for _ in 0..options.max_backtracks {
         for sign in [1.0, -1.0] {
             let mut trial = Trial::default();
             trial.iterate.clone_from(&state.iterate);

@@ -60,7 +60,7 @@ pub trait Nlp {
     ///
     /// # Errors
     /// Those of [`value`](Self::value).
-    fn value_beside(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
+    fn value_at_trial(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
         self.value(x, h)
     }
 
@@ -132,7 +132,7 @@ pub enum Tightened {
     /// No row is violated by more than the tolerance, but other margins may keep all bounds themselves.
     Beyond,
     /// The points are too few for the objective.
-    Coarse,
+    QuadratureTooCoarse,
 }
 
 /// The reason of the end of a search.
@@ -147,7 +147,7 @@ pub enum Status {
     /// The largest number of iterations.
     Iterations,
     /// The points are too few for the objective.
-    Coarse,
+    QuadratureTooCoarse,
     /// Stopped from outside.
     Stopped,
 }
@@ -266,8 +266,8 @@ pub(crate) fn iterate<P: Nlp>(
         }
         state.iterate.set_barrier(barrier, options.multiplier_range);
         // At most so large that it continues to decrease.
-        if state.tighten(problem, 0.5 * before, options)? == Tightened::Coarse {
-            return Ok(Some(Status::Coarse));
+        if state.tighten(problem, 0.5 * before, options)? == Tightened::QuadratureTooCoarse {
+            return Ok(Some(Status::QuadratureTooCoarse));
         }
     } else if taken.is_none() && is_part {
         state.iterate.share = 1.0;

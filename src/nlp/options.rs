@@ -66,7 +66,7 @@ pub struct Options {
     /// The factor of backtracking: 0.5 as in WB.
     pub backtracking: f64,
     /// The largest number of reductions of a step.
-    pub cuts: usize,
+    pub max_backtracks: usize,
     /// The largest slack to which a row moves away from its bound with known multipliers, relative to its scale.
     pub largest_warm_slack: f64,
     /// The largest factor between a multiplier and the one that belongs to its slack: 1e10 as in WB (16).
@@ -128,7 +128,7 @@ impl Default for Options {
             sufficient_decrease: 1e-4,
             memory: 4,
             backtracking: 0.5,
-            cuts: 25,
+            max_backtracks: 25,
             largest_warm_slack: 0.02,
             multiplier_range: 1e10,
             first_regularisation: 1e-4,

@@ -244,7 +244,7 @@ impl State {
         let range = options.multiplier_range;
         self.iterate.update_multipliers(&self.h, range);
         let violation = match problem.tighten(&self.x, &mut self.h, self.rounds)? {
-            Tightened::Coarse => return Ok(Some(Status::Coarse)),
+            Tightened::QuadratureTooCoarse => return Ok(Some(Status::QuadratureTooCoarse)),
             Tightened::Beyond if self.rounds <= options.rounds && self.progress.infeasibility <= options.feasible => {
                 self.follow(problem, f64::INFINITY, options)?;
                 return Ok(None);

@@ -57,18 +57,18 @@ impl Look {
     /// Takes the distance of two nodes; returns false if those below have no effect.
     #[inline]
     fn take(&mut self, distance: &Wide, reach: f64, is_leaf: bool) -> bool {
-        let mut goes_on = false;
+        let mut should_continue = false;
         for (lane, d) in distance.0.iter().enumerate() {
             let is_near = self.near >> lane & 1 == 1;
             if d.is_nan() || *d < if is_near { 0.0 } else { reach } {
-                goes_on = true;
+                should_continue = true;
                 if is_leaf {
                     self.near |= 1 << lane;
                     self.hit |= d.is_nan() || *d < 0.0;
                 }
             }
         }
-        goes_on && !self.hit
+        should_continue && !self.hit
     }
 }
 

@@ -80,7 +80,7 @@ impl<'a, K: Constraint + ?Sized> InverseKinematics<'a, K> {
         for (joint, [lower, upper]) in model.joints().iter().zip(&bounds) {
             if lower.is_nan() || upper.is_nan() || lower > upper {
                 let joint = format!("joint '{}'", joint.name());
-                let condition = format!("they are {lower} and {upper}, which nothing is between");
+                let condition = format!("the lower bound {lower} exceeds the upper bound {upper}");
                 return Err(Error::input(model.name(), joint, condition));
             }
         }

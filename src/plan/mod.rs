@@ -105,7 +105,7 @@ impl PlanSettings {
             check_positive("planner", what, value)?;
         }
         if !(self.margin >= 0.0 && self.margin.is_finite()) {
-            let condition = format!("it is {}, zero or a positive number is needed", self.margin);
+            let condition = format!("it is {} and must be zero or a positive number", self.margin);
             return Err(Error::input("planner", "margin", condition));
         }
         check_count("paths", self.paths, 1..=usize::MAX)?;

@@ -1,7 +1,7 @@
 //! The rows of constraints at the points of a curve.
 
-use super::{Near, Shared, Which};
-use crate::constraint::{Constraint, Constraints, Evaluator, Phase, Piece, RowSet, StandingFoot, searched_from};
+use super::{ProximityCache, RowSelection, Shared};
+use crate::constraint::{ActivePair, Constraint, Constraints, Evaluator, Phase, RowSet, StandingFoot, searched_from};
 use crate::cost::{CostWithControl, Points};
 use crate::dynamics::Data;
 use crate::error::Result;
@@ -24,8 +24,8 @@ pub(crate) struct Rows<'a, K, P> {
     /// $[q; v; a]$ and the rows of the state at points that are evaluated side by side.
     pub(super) z: Vec<Wide<f64>>,
     pub(super) wide: Vec<Wide<f64>>,
-    /// Memory for active pieces, and the value of a row from which on they are searched between the points.
-    pub(super) active: Vec<Piece>,
+    /// Memory for active pairs, and the value of a row from which on they are searched between the points.
+    pub(super) active: Vec<ActivePair>,
     pub(super) searched_from: f64,
     /// The largest value at the last points of each row of the state that was evaluated there.
     pub highest: Vec<f64>,
@@ -38,7 +38,7 @@ pub(crate) struct Rows<'a, K, P> {
     costs: Vec<f64>,
     pub(super) attributes: Attributes,
     /// The rows that may be near their bounds, at the points of a grid.
-    pub near: Near,
+    pub near: ProximityCache,
 }
 
 /// The first row of a foot, the robot on it, the foot, and the phase if there are several.
@@ -138,7 +138,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             foot: Vec::new(),
             costs: Vec::new(),
             attributes,
-            near: Near::default(),
+            near: ProximityCache::default(),
             constraints,
         })
     }
@@ -186,7 +186,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
     /// Returns true if any row depends on the control.
     fn with_control(&self) -> bool {
         let Constraints { torque, stage, .. } = &*self.constraints;
-        torque.dim() > 0 || !stage.others.is_empty()
+        torque.dim() > 0 || !stage.custom.is_empty()
     }
 
     /// Returns true if a row or the cost depends on the jerk.
@@ -197,7 +197,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
     /// Computes all rows at all points into `h`, row by row for each point, and the running cost there into `costs`.
     /// At the points of a grid rows that are far keep the last value that was computed.
     pub fn at(&mut self, points: Points<'_, f64>, h: &mut [f64], costs: &mut [f64]) -> Result<()> {
-        self.of_state(points, Which::Near, h)?;
+        self.of_state(points, RowSelection::Cached, h)?;
         self.others(points, false, h, costs)
     }
 
@@ -224,11 +224,11 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             for (h, scale) in h[states..rates].iter_mut().zip(&scales[states..]) {
                 *h *= scale;
             }
-            for (first, other) in stage.others() {
+            for (first, other) in stage.custom_rows() {
                 let own = rates + first..rates + first + other.dim();
                 let at = points.point(g).with_control(u.as_slice());
-                match other.between().filter(|_| always) {
-                    Some(between) => between.at_all_times(&at, &mut h[own.clone()])?,
+                match other.window().filter(|_| always) {
+                    Some(window) => window.at_all_times(&at, &mut h[own.clone()])?,
                     None => other.value(&at, &mut h[own.clone()])?,
                 }
                 for (h, scale) in h[own.clone()].iter_mut().zip(&scales[own]) {
@@ -283,7 +283,7 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
 
     /// Computes the rows without the running cost, which is skipped if only the state has constraints, also those that
     /// are kept for a part of the time. Returns true if these are all rows of the state.
-    pub fn of_all(&mut self, points: Points<'_, f64>, which: Which<'_>, h: &mut [f64]) -> Result<bool> {
+    pub fn of_all(&mut self, points: Points<'_, f64>, which: RowSelection<'_>, h: &mut [f64]) -> Result<bool> {
         if self.with_control() {
             let mut costs = std::mem::take(&mut self.costs);
             costs.resize(points.count(), 0.0);

@@ -2,7 +2,7 @@
 
 use super::horizons::place_in;
 use super::place::scale;
-use super::{Horizons, Rows, Which};
+use super::{Horizons, RowSelection, Rows};
 use crate::constraint::{Constraint, StageConstraint};
 use crate::cost::{CostWithControl, Points};
 use crate::curve::{Basis, Functions};
@@ -43,7 +43,7 @@ struct Part {
 
 /// The maxima of a scan, and its memory.
 #[derive(Default)]
-pub(crate) struct Look {
+pub(crate) struct ScanWorkspace {
     /// The local maxima that were found.
     pub found: Vec<Maximum>,
     /// Those that may be above zero, by their index, with their phases.
@@ -62,7 +62,7 @@ pub(crate) struct Look {
     few: [[DMatrix<f64>; 2]; LANES],
 }
 
-impl Look {
+impl ScanWorkspace {
     /// Memory for a scan of `times` times of `n` joints.
     fn resize(&mut self, n: usize, times: usize, with_jerk: bool) {
         if self.states.shape() == (n, 3 * times) && self.jerks.is_some() == with_jerk {
@@ -108,21 +108,21 @@ impl Scan {
         coefficients: &DMatrix<f64>,
         horizons: &Horizons<f64>,
         floor: f64,
-        look: &mut Look,
+        work: &mut ScanWorkspace,
     ) -> Result<f64> {
         let (segments, count) = (self.basis.segments(), rows.count());
         let with_jerk = rows.constraints.stage.has_jerk();
-        look.resize(coefficients.nrows(), self.intervals + 1, with_jerk);
-        look.found.clear();
-        look.uncertain.clear();
+        work.resize(coefficients.nrows(), self.intervals + 1, with_jerk);
+        work.found.clear();
+        work.uncertain.clear();
         let mut deviation = 0.0_f64;
         for segment in 0..segments {
             let first = self.basis.first(segment);
             let part = horizons.part(segment, segments);
             let (horizon, factor) = (horizons.parts()[part], self.factor(horizons, part));
-            place_in(coefficients, first, &self.table, factor, &mut look.states);
-            scale(&mut look.states, horizon);
-            if let Some(jerks) = &mut look.jerks {
+            place_in(coefficients, first, &self.table, factor, &mut work.states);
+            scale(&mut work.states, horizon);
+            if let Some(jerks) = &mut work.jerks {
                 place_in(coefficients, first, &self.thirds, factor, jerks);
                 *jerks *= horizon.powi(-3);
             }
@@ -130,18 +130,18 @@ impl Scan {
             for k in 0..rows.near.parts() {
                 let (group, middles) = rows.near.part(segment, k, self.intervals);
                 let part = Part { segment, phase, group, middles };
-                self.evaluate(rows, &part, (horizons, floor), look)?;
+                self.evaluate(rows, &part, (horizons, floor), work)?;
                 for (row, unit) in rows.equalities_of_state() {
-                    let values = look.h.iter().skip(row).step_by(count);
+                    let values = work.h.iter().skip(row).step_by(count);
                     deviation = values.fold(deviation, |most, h| most.max(h.abs() * unit));
                 }
-                self.find(&part, floor, &rows.attributes().equalities, look);
+                self.find(&part, floor, &rows.attributes().equalities, work);
             }
         }
         for _ in 0..Bracket::REFINEMENTS {
-            self.refine(rows, coefficients, horizons, look)?;
+            self.refine(rows, coefficients, horizons, work)?;
         }
-        self.keep_times(rows, coefficients, (horizons, floor), look)?;
+        self.keep_times(rows, coefficients, (horizons, floor), work)?;
         Ok(deviation)
     }
 
@@ -152,33 +152,33 @@ impl Scan {
         rows: &mut Rows<'_, K, P>,
         coefficients: &DMatrix<f64>,
         (horizons, floor): (&Horizons<f64>, f64),
-        look: &mut Look,
+        work: &mut ScanWorkspace,
     ) -> Result<()> {
         let segments = self.basis.segments();
         let of_rows = &rows.attributes.times;
-        look.found.retain(|maximum| {
+        work.found.retain(|maximum| {
             let [from, to] = of_rows[maximum.row];
             let part = horizons.part(maximum.segment, segments);
             (from..=to).contains(&horizons.time(part, maximum.time))
         });
         let constraints = rows.constraints.clone();
-        for (first, between) in constraints.between() {
-            for time in between.times() {
+        for (first, window) in constraints.windows() {
+            for time in window.times() {
                 let Some(normalised) = horizons.normalised(time) else {
                     continue;
                 };
                 let segment = ((normalised * segments as f64) as usize).min(segments - 1);
                 let phase = segment * rows.cost.phases() / segments;
-                let Look { functions, one, few: [[states, jerks], ..], h, .. } = look;
+                let ScanWorkspace { functions, one, few: [[states, jerks], ..], h, .. } = work;
                 let at = (segment, normalised);
                 self.place_at(coefficients, horizons, at, functions, one);
                 states.copy_from(&one.columns(0, 3));
                 jerks.copy_from(&one.column(3));
                 let points = Points { first: 0, phase, times: &[time], states, jerks: Some(jerks) };
                 h.resize(rows.count(), 0.0);
-                rows.of_all(points, Which::Only(&[]), h)?;
-                let own = h[first..first + between.dim()].iter().enumerate();
-                look.found.extend(own.filter(|(_, height)| **height > floor).map(|(row, height)| Maximum {
+                rows.of_all(points, RowSelection::Listed(&[]), h)?;
+                let own = h[first..first + window.dim()].iter().enumerate();
+                work.found.extend(own.filter(|(_, height)| **height > floor).map(|(row, height)| Maximum {
                     row: first + row,
                     segment,
                     time: normalised,
@@ -218,17 +218,17 @@ impl Scan {
         rows: &mut Rows<'_, K, P>,
         part: &Part,
         (horizons, floor): (&Horizons<f64>, f64),
-        look: &mut Look,
+        work: &mut ScanWorkspace,
     ) -> Result<()> {
         let (first, segments) = (part.segment * self.intervals, self.basis.segments());
         let interval = 1.0 / (segments * self.intervals) as f64;
         let own = part.middles.start - 1..part.middles.end + 1;
-        let [states, jerks] = &mut look.of_part;
-        cut(&look.states, 3 * own.start..3 * own.end, states);
-        if let Some(of_all) = &look.jerks {
+        let [states, jerks] = &mut work.of_part;
+        cut(&work.states, 3 * own.start..3 * own.end, states);
+        if let Some(of_all) = &work.jerks {
             cut(of_all, own.clone(), jerks);
         }
-        let (times, parts) = (&mut look.times, &mut look.parts);
+        let (times, parts) = (&mut work.times, &mut work.parts);
         times.clear();
         let of_horizon = horizons.part(part.segment, segments);
         let normalised = own.clone().map(|k| (first + k) as f64 * interval);
@@ -236,38 +236,38 @@ impl Scan {
         parts.clear();
         parts.extend(own.map(|k| k as f64 / self.intervals as f64));
         let points =
-            Points { first: 0, phase: part.phase, times, states, jerks: look.jerks.is_some().then_some(jerks) };
+            Points { first: 0, phase: part.phase, times, states, jerks: work.jerks.is_some().then_some(jerks) };
         let which = match part.group {
-            Some(group) => Which::Between(group, parts),
-            None => Which::All,
+            Some(group) => RowSelection::CachedOverInterval(group, parts),
+            None => RowSelection::All,
         };
         let count = rows.count();
-        look.h.resize(count * points.count(), 0.0);
-        let all = rows.of_all(points, which, &mut look.h)?;
+        work.h.resize(count * points.count(), 0.0);
+        let all = rows.of_all(points, which, &mut work.h)?;
         let is_high = |row: &usize| rows.highest[*row] > floor.max(-rows.attributes.cutoffs[*row]);
-        look.rows.clear();
+        work.rows.clear();
         match part.group.filter(|_| !all) {
             Some(group) => {
                 let listed = rows.near.listed(group).iter().copied();
-                look.rows.extend(listed.filter(is_high));
+                work.rows.extend(listed.filter(is_high));
             }
-            None => look.rows.extend((0..rows.states()).filter(is_high)),
+            None => work.rows.extend((0..rows.states()).filter(is_high)),
         }
-        look.rows.extend(rows.states()..count);
+        work.rows.extend(rows.states()..count);
         Ok(())
     }
 
     /// Finds the local maxima above `floor` in a part among the listed rows.
-    fn find(&self, part: &Part, floor: f64, equalities: &[bool], look: &mut Look) {
+    fn find(&self, part: &Part, floor: f64, equalities: &[bool], work: &mut ScanWorkspace) {
         let (segment, count) = (part.segment, equalities.len());
         let interval = 1.0 / (self.basis.segments() * self.intervals) as f64;
-        let (found, uncertain) = (&mut look.found, &mut look.uncertain);
+        let (found, uncertain) = (&mut work.found, &mut work.uncertain);
         // The control may jump where two segments meet, so each has ends of its own.
         for k in part.middles.clone() {
             let time = (segment * self.intervals + k) as f64 * interval;
             let times = [time - interval, time, time + interval];
-            let here = &look.h[(k - part.middles.start) * count..];
-            for row in look.rows.iter().copied() {
+            let here = &work.h[(k - part.middles.start) * count..];
+            for row in work.rows.iter().copied() {
                 let values = [here[row], here[count + row], here[2 * count + row]];
                 let is_high = values[0] > floor || values[1] > floor || values[2] > floor;
                 if !is_high || equalities[row] {
@@ -302,10 +302,10 @@ impl Scan {
         rows: &mut Rows<'_, K, P>,
         coefficients: &DMatrix<f64>,
         horizons: &Horizons<f64>,
-        look: &mut Look,
+        work: &mut ScanWorkspace,
     ) -> Result<()> {
         let (count, segments) = (rows.count(), self.basis.segments());
-        let Look { found, uncertain, times, rows: own, h, functions, one, few, .. } = look;
+        let ScanWorkspace { found, uncertain, times, rows: own, h, functions, one, few, .. } = work;
         let of_phases = uncertain.chunk_by_mut(|(_, a, _), (_, b, _)| a == b);
         for few_maxima in of_phases.flat_map(|of_phase| of_phase.chunks_mut(LANES)) {
             let [states, jerks] = &mut few[few_maxima.len() - 1];
@@ -324,7 +324,7 @@ impl Scan {
             own.extend(of_maxima.filter(|row| *row < rows.states()));
             own.sort_unstable();
             h.resize(count * times.len(), 0.0);
-            rows.of_all(points, Which::Only(own), h)?;
+            rows.of_all(points, RowSelection::Listed(own), h)?;
             for (k, (at, _, bracket)) in few_maxima.iter_mut().enumerate() {
                 let maximum = &mut found[*at];
                 bracket.narrow(bracket.next(), h[k * count + maximum.row]);

@@ -1,7 +1,7 @@
 //! The rows of the state at the points of a curve: all, or those that may be near their bounds.
 
 use super::Rows;
-use crate::constraint::{Constraint, Piece, Pieces, PlacedState, RowList, WeightedDerivatives, Weights};
+use crate::constraint::{ActivePair, ActivePairs, Constraint, PlacedState, RowList, WeightedDerivatives, Weights};
 use crate::cost::{CostWithControl, Points};
 use crate::error::Result;
 use crate::scalar::{LANES, Wide};
@@ -9,17 +9,17 @@ use std::ops::Range;
 
 /// The rows of the state that are evaluated.
 #[derive(Clone, Copy)]
-pub(crate) enum Which<'l> {
+pub(crate) enum RowSelection<'l> {
     /// All.
     All,
     /// Those that may be near, at the points of the grid.
-    Near,
+    Cached,
     /// Those that may be near at the points of a group, at these times between them in parts of the segment, or all.
-    Between(usize, &'l [f64]),
+    CachedOverInterval(usize, &'l [f64]),
     /// All there.
-    Beside(usize),
+    Trial(usize),
     /// These.
-    Only(&'l [usize]),
+    Listed(&'l [usize]),
 }
 
 /// The value of a row in a phase in which it is not kept: far from its bound.
@@ -53,9 +53,9 @@ impl Written<'_> {
 
     /// Adds the rows that are not at their cutoffs for the first time to `touched`, and writes these to the points
     /// before.
-    fn touch(&mut self, pieces: &[Piece], cutoffs: &[f64], touched: &mut Vec<usize>) {
+    fn touch(&mut self, active_pairs: &[ActivePair], cutoffs: &[f64], touched: &mut Vec<usize>) {
         let count = self.scales.len();
-        for row in pieces.iter().map(|piece| piece.row) {
+        for row in active_pairs.iter().map(|pair| pair.row) {
             if self.highest[row] == f64::NEG_INFINITY {
                 self.highest[row] = -cutoffs[row];
                 for point in 0..self.first {
@@ -77,7 +77,7 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
     }
 
     /// Computes rows of the state and leaves the others unchanged; returns true if these are all.
-    pub(super) fn of_state(&mut self, points: Points<'_, f64>, which: Which<'_>, h: &mut [f64]) -> Result<bool> {
+    pub(super) fn of_state(&mut self, points: Points<'_, f64>, which: RowSelection<'_>, h: &mut [f64]) -> Result<bool> {
         let count = self.count();
         if self.wide.is_empty() {
             return Ok(true);
@@ -87,8 +87,8 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
         let mut all = true;
         for start in (0..points.count()).step_by(LANES) {
             let are_all = self.side_by_side(points, start, which, h)?;
-            if let (true, Which::Between(group, _)) = (are_all, which) {
-                return self.of_state(points, Which::Beside(group), h);
+            if let (true, RowSelection::CachedOverInterval(group, _)) = (are_all, which) {
+                return self.of_state(points, RowSelection::Trial(group), h);
             }
             all &= are_all;
         }
@@ -102,33 +102,43 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
     }
 
     /// Computes rows of the state at the points from `start` on, side by side; returns true if these are all.
-    fn side_by_side(&mut self, points: Points<'_, f64>, start: usize, which: Which<'_>, h: &mut [f64]) -> Result<bool> {
+    fn side_by_side(
+        &mut self,
+        points: Points<'_, f64>,
+        start: usize,
+        which: RowSelection<'_>,
+        h: &mut [f64],
+    ) -> Result<bool> {
         let own = 2 * points.states.nrows();
         let found = points.gather(start, &mut self.z);
         let placed = self.evaluator.at(&self.z[..own])?;
         let at = *placed.state();
         let placements = at.placements;
         let group = match which {
-            Which::Near => self.near.group(points.first, start, points.count()),
+            RowSelection::Cached => self.near.group(points.first, start, points.count()),
             _ => None,
         };
         let mut noted = match (which, group) {
             (_, Some(group)) => std::mem::take(self.near.noted(group)),
-            (Which::Between(group, _) | Which::Beside(group), _) => self.near.begin_beside(Some(group), start),
+            (RowSelection::CachedOverInterval(group, _) | RowSelection::Trial(group), _) => {
+                self.near.begin_beside(Some(group), start)
+            }
             _ => self.near.begin_beside(None, start),
         };
-        let follows = self.near.follows && noted.are_known;
+        let follows = self.near.reuse_active_pairs && noted.are_known;
         let listed = match (which, group) {
-            (Which::Near, Some(group)) => self.near.at_points(group, placements),
-            (Which::Between(group, times), _) => self.near.between(group, &times[start..], placements),
-            (Which::Only(rows), _) => Some(rows),
+            (RowSelection::Cached, Some(group)) => self.near.at_points(group, placements),
+            (RowSelection::CachedOverInterval(group, times), _) => {
+                self.near.between(group, &times[start..], placements)
+            }
+            (RowSelection::Listed(rows), _) => Some(rows),
             _ => None,
         };
         let (state, scales) = (&self.constraints.state, &self.attributes.scales);
         let from = if follows { f64::INFINITY } else { self.searched_from };
-        let known = Pieces::new(&noted.pieces).and_above(from);
+        let known = ActivePairs::new(&noted.active_pairs).and_above(from);
         let is_beside = group.is_none() && noted.are_known;
-        let beside = PlacedState { pieces: (follows || is_beside).then_some(known), ..at };
+        let beside = PlacedState { active_pairs: (follows || is_beside).then_some(known), ..at };
         let (wide, rows) = (&mut self.wide, listed.map(RowList::new));
         if follows {
             match rows {
@@ -138,7 +148,7 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
         } else {
             self.active.clear();
             state.value_and_pieces(&beside, rows, wide, &mut self.active)?;
-            std::mem::swap(&mut noted.pieces, &mut self.active);
+            std::mem::swap(&mut noted.active_pairs, &mut self.active);
             noted.are_known = true;
         }
         let are_all = listed.is_none();
@@ -146,7 +156,7 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             let values = (&self.wide[..], &scales[..], found);
             self.near.list(group, placements, values);
         }
-        self.write((which, group), &noted.pieces, (start, found, are_all), h);
+        self.write((which, group), &noted.active_pairs, (start, found, are_all), h);
         match group {
             Some(group) => *self.near.noted(group) = noted,
             None => self.near.beside = noted,
@@ -158,15 +168,15 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
     /// near, or that were nearer than that at one of the points.
     fn write(
         &mut self,
-        (which, group): (Which<'_>, Option<usize>),
-        pieces: &[Piece],
+        (which, group): (RowSelection<'_>, Option<usize>),
+        active_pairs: &[ActivePair],
         (first, found, are_all): (usize, usize, bool),
         h: &mut [f64],
     ) {
         let listed = match (which, group) {
-            (Which::Only(rows), _) => Some(rows),
-            (Which::Near, Some(group)) if self.near.has_lists() => Some(self.near.listed(group)),
-            (Which::Between(group, _), _) if !are_all => Some(self.near.listed(group)),
+            (RowSelection::Listed(rows), _) => Some(rows),
+            (RowSelection::Cached, Some(group)) if self.near.has_lists() => Some(self.near.listed(group)),
+            (RowSelection::CachedOverInterval(group, _), _) if !are_all => Some(self.near.listed(group)),
             _ => None,
         };
         let mut written =
@@ -176,16 +186,16 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
                 written.write(self.dense.iter().chain(rows).copied());
             }
             (Some(rows), _) => written.write(rows.iter().copied()),
-            (None, Which::Near) => written.write(0..self.wide.len()),
+            (None, RowSelection::Cached) => written.write(0..self.wide.len()),
             (None, _) => {
-                written.touch(pieces, &self.attributes.cutoffs, &mut self.touched);
+                written.touch(active_pairs, &self.attributes.cutoffs, &mut self.touched);
                 written.write(self.dense.iter().chain(&self.touched).copied());
             }
         }
     }
 
     /// Computes the weighted derivatives of the rows of the state at the points from `start` on, side by side: of their
-    /// pieces that were active at the last evaluation, which was here.
+    /// active pairs that were active at the last evaluation, which was here.
     pub fn weighted_derivatives(
         &mut self,
         points: Points<'_, f64>,
@@ -195,8 +205,8 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
         points.gather(start, &mut self.z);
         let own = 2 * points.states.nrows();
         let group = self.near.group(points.first, start, points.count());
-        let pieces = group.and_then(|group| self.near.pieces(group));
-        let state = (&self.constraints.state, pieces);
+        let active_pairs = group.and_then(|group| self.near.active_pairs(group));
+        let state = (&self.constraints.state, active_pairs);
         self.evaluator.weighted_derivatives_at(&self.z[..own], state, weights)
     }
 }

@@ -42,7 +42,7 @@ impl Elements {
     /// The text is no `robot` element, or has a command of xacro.
     pub fn read(text: &str, file: &str) -> Result<Self> {
         if text.trim_start().starts_with('{') {
-            let condition = "it is JSON, such as a scenario, and no XML";
+            let condition = "this is JSON, perhaps a scenario, not XML";
             return Err(invalid(file, condition.to_owned()));
         }
         let (text, notes) = mended(text);

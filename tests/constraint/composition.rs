@@ -50,7 +50,7 @@ fn said(model: &Model, constraint: &impl Constraint, first: usize) -> Said {
     let derivatives = derivatives.expect("same robot");
     Said {
         values,
-        sets: (0..rows).map(|row| RowSet { gap: None, ..constraint.row_set(row) }).collect(),
+        sets: (0..rows).map(|row| RowSet { distance: None, ..constraint.row_set(row) }).collect(),
         labels: (0..rows).map(|row| constraint.label(row, model)).collect(),
         gradient: derivatives.gradient().clone(),
         hessian: derivatives.hessian().clone(),

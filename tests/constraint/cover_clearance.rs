@@ -143,7 +143,7 @@ fn gaps_change_by_no_more_than_links_move() {
         let y: Vec<_> = x.iter().map(|x| x + 0.02 * (9.0 * x).sin()).collect();
         let [(g, from), (h, to)] = [rows(&x), rows(&y)];
         for (row, (g, h)) in g.iter().zip(&h).enumerate() {
-            let gap = constraint.row_set(row).gap.expect("each row is a distance");
+            let gap = constraint.row_set(row).distance.expect("each row is a distance");
             let moved = gap.bodies.iter().flatten().map(|(body, r)| {
                 let turn = (from[*body].rotation - to[*body].rotation).norm();
                 let step = (from[*body].translation - to[*body].translation).norm();
@@ -156,7 +156,7 @@ fn gaps_change_by_no_more_than_links_move() {
     }
     // The bound is not one of something else.
     assert!((0.5..=1.0).contains(&most), "{most}");
-    assert_eq!(constraint.row_set(constraint.dim()).gap, None);
+    assert_eq!(constraint.row_set(constraint.dim()).distance, None);
 }
 
 /// Some rows alone are those among all.

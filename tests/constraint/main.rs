@@ -4,18 +4,18 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-mod between;
+mod active_pair;
 mod composition;
 mod cover_clearance;
 mod derivatives;
 mod dynamic;
 mod frame_rows;
-mod gap;
+mod pair_distance;
 mod phase;
-mod piece;
 mod point_speed;
 mod power_limits;
 mod self_clearance;
 mod solid_clearance;
 mod stage;
 mod standing_foot;
+mod time_window;

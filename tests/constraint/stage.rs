@@ -47,7 +47,7 @@ fn rows_have_names_and_units() {
         rates: [RateLimit::both(2, 1, 4.0), RateLimit::both(3, 0, 9.0)].concat(),
         foot: None,
         phases: Vec::new(),
-        others: vec![rows()],
+        custom: vec![rows()],
     };
     limits.check(&model).expect("valid");
     assert_eq!(limits.dim(), 6);
@@ -86,10 +86,10 @@ fn a_scale_that_is_not_positive_is_refused() {
         let all = Constraints {
             state: (),
             torque: TorqueLimits(Vec::new()),
-            stage: StageConstraints { others: vec![Arc::new(rows)], ..StageConstraints::default() },
+            stage: StageConstraints { custom: vec![Arc::new(rows)], ..StageConstraints::default() },
         };
         let refused = all.check(&model).expect_err("a scale").to_string();
-        let words = format!("scale of row 1 of power: it is {bad}, a positive number is needed");
+        let words = format!("scale of row 1 of power: it is {bad} and must be a positive number");
         assert!(refused.contains(&words), "{refused}");
     }
 }

@@ -109,6 +109,6 @@ fn rows_have_names_and_units() {
     assert_eq!(slippery.dim(), 8);
     assert_eq!(slippery.label(7, &model).name, of("friction"));
     let refused = rows(StandingFoot { friction: -0.5, ..foot });
-    let words = "foot 'left': friction: it is -0.5, a positive number is needed";
+    let words = "foot 'left': friction: it is -0.5 and must be a positive number";
     assert_refused(refused.check(&model), words);
 }

@@ -38,6 +38,6 @@ mod linalg {
 #[path = "../transcription"]
 mod transcription {
     mod horizons;
-    mod near;
     mod objective;
+    mod proximity_cache;
 }

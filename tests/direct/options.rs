@@ -14,7 +14,7 @@ fn options_out_of_range_are_errors() {
         (|s| s.search.more_starts = 0, "more_starts: it is 0"),
         (|s| s.search.points = 1e9, "points: it is 1000000000, at most 1024"),
         (|s| s.search.horizon_growth = 1.0, "horizon_growth: it is 1, more than 1"),
-        (|s| s.search.hopeless[1] = -1.0, "hopeless: it is -1"),
+        (|s| s.search.drop_ratio[1] = -1.0, "drop_ratio: it is -1"),
         (|s| s.search.planned_degree = 3, "planned_degree: it is 3, at least 4"),
         (|s| s.nlp.backtracking = 0.0, "nlp: backtracking: it is 0"),
     ];

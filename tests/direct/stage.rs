@@ -111,7 +111,7 @@ fn a_closure_limits_the_power() {
         let rows = StageRows::new("power", vec![most], move |at, g| {
             g[0] = at.u[0] * at.v[0] - most - at.t;
         });
-        within(StageConstraints { others: vec![Arc::new(rows)], ..StageConstraints::default() })
+        within(StageConstraints { custom: vec![Arc::new(rows)], ..StageConstraints::default() })
     };
     let free = solved(&problem, &settings);
     let beyond = |found: &DirectSolution, most: f64| {

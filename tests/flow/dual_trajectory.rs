@@ -69,7 +69,7 @@ fn what_does_not_fit_is_refused() {
     let empty = DualTrajectory::new(1.0, DMatrix::zeros(2, 0));
     assert_refused(empty, "there are none, at least one column is needed");
     let still = DualTrajectory::new(0.0, DMatrix::zeros(2, 1));
-    assert_refused(still, "horizon: it is zero, a positive time is needed");
+    assert_refused(still, "horizon: it is zero and must be a positive time");
     let chebyshev = Chebyshev::new(4, 2.0).expect("a degree");
     let too_few = DualTrajectory::through(&chebyshev, &DMatrix::zeros(2, 4));
     assert_refused(too_few, "values: expected 5 entries, found 4");

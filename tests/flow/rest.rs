@@ -1,6 +1,6 @@
 //! The flow to rest: its end is that of the direct method, satisfies the constraints, and is reported correctly.
 
-mod any;
+mod descent;
 mod settings;
 
 use crate::common::direct::solved;

@@ -317,7 +317,7 @@ fn what_is_wrong_is_refused() {
     let (model, curve) = (slider(1.0), at_rest(|_| 0.0));
     let bounds = of_state(Bounds(vec![upper(0, 1.0)]));
     let none = violations(&model, &curve, &bounds, 0);
-    assert_refused(none, "violations: intervals: it is 0, at least 1 is needed");
+    assert_refused(none, "violations: intervals: it is 0 and must be at least 1");
     let other = violations(&robot("kinova_gen3"), &curve, &bounds, 10);
     assert_refused(other, "curve: expected 7 entries, found 1");
     let limits = Constraints { state: (), torque: TorqueLimits(vec![Some(1.0); 2]), stage: Default::default() };

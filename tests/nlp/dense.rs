@@ -197,7 +197,7 @@ impl Nlp for Dense {
             std::mem::swap(other, &mut self.margin);
         }
         if self.coarse {
-            return Ok(Tightened::Coarse);
+            return Ok(Tightened::QuadratureTooCoarse);
         }
         self.violation(x).map(Tightened::Violation)
     }

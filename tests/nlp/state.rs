@@ -30,7 +30,7 @@ fn stops_are_reported() {
     let mut stopped = Dense { stopped: true, ..program() };
     assert_eq!(stopped.solve(&accurate()).status, Status::Stopped);
     let mut coarse = Dense { coarse: true, ..program() };
-    assert_eq!(coarse.solve(&accurate()).status, Status::Coarse);
+    assert_eq!(coarse.solve(&accurate()).status, Status::QuadratureTooCoarse);
 }
 
 /// A search with known multipliers begins with a penalty above those of its rows, so that it stays within them.

@@ -161,7 +161,7 @@ fn bounds_that_nothing_is_between_are_refused() {
     let none = Bounds::<f64>(Vec::new());
     for bad in [[1.0, 0.0], [f64::NAN, 1.0]] {
         let found = InverseKinematics::new(&model, &none, vec![[0.0, 1.0], bad]);
-        assert_refused(found, "which nothing is between");
+        assert_refused(found, "exceeds the upper bound");
     }
     assert_refused(InverseKinematics::new(&model, &none, Vec::new()), "expected 2 entries, found 0");
     let turned = Rotation3::from_euler_angles(0.0, 0.1, 0.0).into_inner();

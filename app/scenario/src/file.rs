@@ -17,7 +17,7 @@ use crate::keys::turns::shorten_turns;
 use crate::keys::waypoints::waypoints;
 use crate::shapes::scene::scene;
 use crate::shapes::self_collision::{in_full, name_overlapping};
-use crate::solve::own_terms::OwnTerms;
+use crate::solve::custom_terms::CustomTerms;
 use aghf::direct::{GoalEnd, GoalSet, Period, Waypoint};
 use aghf::error::{Error, Result};
 use aghf::geometry::Scene;
@@ -66,7 +66,7 @@ pub struct Scenario {
     /// The relation between the ends of a periodic walk.
     pub(super) period: Option<Period>,
     /// The constraints and the cost that no key can name.
-    pub(super) own: OwnTerms,
+    pub(super) own: CustomTerms,
     /// The continuous joints that go to other positions than those given, in words.
     pub(super) turned: Vec<String>,
     /// The ends of a goal that is a set, those first to which motions are expected to be best, and the file of which
@@ -104,7 +104,7 @@ impl Scenario {
         let mut waypoints = waypoints(&file, model, path)?;
         waypoints.extend(points_of_walk(&file, model, path)?);
         let (kept, kept_between) = kept_rows(&file, model, path)?;
-        let own = OwnTerms {
+        let own = CustomTerms {
             constraints: kept,
             stage: kept_between,
             foot: standing_foot(&file, model, path)?,

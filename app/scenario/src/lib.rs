@@ -56,7 +56,7 @@ pub use results::summary::{
 };
 pub use shapes::robot_shape::{cover_each, cover_links, cover_shape, too_many_balls};
 pub use shapes::self_collision::{IgnoredPair, IgnoredPairs, always_overlapping};
-pub use solve::own_terms::SharedCost;
+pub use solve::custom_terms::SharedCost;
 pub use solve::preflight::least_horizon;
 pub use solve::tracker::{ScenarioTracker, ScenarioTrackerOptions};
 pub use solve::tradeoff::Tradeoff;

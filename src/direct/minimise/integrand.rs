@@ -54,7 +54,7 @@ impl<'a, K: Constraint, P: CostWithControl> Integrand<'a, K, P> {
         let cutoffs: Vec<_> = cutoffs.collect();
         let feet = (0..rows.cost.phases()).filter_map(|phase| rows.standing(phase));
         let feet = feet.map(|foot| FootTerms::new(foot, scales)).collect();
-        let stage = (!stage.others.is_empty()).then(|| StageTerms::new(rows.model));
+        let stage = (!stage.custom.is_empty()).then(|| StageTerms::new(rows.model));
         Self {
             feet,
             stage,

@@ -35,14 +35,14 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let beside = of_border.chain(of_points).fold(0.0, f64::max);
         let integrand = self.objective.cost_mut();
         let floor = -self.search.scan_depth;
-        let (rows, look) = (&mut integrand.rows, &mut self.look);
+        let (rows, scanned) = (&mut integrand.rows, &mut self.scanned);
         let (horizons, coefficients) = (&self.horizons, &self.coefficients);
-        self.deviation = scan.maxima(rows, coefficients, horizons, floor, look)?;
+        self.deviation = scan.maxima(rows, coefficients, horizons, floor, scanned)?;
         self.evaluate_beside()?;
         let integrand = self.objective.cost();
         let attributes = integrand.rows.attributes();
         let (units, equalities) = (&attributes.units, &attributes.equalities);
-        let maxima = self.look.found.iter();
+        let maxima = self.scanned.found.iter();
         let highest = maxima.map(|maximum| maximum.height * units[maximum.row]);
         let mut largest = beside.max(highest.fold(0.0, f64::max));
         let count = integrand.rows.count();
@@ -58,7 +58,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
 
     /// Evaluates the rows beside their maxima at the points where they were far.
     fn evaluate_beside(&mut self) -> Result<()> {
-        for maximum in &self.look.found {
+        for maximum in &self.scanned.found {
             for g in beside(&self.grid, maximum).into_iter().flatten() {
                 let near = &mut self.objective.cost_mut().rows.near;
                 if near.hold(g, maximum.row) {
@@ -171,7 +171,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let is_fixed = |time: f64| (fixed[0] && is_at(time, 0.0)) || (fixed[1] && is_at(time, 1.0));
         let phases = integrand.rows.cost.phases();
         let changes = |time: f64| is_at(phases as f64 * time, (phases as f64 * time).round());
-        for maximum in &self.look.found {
+        for maximum in &self.scanned.found {
             // Margins change neither the state at a fixed end nor the place of a foot that lands. Beside an end at its
             // bound they would act on another derivative than the decisive one.
             let at_ends = is_fixed(maximum.time) || self.has_rows_of_ends(maximum);

@@ -100,7 +100,7 @@ pub(super) fn minimise<K: Constraint, P: CostWithControl>(
     loop {
         let status = on_grid(context, &mut candidate, stage, observe)?;
         check_integral(candidate.cost)?;
-        if status != Status::Coarse || context.watch.stopped().is_some() {
+        if status != Status::QuadratureTooCoarse || context.watch.stopped().is_some() {
             break;
         }
         candidate.points = candidate.points * 3 / 2;

@@ -15,7 +15,7 @@ use crate::error::Result;
 use crate::model::Model;
 use crate::motion::{Problem, Watch};
 use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, Tightened};
-use crate::transcription::{Derivatives, Grid, Horizons, Look, Objective, Scan};
+use crate::transcription::{Derivatives, Grid, Horizons, Objective, Scan, ScanWorkspace};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
@@ -65,7 +65,7 @@ pub(in crate::direct) struct Program<'g, 'a, K, P> {
     /// The margin of each row against rounding.
     pub(super) reserves: Vec<f64>,
     /// The last check between the points.
-    pub(super) look: Look,
+    pub(super) scanned: ScanWorkspace,
     /// The multipliers of all rows.
     pub(super) multipliers: Vec<f64>,
     pub(super) working: WorkingSet,
@@ -123,7 +123,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             period: None,
             margins: Vec::new(),
             reserves: Vec::new(),
-            look: Look::default(),
+            scanned: ScanWorkspace::default(),
             multipliers: Vec::new(),
             working: WorkingSet::new(problem, rows, &search),
             refinable,
@@ -165,7 +165,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         self.objective.set_rates(&self.rates);
         let rows = &mut self.objective.cost_mut().rows;
         rows.near.release();
-        rows.near.forget_pieces();
+        rows.near.forget_active_pairs();
         if self.working.restart(problem, rows, &self.search) {
             self.working.begin_lists(&self.grid, rows, &self.search);
         }
@@ -230,7 +230,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     /// Computes the derivatives in all free coefficients and the border, at the coefficients.
     fn derivatives_here(&mut self, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
         if !self.is_evaluated() {
-            self.objective.cost_mut().rows.near.forget_pieces();
+            self.objective.cost_mut().rows.near.forget_active_pairs();
         }
         self.set_terms(iterate);
         self.objective.gradient_and_hessian(&self.coefficients, &mut self.derivatives)?;
@@ -269,11 +269,11 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         Ok(if self.working.is_left(rows, &h[..self.first_of_points]) { f64::INFINITY } else { objective })
     }
 
-    fn value_beside(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
-        self.objective.cost_mut().rows.near.follows = true;
+    fn value_at_trial(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
+        self.objective.cost_mut().rows.near.reuse_active_pairs = true;
         let found = self.value(x, h);
-        self.objective.cost_mut().rows.near.follows = false;
-        // A step that ends here is evaluated with all pieces.
+        self.objective.cost_mut().rows.near.reuse_active_pairs = false;
+        // A step that ends here is evaluated with all active pairs.
         self.evaluated = None;
         found
     }
@@ -346,7 +346,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let end = round > 0;
         self.place(x);
         if self.is_coarse(end)? {
-            return Ok(Tightened::Coarse);
+            return Ok(Tightened::QuadratureTooCoarse);
         }
         let violation = self.maxima(end)?;
         self.value(x, h)?;
@@ -358,7 +358,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         self.set_margins(grow);
         // The reserve is there to keep the bounds themselves: within the tolerance a row is beyond them only if margins
         // that are set exactly do not help.
-        let is_beyond = violation <= self.stage.feasible && self.look.found.iter().any(|row| row.height > 0.0);
+        let is_beyond = violation <= self.stage.feasible && self.scanned.found.iter().any(|row| row.height > 0.0);
         let again = end && !grow && self.stage.last && is_beyond;
         Ok(if again { Tightened::Beyond } else { Tightened::Violation(violation) })
     }

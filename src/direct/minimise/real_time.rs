@@ -93,14 +93,15 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
         })
     }
 
-    /// Takes iterations from a candidate as long as `goes_on` returns true for their number so far. The reference is a
-    /// motion between the same ends. If the candidate is the same as in the call before, its margins shrink slowly.
+    /// Takes iterations from a candidate as long as `should_continue` returns true for their number so far. The
+    /// reference is a motion between the same ends. If the candidate is the same as in the call before, its margins
+    /// shrink slowly.
     pub fn improve(
         &mut self,
         problem: &Problem<'a>,
         candidate: &mut Candidate,
         (reference, is_same): (&Candidate, bool),
-        goes_on: &mut dyn FnMut(usize) -> bool,
+        should_continue: &mut dyn FnMut(usize) -> bool,
     ) -> Result<Iterations> {
         let Self { program, state, options, known, other, margins, .. } = self;
         margins.clone_from(&program.margins);
@@ -124,7 +125,7 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
             other.rows.clone_from(&state.rows);
         }
         let (mut count, mut converged) = (0, false);
-        while !converged && goes_on(count) {
+        while !converged && should_continue(count) {
             let over = iterate(program, state, options, &mut |_| {})?;
             count += 1;
             // The decrement after a Newton step is of the order of the square of that before.

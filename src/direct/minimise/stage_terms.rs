@@ -71,11 +71,11 @@ impl<'a> StageTerms<'a> {
         self.by_y.hessian.fill(0.0);
         self.weights.fill(0.0);
         let mut any = false;
-        for (first, other) in constraints.stage.others() {
+        for (first, other) in constraints.stage.custom_rows() {
             let own = first_of_stage + first..first_of_stage + first + other.dim();
             let mut multipliers = vec![0.0; other.dim()];
-            let own_terms = terms.iter().filter(|(row, _)| own.contains(row));
-            for (row, term) in own_terms.clone() {
+            let custom_terms = terms.iter().filter(|(row, _)| own.contains(row));
+            for (row, term) in custom_terms.clone() {
                 let row = row - own.start;
                 multipliers[row] = term.multiplier / other.scale(row);
                 any = true;
@@ -83,7 +83,7 @@ impl<'a> StageTerms<'a> {
             let mut gradients = DMatrix::zeros(4 * n, other.dim());
             let hessian = &mut self.by_y.hessian;
             other.derivatives(&at, &multipliers, &mut gradients, hessian)?;
-            for (row, term) in own_terms {
+            for (row, term) in custom_terms {
                 let row = row - own.start;
                 let (gradient, scale) = (gradients.column(row), other.scale(row));
                 self.by_y.gradient.axpy(term.slope / scale, &gradient, 1.0);
@@ -111,7 +111,7 @@ impl<'a> StageTerms<'a> {
         let u = self.rule.control(point)?.to_vec();
         let at = point.with_control(&u);
         let mut sum = 0.0;
-        for (first, other) in constraints.stage.others() {
+        for (first, other) in constraints.stage.custom_rows() {
             let mut rates = vec![0.0; other.dim()];
             other.time_rates(&at, &mut rates)?;
             for (row, term) in terms {

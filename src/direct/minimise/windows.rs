@@ -29,17 +29,17 @@ impl<'g, K: Constraint, P: CostWithControl> Program<'g, '_, K, P> {
             [] => self.horizons.whole(),
             [(_, [_, longest]), ..] => *longest,
         };
-        for (first, between) in constraints.between() {
-            let times_s = between.times();
+        for (first, window) in constraints.windows() {
+            let times_s = window.times();
             let points = times_s.map(|time| {
                 (0.0 < time && time < longest).then(|| {
                     let after = self.range_of_points().end;
-                    let rows = PointRows::of_time(self.model, between.rows(), time, after);
+                    let rows = PointRows::of_time(self.model, window.rows(), time, after);
                     self.points.push(rows);
                     self.points.len() - 1
                 })
             });
-            self.windows.push(Window { rows: first..first + between.dim(), times_s, points });
+            self.windows.push(Window { rows: first..first + window.dim(), times_s, points });
         }
         self.count_margins();
     }

@@ -85,8 +85,8 @@ pub(crate) fn multistart<'c, K: Constraint + Send + Sync, P: CostWithControl>(
         ends: Vec::new(),
     };
     // The stages after the starts need their part of the time.
-    let goes_on = settings.free_horizon.is_some() || settings.degree_tolerance.is_some();
-    let share = if goes_on { settings.search.share_of_starts } else { 1.0 };
+    let should_continue = settings.free_horizon.is_some() || settings.degree_tolerance.is_some();
+    let share = if should_continue { settings.search.share_of_starts } else { 1.0 };
     let mut next = 0;
     loop {
         let batch = all.batch(next);
@@ -175,9 +175,9 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
                     let start = Some(run.number);
                     log(Iteration { start, ..iteration });
                 }
-                let goes_on = self.is_promising(&run, index) || !found_before;
+                let should_continue = self.is_promising(&run, index) || !found_before;
                 self.record(&run, index);
-                if goes_on {
+                if should_continue {
                     runs.push(run);
                 }
             }
@@ -220,14 +220,14 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
 
     /// Returns true if the cost of a start at a level is little more than the least one before it.
     fn is_promising(&self, run: &Run, index: usize) -> bool {
-        let (least, hopeless) = (self.least[index], &self.context.settings.search.hopeless);
+        let (least, drop_ratio) = (self.least[index], &self.context.settings.search.drop_ratio);
         let passive = self.context.rows.constraints.torque.has_passive();
         // The first one has nothing to be compared with, and at the highest level all have ended. With torques of
         // passive joints at a low level the cost says nothing about the cost without them.
         match (self.levels.len() - 1 - index).checked_sub(1) {
             Some(left) if least.is_finite() && !passive => {
-                let hopeless = hopeless[left.min(hopeless.len() - 1)];
-                run.candidate.objective <= least + hopeless * least.abs()
+                let drop_ratio = drop_ratio[left.min(drop_ratio.len() - 1)];
+                run.candidate.objective <= least + drop_ratio * least.abs()
             }
             _ => true,
         }

@@ -9,7 +9,7 @@ use crate::direct::strategy::through::nearest_times;
 use crate::error::Result;
 use crate::motion::{Path, Problem};
 use crate::plan::{Plan, PlanSettings, along, plan, sets_with_equalities, thinned};
-use crate::transcription::{Grid, Which, place, points};
+use crate::transcription::{Grid, RowSelection, place, points};
 use nalgebra::DMatrix;
 
 /// The planned starts: the first start, or the first, third and so on beyond the requested ones.
@@ -209,7 +209,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
                 }
                 let mut here = points(&grid, &grid.times, (&states, &jerks), e, 0);
                 here.first = 0;
-                rows.of_all(here, Which::All, &mut h)?;
+                rows.of_all(here, RowSelection::All, &mut h)?;
                 // No horizon makes a start keep equalities.
                 let held = rows.attributes().equalities.iter().cycle();
                 kept &= h.iter().zip(held).all(|(h, held)| *held || *h <= 0.0);

@@ -22,7 +22,7 @@ use crate::motion::{Interrupt, PathMemory, Problem, Violation, path_of};
 use crate::transcription::Grids;
 use pace::Pace;
 use plan::{Commander, Plan};
-use search::{Searched, Which};
+use search::{Checked, Searched};
 use std::sync::Arc;
 use std::time::Duration;
 use workspace::{OnPlan, Workspace};
@@ -328,7 +328,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
     fn look_at_rest(&mut self, now: f64) -> Result<Option<Violation>> {
         let (shortest, memory) = (self.options.shortest_horizon, &mut self.memory);
         self.plan.rest_in(now, shortest, memory, &mut self.others[0]);
-        self.look(Which::Reference)
+        self.look(Checked::Reference)
     }
 
     /// Checks the arguments of a step.
@@ -339,7 +339,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
             return Err(Error::input("tracker", "state", condition));
         }
         if !now.is_finite() || self.now.is_some_and(|before| now < before) {
-            let condition = format!("it is {now} s, a finite time not before the last step is needed");
+            let condition = format!("it is {now} s and must be a finite time not before the last step");
             return Err(Error::input("tracker", "now", condition));
         }
         if self.now.replace(now).is_none() {

@@ -13,7 +13,7 @@ use crate::motion::{Problem, Violation, curve_of};
 use std::time::Instant;
 
 /// A plan beside the one that is followed: the plan that is tried, or the rest of the plan that is followed.
-pub(super) enum Which {
+pub(super) enum Checked {
     Tried,
     Reference,
 }
@@ -55,7 +55,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
         let mut replaced = !is_current || found.gain >= self.options.least_gain;
         if replaced {
             let began = Instant::now();
-            replaced = self.look(Which::Tried)?.is_none();
+            replaced = self.look(Checked::Tried)?.is_none();
             learn(&mut self.pace.times().look, began.elapsed().as_secs_f64());
         }
         self.pace.is_first = false;
@@ -83,7 +83,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
         self.problem.set(begin, &self.goal, motion.horizons.whole())?;
         motion.path.set_ends(&self.problem);
         let pace = &mut self.pace;
-        let mut goes_on = |count: usize| {
+        let mut should_continue = |count: usize| {
             let times = pace.times();
             let estimate = match count {
                 0 => &mut times.preparation,
@@ -96,7 +96,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
         };
         let workspace = &mut self.workspace.search;
         let reference = (&reference.motion, is_same);
-        workspace.improve(&self.problem, motion, reference, &mut goes_on)
+        workspace.improve(&self.problem, motion, reference, &mut should_continue)
     }
 
     /// The motion of a plan.
@@ -112,11 +112,11 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
     }
 
     /// The row that a plan violates most; `None` if it is safe.
-    pub(super) fn look(&mut self, which: Which) -> Result<Option<Violation>> {
+    pub(super) fn look(&mut self, plan: Checked) -> Result<Option<Violation>> {
         let [reference, tried, _] = &self.others;
-        let plan = match which {
-            Which::Tried => tried,
-            Which::Reference => reference,
+        let plan = match plan {
+            Checked::Tried => tried,
+            Checked::Reference => reference,
         };
         let rows = &mut self.workspace.rows;
         let rows = rows.along(&mut self.on_plan.of(plan))?;
@@ -133,7 +133,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Tracker<'_, K, P> {
             let [q, v, _] = tried.at(tried.began);
             self.improve(&[q, v].concat(), most, false)?;
             let began = Instant::now();
-            if self.look(Which::Tried)?.is_none() {
+            if self.look(Checked::Tried)?.is_none() {
                 let [_, tried, _] = &self.others;
                 self.plan.set(tried);
             }

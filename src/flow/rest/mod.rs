@@ -15,16 +15,17 @@
 //!    (`walk.rs`). In two phases (the idea of BLAZE, arXiv 2505.01589), the first looks for a motion within the
 //!    constraints almost regardless of its cost.
 //!
-//! [`AnyFlowToRest`] performs the second step for any Lagrangian and metric. `proofs/weak_form.md` has the derivations.
+//! [`LagrangianDescent`] performs the second step for any Lagrangian and metric. `proofs/weak_form.md` has the
+//! derivations.
 
-mod any;
 mod clock;
+mod descent;
 mod free;
 mod program;
 mod walk;
 
 pub use super::weak::RestMetric;
-pub use any::{AnyFlowToRest, AnyRest, AnyRestOptions};
+pub use descent::{LagrangianDescent, LagrangianDescentOptions, LagrangianDescentSolution};
 
 use crate::constraint::{Constraint, Constraints, NONE};
 use crate::cost::{ControlEffort, CostWithControl};

@@ -251,7 +251,7 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         let end = round > 0;
         self.free.place(x);
         if self.is_coarse(end)? {
-            return Ok(Tightened::Coarse);
+            return Ok(Tightened::QuadratureTooCoarse);
         }
         self.updates += 1;
         let violation = self.look(end, Some(round))?;

@@ -105,7 +105,7 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
         loop {
             let status = self.on_grid(walk, points, (stage, factor), observe)?;
             check_integral(walk.exact)?;
-            if status != Status::Coarse || self.watch.stopped().is_some() {
+            if status != Status::QuadratureTooCoarse || self.watch.stopped().is_some() {
                 break;
             }
             points = points * 3 / 2;

@@ -48,7 +48,7 @@ pub(super) fn summary_at(path: &Path) -> Result<String> {
     let found = if path.is_dir() { summaries.iter().find(|p| p.is_file()).map(PathBuf::as_path) } else { Some(path) };
     let found = found.ok_or_else(|| {
         let [success, failure] = SUMMARIES;
-        let condition = format!("there is neither '{success}' nor '{failure}' in this folder");
+        let condition = format!("this folder has neither '{success}' nor '{failure}'");
         Error::input(path.display().to_string(), "summary", condition)
     })?;
     Ok(found.display().to_string())

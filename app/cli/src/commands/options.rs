@@ -96,5 +96,5 @@ fn parser(schema: &Value) -> ValueParser {
 fn finite(text: &str) -> std::result::Result<Value, String> {
     let x: f64 = text.parse().map_err(|e| format!("{e}"))?;
     let number = Number::from_f64(x).map(Value::Number);
-    number.ok_or_else(|| format!("it is {x}, a finite number is needed"))
+    number.ok_or_else(|| format!("it is {x} and must be a finite number"))
 }

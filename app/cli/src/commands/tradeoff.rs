@@ -39,7 +39,7 @@ impl TradeoffArgs {
         let scenario = self.robot.scenario(&self.scenario)?;
         let options = self.options.over(&SolveOptions::default())?;
         let SolveOptions::Direct(own) = &options else {
-            let condition = format!("the method '{}' does not know it, only 'direct' does", options.method());
+            let condition = format!("supported by the method 'direct' only, not by '{}'", options.method());
             return Err(Error::input(&scenario.name, "tradeoff", condition));
         };
         let files = ["tradeoff.csv", "report.html"];

@@ -134,7 +134,7 @@ impl Finding {
 pub fn examine(examination: &Examination) -> Result<Diagnosis> {
     let is_good = |excess: &f64| excess.is_finite() && *excess > 0.0;
     if let Some(excess) = examination.excess.filter(|excess| !is_good(excess)) {
-        let condition = format!("it is {excess}, a positive number is needed");
+        let condition = format!("it is {excess} and must be a positive number");
         return Err(Error::input("options", "excess", condition));
     }
     let source = RobotSource::find(&examination.robot, Path::new(""))?;
@@ -256,7 +256,7 @@ impl Diagnosis {
         let unknown = srdf.iter().flat_map(|(srdf, _)| srdf.unknown_links.iter().cloned());
         let words = [
             "the SRDF has a pair of links with it, and the robot does not have it",
-            "nothing is needed, unless the name is misspelt",
+            "no action needed, unless the name is misspelt",
         ];
         self.findings.extend(Finding::about(Severity::Note, "link", unknown, words));
         let with_spheres = match &srdf {

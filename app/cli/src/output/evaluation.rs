@@ -129,7 +129,7 @@ impl Curve {
             check_count(file, key, 2 * n, vector.len())?;
         }
         if k <= 0.0 {
-            let condition = format!("it is {}, a positive number is needed", plain(k));
+            let condition = format!("it is {} and must be a positive number", plain(k));
             return Err(Error::input(file, "k", condition));
         }
         let mut omega = vec![0.0; 2 * n];

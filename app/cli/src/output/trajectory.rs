@@ -45,13 +45,13 @@ impl Sampling {
         // Times are quotients, so that each has only one rounding error.
         let (count, per_second) = match self {
             Self::Samples(samples) if !(2..=most).contains(&samples) => {
-                let condition = format!("it is {samples}, at least 2 and at most {most} is needed");
+                let condition = format!("it is {samples} and must be at least 2 and at most {most}");
                 return refuse("samples", condition);
             }
             Self::Samples(samples) => (samples - 1, (samples - 1) as f64 / horizon),
             Self::Rate(rate) => {
                 if !(rate.is_finite() && rate > 0.0) {
-                    return refuse("rate", format!("it is {rate}, a positive number is needed"));
+                    return refuse("rate", format!("it is {rate} and must be a positive number"));
                 }
                 // A product that is an integer up to rounding counts as this integer.
                 let count = (horizon * rate * (1.0 - 1e-12)).ceil();

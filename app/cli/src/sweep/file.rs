@@ -124,7 +124,7 @@ fn check(head: &Head) -> std::result::Result<(), Refusal> {
     let (limit, longest) = (head.time_limit_s, SolveOptions::MAX_TIME_LIMIT_S);
     if !(limit > 0.0 && limit <= longest) {
         let limit = plain(limit);
-        let condition = format!("it is {limit}, a positive time of at most {longest} s is needed");
+        let condition = format!("it is {limit} and must be a positive time of at most {longest} s");
         return Err(("time_limit_s".into(), condition));
     }
     if head.scenarios.is_empty() {
@@ -161,7 +161,7 @@ fn add_lists(
             parameters.push(Parameter { name, values: all, of_scenario });
             Ok(())
         }
-        other => Err((name, format!("it is a {}, a list of values is needed", other.type_str()))),
+        other => Err((name, format!("it is a {} and must be a list of values", other.type_str()))),
     }
 }
 
@@ -179,7 +179,7 @@ fn json(value: toml::Value) -> std::result::Result<Value, String> {
             Value::Object(pairs.collect::<std::result::Result<_, String>>()?)
         }
         toml::Value::Float(number) => {
-            return Err(format!("it is {number}, a finite number is needed"));
+            return Err(format!("it is {number} and must be a finite number"));
         }
         toml::Value::Datetime(date) => return Err(format!("it is the date {date}")),
     })

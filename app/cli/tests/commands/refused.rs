@@ -60,7 +60,7 @@ fn bad_options_of_an_import_leave_no_file() {
     for (more, words) in [
         (&["--horizon", "-1"][..], "made.json: horizon_s"),
         (&["--horizon-bounds", "3", "2"], "made.json: free_horizon"),
-        (&["--excess", "0"], "excess: it is 0, a positive number is needed"),
+        (&["--excess", "0"], "excess: it is 0 and must be a positive number"),
     ] {
         assert_bad_input(&folder, &[&IMPORT, more].concat(), words);
     }

@@ -42,7 +42,7 @@ fn what_it_cannot_do_is_told() {
     let folder = empty_folder("tradeoff_refused");
     for (arguments, words) in [
         (&["--points", "1"][..], "points; it is 1, at least 2"),
-        (&["--method", "flow"][..], "tradeoff; 'flow' does not know it"),
+        (&["--method", "flow"][..], "tradeoff; supported by the method 'direct' only, not by 'flow'"),
     ] {
         let all = [&["tradeoff", "limits_01"][..], arguments].concat();
         assert_bad_input(&folder, &all, words);

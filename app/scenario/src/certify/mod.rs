@@ -62,7 +62,7 @@ pub fn certify(
     curve.check_joints(&scenario.model, "certify")?;
     check_length("waypoint_times_s", scenario.waypoints.len(), waypoint_times.len())?;
     if !(tracking_error >= 0.0 && tracking_error.is_finite()) {
-        let condition = format!("it is {tracking_error}, a finite number that is not negative is needed");
+        let condition = format!("it is {tracking_error} and must be a finite number that is not negative");
         return Err(Error::input("certify", "tracking_error", condition));
     }
     search::certification(scenario, curve, texts, waypoint_times, tracking_error)

@@ -76,7 +76,7 @@ pub(super) fn values_of<const N: usize>(
 ) -> Result<Vec<Polynomial>> {
     let mut placements = vec![Placement::identity(); q.len()];
     forward_kinematics(model, &q, &mut placements)?;
-    let at = PlacedState { model, x: &[q, v].concat(), placements: &placements, pieces: None };
+    let at = PlacedState { model, x: &[q, v].concat(), placements: &placements, active_pairs: None };
     let mut values = vec![TaylorModel::zero(); constraints.dim()];
     constraints.value(&at, &mut values)?;
     Ok(values.into_iter().map(Polynomial::from).collect())

@@ -95,7 +95,7 @@ pub fn judge(scenario: &Scenario, trajectory: &Trajectory, tolerances: Tolerance
     for (what, value) in [("tolerance", tolerances.tolerance), ("overlap", tolerances.overlap_m)] {
         if !(value.is_finite() && value >= 0.0) {
             let value = plain(value);
-            let condition = format!("it is {value}, a number that is not negative is needed");
+            let condition = format!("it is {value} and must be a number that is not negative");
             return Err(Error::input("options", what, condition));
         }
     }
@@ -150,7 +150,7 @@ fn unknown(scenario: &Scenario, checks: &[Row], tolerance: f64) -> Vec<Row> {
     let mut rows: Vec<Row> = (added > 0).then(|| other(Check::Bounds(Quantity::Other), &note)).into_iter().collect();
     for check in scenario.promises().iter().map(Check::of) {
         if !checks.iter().chain(&rows).any(|row| row.check == check) {
-            rows.push(other(check, "the judge does not know it"));
+            rows.push(other(check, "the judge cannot evaluate it"));
         }
     }
     rows

@@ -146,7 +146,7 @@ pub enum Outcome {
     NotApplicable,
     /// The condition is satisfied.
     Pass,
-    /// The condition is not checked, because the table does not determine its quantity or the judge does not know it.
+    /// The condition is not checked, because the table does not determine its quantity or the judge cannot evaluate it.
     NotChecked,
     /// The condition could be neither proved nor refuted.
     Undecided,

@@ -70,7 +70,7 @@ impl Clearance {
             if (0.0..=MAX_LENGTH).contains(&distance) {
                 return Ok(());
             }
-            let condition = format!("it is {}, a distance from 0 to {MAX_LENGTH} m is needed", plain(distance));
+            let condition = format!("it is {} and must be a distance from 0 to {MAX_LENGTH} m", plain(distance));
             Err(Error::input(path, key, condition))
         };
         for distance in [beside, itself] {

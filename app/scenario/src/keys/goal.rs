@@ -1,7 +1,7 @@
 //! A goal that is a set of poses of a frame.
 
 use crate::keys::obstacles::{Pose, bounded};
-use crate::solve::own_terms::worst_row;
+use crate::solve::custom_terms::worst_row;
 use crate::{Scenario, ScenarioFile};
 use aghf::constraint::{AnyConstraint, FrameRows, RowLabel};
 use aghf::direct::{GoalEnd, GoalSet};

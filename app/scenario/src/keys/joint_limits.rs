@@ -159,7 +159,7 @@ impl JointLimitsFile {
                 Some(number) if number > 0.0 => numbers.push(number),
                 Some(number) => {
                     let number = plain(number);
-                    return refuse(format!("it is {number}, a positive number is needed"));
+                    return refuse(format!("it is {number} and must be a positive number"));
                 }
                 None => return refuse("it is missing".to_owned()),
             }

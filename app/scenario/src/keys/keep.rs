@@ -1,7 +1,7 @@
 //! Conditions that are kept along the way.
 
 use crate::{Goal, Scenario, ScenarioFile};
-use aghf::constraint::{AnyConstraint, Between, Constraint, PointSpeedLimit, StageConstraint};
+use aghf::constraint::{AnyConstraint, Constraint, PointSpeedLimit, StageConstraint, TimeWindow};
 use aghf::error::{Error, Result, plain};
 use aghf::model::Model;
 use nalgebra::Vector3;
@@ -76,9 +76,9 @@ pub(crate) fn kept_rows(file: &ScenarioFile, model: &Model, path: &str) -> Resul
             continue;
         }
         kept.check_times(file, &key, path)?;
-        let between = Between::new(model.clone(), rows, kept.times());
-        let between = between.map_err(|e| Error::input(path, key, e.to_string()))?;
-        stage.push(Arc::new(between) as Arc<dyn StageConstraint>);
+        let window = TimeWindow::new(model.clone(), rows, kept.times());
+        let window = window.map_err(|e| Error::input(path, key, e.to_string()))?;
+        stage.push(Arc::new(window) as Arc<dyn StageConstraint>);
     }
     Ok((state, stage))
 }
@@ -137,7 +137,7 @@ impl PointSpeed {
             return refuse("point_m", "it needs finite numbers".to_owned());
         }
         if !(self.most_m_s > 0.0 && self.most_m_s.is_finite()) {
-            let condition = format!("it is {}, a positive number is needed", plain(self.most_m_s));
+            let condition = format!("it is {} and must be a positive number", plain(self.most_m_s));
             return refuse("most_m_s", condition);
         }
         let point = frame.placement.rotation * Vector3::from(self.point_m) + frame.placement.translation;

@@ -271,7 +271,7 @@ impl Scenario {
             rates: all.filter_map(limit).flatten().collect(),
             foot: self.own.foot.clone(),
             phases: Vec::new(),
-            others: powers.into_iter().chain(self.own.stage.iter().cloned()).collect(),
+            custom: powers.into_iter().chain(self.own.stage.iter().cloned()).collect(),
         }
     }
 

@@ -312,15 +312,15 @@ impl Scenario {
         let mut unknown = keys.iter().filter(|(_, given)| *given).map(|(key, _)| (*key).to_owned());
         let unknown = unknown.next().or(limits.map(|(_, key, _)| format!("enforced_limits.{key}")).next());
         if let (Some(key), true) = (unknown, method != Method::Direct) {
-            let condition = format!("the method '{method}' does not know it, only 'direct' does");
+            let condition = format!("supported by the method 'direct' only, not by '{method}'");
             return Err(Error::input(&self.name, key, condition));
         }
         if method == Method::Flow && self.own.running_cost.is_some() {
-            let condition = "the published flow does not know it, all other methods do";
+            let condition = "not supported by the published flow, but by all other methods";
             return Err(Error::input(&self.name, "running cost of one's own", condition));
         }
         if method == Method::Flow && !file.passive.is_empty() {
-            let condition = "the published flow does not know it; the methods 'duals' and 'two_phases' do";
+            let condition = "supported by the methods 'duals' and 'two_phases', not by the published flow";
             return Err(Error::input(&self.name, "passive", condition));
         }
         Ok(())

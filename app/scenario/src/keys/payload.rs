@@ -60,7 +60,7 @@ impl Payload {
         };
         let shape = match shape.checked().map_err(|e| refuse("shape", e))? {
             Shape::HalfSpace => {
-                return Err(refuse("shape", "nothing carries a half-space".to_owned()));
+                return Err(refuse("shape", "a payload cannot be a half-space".to_owned()));
             }
             shape => CollisionShape::Solid(shape),
         };
@@ -77,7 +77,7 @@ impl Payload {
             let mass = plain(self.mass_kg);
             return Err(refuse(
                 "mass_kg",
-                format!("it is {mass}, a positive number of at most {MAX_NUMBER} is needed"),
+                format!("it is {mass} and must be a positive number of at most {MAX_NUMBER}"),
             ));
         }
         for (key, numbers) in [("center_m", &self.center_m[..]), ("inertia_kg_m2", &self.inertia_kg_m2)] {

@@ -106,14 +106,14 @@ pub(crate) fn complete(file: &mut ScenarioFile, path: &str) -> Result<()> {
         ("free_final_velocity", file.free_final_velocity),
     ] {
         if given {
-            return refuse(key, "a walk does not know it");
+            return refuse(key, "a walk does not support it");
         }
     }
     if file.continuity() == Continuous::Acceleration {
         return refuse("continuity", "accelerations jump where the foot changes");
     }
     if file.objective.preset().is_none() {
-        return refuse("objective", "a walk knows the objectives by their names alone");
+        return refuse("objective", "a walk accepts named objectives only");
     }
     if last.land.is_some() && !file.periodic && file.v_goal.iter().any(|v| *v != 0.0) {
         return refuse("v_goal", "where the last foot lands it ends at rest");

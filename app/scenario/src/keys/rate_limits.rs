@@ -71,11 +71,11 @@ impl RateLimits {
             }
             Self::Each(numbers) => numbers.iter().flatten().copied().collect(),
             Self::Urdf(_) | Self::File { .. } => {
-                return refuse("limits are read when a scenario is, and not here".to_owned());
+                return refuse("a path to limits is allowed in a scenario file only".to_owned());
             }
         };
         match numbers.iter().find(|x| !(x.is_finite() && **x > 0.0)) {
-            Some(limit) => refuse(format!("it is {}, a positive number is needed", plain(*limit))),
+            Some(limit) => refuse(format!("it is {} and must be a positive number", plain(*limit))),
             None => Ok(()),
         }
     }

@@ -78,7 +78,7 @@ impl Stand {
         ];
         for (key, size) in sizes {
             if let Some(size) = size.filter(|x| !(*x > 0.0 && *x <= MAX_LENGTH)) {
-                let condition = format!("it is {}, a positive number is needed", plain(size));
+                let condition = format!("it is {} and must be a positive number", plain(size));
                 return refuse(key, condition);
             }
         }

@@ -63,7 +63,7 @@ pub(super) fn kept(request: &Request, model: &Model, file: &str) -> Result<Vec<K
     };
     let key = "path_constraints";
     if !constraints.joint_constraints.is_empty() {
-        let condition = "positions of joints on the way are not read";
+        let condition = "joint positions along the path are not supported";
         return Err(Error::input(file, format!("{key}.joint_constraints"), condition));
     }
     let sets = poses(constraints, model, file, key)?.into_iter();
@@ -182,7 +182,7 @@ impl OrientationConstraint {
             ("absolute_z_axis_tolerance", self.absolute_z_axis_tolerance),
         ];
         if let Some((element, by)) = by_axis.iter().find(|(_, by)| by.is_nan() || *by < 0.0) {
-            let condition = format!("it is {}, at least zero is needed", plain(*by));
+            let condition = format!("it is {} and must be at least zero", plain(*by));
             return refuse(element, condition);
         }
         // A rotation vector within the tolerances is no turn about the free axis and a small one about the others.

@@ -208,7 +208,7 @@ fn time_limit(seconds: Option<f64>) -> Result<Option<Duration>> {
     let longest = SolveOptions::MAX_TIME_LIMIT_S;
     match seconds {
         Some(s) if !(0.0..=longest).contains(&s) => {
-            let condition = format!("it is {}, at least 0 and at most {longest} s is needed", plain(s));
+            let condition = format!("it is {} and must be at least 0 and at most {longest} s", plain(s));
             Err(Error::input("options", "time_limit_s", condition))
         }
         seconds => Ok(seconds.map(Duration::from_secs_f64)),

@@ -85,7 +85,7 @@ impl Solved {
         scenario.name = match Path::new(name).file_name() {
             Some(name) => name.to_string_lossy().into_owned(),
             None => {
-                let condition = format!("'{name}' is no name");
+                let condition = format!("'{name}' is not a valid name");
                 return Err(Error::input(path, "scenario", condition));
             }
         };

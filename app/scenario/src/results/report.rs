@@ -315,7 +315,7 @@ impl Conclusion {
                 (None, None) => None,
             });
         } else {
-            let overflow = "the torques of the motion are no finite numbers".to_owned();
+            let overflow = "the torques of the motion are not finite".to_owned();
             let missed = outcome.missed.filter(|_| completed && simulated);
             reasons.extend(failure);
             reasons.extend(outcome.feasibility.reason(tolerance));

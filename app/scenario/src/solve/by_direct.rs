@@ -114,13 +114,11 @@ fn failure_of(solution: &DirectSolution, settings: &DirectSettings) -> Option<St
         if solution.stopped.is_some() {
             return Some("no motion within the constraints was found".to_owned());
         }
-        let starts = match start_costs.len() {
-            0 | 1 => "the one start did not lead".to_owned(),
-            starts => format!("none of {starts} starts led"),
-        };
+        let starts = start_costs.len().max(1);
+        let plural = if starts == 1 { "" } else { "s" };
         return Some(format!(
-            "{starts} to a motion within the constraints, which is the end of the search and no proof that there is \
-            none"
+            "no motion within the constraints was found from {starts} start{plural}, which does not prove that there \
+             is none"
         ));
     }
     if !converged {
@@ -132,18 +130,18 @@ fn failure_of(solution: &DirectSolution, settings: &DirectSettings) -> Option<St
         let off: Vec<_> = off
             .map(|(what, reached, asked)| {
                 if reached.is_finite() {
-                    format!("the {what} is {reached:.1e}, {asked:e} was asked for")
+                    format!("the {what} is {reached:.1e}, tolerance {asked:e}")
                 } else {
                     format!("the {what} is not known")
                 }
             })
             .collect();
         return Some(if off.is_empty() {
-            "the search ended before a minimum was sure".to_owned()
+            "stopped before convergence".to_owned()
         } else {
-            format!("where the search ended {}", off.join(", "))
+            format!("not converged: {}", off.join(", "))
         });
     }
     (*smallest_curvature <= 0.0)
-        .then(|| format!("where the gradient vanishes the smallest curvature is {smallest_curvature:.1e}: no minimum"))
+        .then(|| format!("a stationary point but not a minimum: the smallest curvature is {smallest_curvature:.1e}"))
 }

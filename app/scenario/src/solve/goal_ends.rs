@@ -1,7 +1,7 @@
 //! Final configurations in a goal that is a set, by inverse kinematics.
 
 use crate::shapes::scene::{FAR, MILLIMETRES};
-use crate::solve::own_terms::worst_row;
+use crate::solve::custom_terms::worst_row;
 use crate::{Goal, Quantity, Scenario};
 use aghf::constraint::{AnyConstraint, RowLabel};
 use aghf::curve::{Chebyshev, Curve};
@@ -165,7 +165,7 @@ impl Scenario {
     /// The condition of a goal for which no search succeeded, with the configuration that is nearest to it.
     fn not_found(&self, rows: &[AnyConstraint], nearest: Option<(f64, Vec<f64>)>) -> Result<String> {
         let mut condition = format!(
-            "none of {GUESSES} searches found a configuration that reaches it, which is no proof that there is none"
+            "none of {GUESSES} searches found a configuration that reaches it, which does not prove that there is none"
         );
         if let Some((_, q)) = nearest {
             let x = [q, vec![0.0; self.model.dof()]].concat();

@@ -3,8 +3,8 @@
 pub(crate) mod by_direct;
 pub(crate) mod by_flow;
 pub(crate) mod compared_ends;
+pub(crate) mod custom_terms;
 pub(crate) mod goal_ends;
-pub(crate) mod own_terms;
 pub(crate) mod preflight;
 pub(crate) mod search;
 pub(crate) mod stopping;

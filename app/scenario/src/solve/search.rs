@@ -98,7 +98,7 @@ impl<'s, 'o> Search<'s, 'o> {
         };
         let fixed = DirectSettings { free_horizon: None, ..settings };
         let before = self.solve(&problem, fixed)?;
-        if self.goes_on(&before) {
+        if self.should_continue(&before) {
             let horizon = if self.settings.parts.is_empty() { problem.horizon() } else { before.curve.horizon() };
             let found = self.from(&before, horizon, Some(free), None, 0)?;
             if is_valid(&found) {
@@ -130,7 +130,7 @@ impl<'s, 'o> Search<'s, 'o> {
         let (mut others, mut share, mut again) = (Vec::new(), SHARE, 0);
         for _ in 0..STEPS {
             let before = others.last().unwrap_or(&first);
-            self.complete = self.goes_on(before);
+            self.complete = self.should_continue(before);
             if !self.complete {
                 break;
             }
@@ -174,7 +174,7 @@ impl<'s, 'o> Search<'s, 'o> {
         let (mut first, mut others) = self.faster()?;
         let fast = others.last().unwrap_or(&first);
         let is_least = self.complete;
-        self.complete = self.goes_on(fast);
+        self.complete = self.should_continue(fast);
         if self.complete {
             let least = fast.curve.horizon();
             let within = |of: &&DirectSolution| of.curve.horizon() <= BALANCED * least;
@@ -202,7 +202,7 @@ impl<'s, 'o> Search<'s, 'o> {
     }
 
     /// Returns true if a search continues from this motion: it is valid, and there is time.
-    fn goes_on(&self, found: &DirectSolution) -> bool {
+    fn should_continue(&self, found: &DirectSolution) -> bool {
         is_valid(found) && self.has_time()
     }
 
@@ -234,7 +234,7 @@ impl<'s, 'o> Search<'s, 'o> {
     ) -> Result<DirectSolution> {
         let mut found = self.from(from, horizon, free_horizon, None, 0)?;
         for again in 1..=MAX_REPEATS {
-            if found.converged || !self.goes_on(from) {
+            if found.converged || !self.should_continue(from) {
                 break;
             }
             let mut other = self.from(from, horizon, free_horizon, None, again)?;

@@ -1,6 +1,6 @@
 //! A scenario whose motion is followed and replanned.
 
-use crate::solve::own_terms::ScenarioCost;
+use crate::solve::custom_terms::ScenarioCost;
 use crate::{DirectOptions, Obstacle, Preset, Scenario};
 use aghf::constraint::{AnyConstraint, RowLabel};
 use aghf::curve::Curve;
@@ -169,7 +169,7 @@ impl ScenarioTrackerOptions {
 fn deadline(seconds: Option<f64>) -> Result<Option<Duration>> {
     match seconds {
         Some(s) if !(0.0..=MAX_DEADLINE_S).contains(&s) => {
-            let condition = format!("it is {s}, at least 0 and at most {MAX_DEADLINE_S} s is needed");
+            let condition = format!("it is {s} and must be at least 0 and at most {MAX_DEADLINE_S} s");
             Err(Error::input("options", "deadline_s", condition))
         }
         seconds => Ok(seconds.map(Duration::from_secs_f64)),

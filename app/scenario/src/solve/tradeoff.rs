@@ -97,7 +97,7 @@ impl<'a> Tradeoff<'a> {
         let mut walk = Walk { options, interrupt, observe: &mut *observe, found: Vec::new() };
         let fast = walk.find(fastest, |search| search.least_time())?;
         let first = fast.curve.horizon();
-        if !walk.goes_on() {
+        if !walk.should_continue() {
             return Ok(walk.found);
         }
         // The other end is found from the first one too, and says where the points between are.
@@ -112,7 +112,7 @@ impl<'a> Tradeoff<'a> {
         let ratio = last.curve.horizon() / first;
         let mut before = fast;
         for point in 1..points - 1 {
-            if !walk.goes_on() {
+            if !walk.should_continue() {
                 break;
             }
             let horizon = first * ratio.powf(point as f64 / (points - 1) as f64);
@@ -154,7 +154,7 @@ impl Walk<'_> {
     }
 
     /// Returns true if the last motion is valid and nothing stopped the search.
-    fn goes_on(&self) -> bool {
+    fn should_continue(&self) -> bool {
         let last = self.found.last();
         last.is_some_and(|(_, report)| report.summary.success && report.stopped.is_none())
     }

@@ -1,7 +1,7 @@
 //! The weights of an objective in SI units, the cost that they make, and the bounds of the horizon.
 
 use crate::keys::durations::sum_of;
-use crate::solve::own_terms::ScenarioCost;
+use crate::solve::custom_terms::ScenarioCost;
 use crate::{HorizonBounds, Objective, ObjectiveWeights, Scenario, Units};
 use aghf::constraint::{Quantity, RowLabel};
 use aghf::cost::{ControlEffort, CostWithControl, InPhases, Point, WeightedSquares};

@@ -3,7 +3,7 @@
 use crate::keys::phases::of_phase;
 use crate::results::report::{Solution, Solve, SolveReport, report_of};
 use crate::solve::by_direct::{search_directly, solution_of};
-use crate::solve::own_terms::worst_row;
+use crate::solve::custom_terms::worst_row;
 use crate::solve::search::Search;
 use crate::{DirectOptions, Scenario, ScenarioFile, SolveOptions};
 use aghf::constraint::{Constraint, Evaluator, Weights};
@@ -64,7 +64,7 @@ impl Solve<'_> {
             return Err(Error::input("options", "method", condition));
         };
         if self.start.is_some() {
-            let condition = "a walk starts from no motion: a run is that of one phase";
+            let condition = "a walk cannot be warm-started: a run holds one phase";
             return Err(Error::input("options", "start", condition));
         }
         scenario.check_for(options.method())?;

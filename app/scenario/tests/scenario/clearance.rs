@@ -158,7 +158,7 @@ fn rows_of_covers_keep_the_distance_of_their_own() {
         let deepest = scenario.scene.deepest_contact(&placements).expect("lengths agree");
         let deepest = deepest.expect("there are obstacles");
         let x = [q, zeros.to_vec()].concat();
-        let at = PlacedState { model, x: &x, placements: &placements, pieces: None };
+        let at = PlacedState { model, x: &x, placements: &placements, active_pairs: None };
         let rows = AnyConstraint::of_scene(&scenario.scene);
         let rows = rows.iter().flat_map(|rows| {
             let mut g = vec![0.0; rows.dim()];

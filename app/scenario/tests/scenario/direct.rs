@@ -97,7 +97,7 @@ fn a_motion_whose_torques_overflow_is_not_valid() {
     let summary = report.expect("a result").summary;
     assert_eq!(summary.verdict, Verdict::NotValid);
     let failure = summary.failure.expect("there are reasons");
-    assert!(failure.contains("torques of the motion are no finite numbers"), "{failure}");
+    assert!(failure.contains("torques of the motion are not finite"), "{failure}");
 }
 
 /// The cost of a motion that breaks its limits is that of the motion, and of the iterate that it comes from.

@@ -87,5 +87,5 @@ fn the_flow_knows_no_goal_that_is_a_set() {
     let options = aghf_scenario::FlowOptions::default();
     let found = aghf_scenario::Solve::new(&scenario).options(options).run();
     let error = found.expect_err("by the direct method alone").to_string();
-    assert!(error.contains("goal: the method 'flow' does not know it"), "{error}");
+    assert!(error.contains("goal: supported by the method 'direct' only, not by 'flow'"), "{error}");
 }

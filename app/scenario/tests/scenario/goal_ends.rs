@@ -143,7 +143,7 @@ fn goals_that_no_configuration_reaches_are_refused_with_the_reason() {
     // Within the sum of the links, but folded beyond the limits of the elbow.
     let inside = json!({ "frame": TOOL, "position_m": [0.0, 0.0, 0.28], "orientation_xyzw": [1.0, 0.0, 0.0, 0.0] });
     let refused = refusal(&kinova(inside));
-    assert!(refused.contains("no proof that there is none; the nearest one is off by"), "{refused}");
+    assert!(refused.contains("does not prove that there is none; the nearest one is off by"), "{refused}");
     // Of several goals one is enough.
     let two = load("two", &kinova(json!([far, pose_at(&REACHED)]))).expect("it is good");
     let goal = two.goal_with_ends().expect("one is reachable").expect("a set");

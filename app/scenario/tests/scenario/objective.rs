@@ -86,7 +86,7 @@ fn the_flow_refuses_what_it_does_not_know() {
         let key = key.expect("there is one").clone();
         let scenario = load("flow", &with(keys)).expect("it is good");
         let error = Solve::new(&scenario).options(flow.clone()).run().expect_err("the flow has no such key");
-        let words = format!("flow: {key}: the method 'flow' does not know it");
+        let words = format!("flow: {key}: supported by the method 'direct' only, not by 'flow'");
         assert!(error.to_string().starts_with(&words), "{error}");
     }
 }

@@ -94,7 +94,7 @@ fn the_flow_knows_no_passive_joints() {
     let scenario = load("flow", &hanging(json!({}))).expect("it is good");
     let options = FlowOptions::default();
     let error = Solve::new(&scenario).options(options.clone()).run().expect_err("not yet").to_string();
-    assert_eq!(error, "flow: passive: the published flow does not know it; the methods 'duals' and 'two_phases' do");
+    assert_eq!(error, "flow: passive: supported by the methods 'duals' and 'two_phases', not by the published flow");
 }
 
 /// A motion of the double pendulum that needs torques at both joints.

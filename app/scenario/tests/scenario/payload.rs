@@ -109,7 +109,7 @@ fn payloads_that_cannot_be_are_refused_by_key() {
         (json!({ "mass_kg": 0.0 }), "payload.mass_kg: it is 0, a positive number"),
         (json!({ "center_m": [0.0, 0.0, 1e7] }), "payload.center_m: a number is not finite, or above"),
         (json!({ "inertia_kg_m2": [1.0, 0.0, 0.0, 1.0, 0.0, 5.0] }), "payload.inertia_kg_m2: its largest"),
-        (json!({ "shape": { "half_space": {} } }), "payload.shape: nothing carries a half-space"),
+        (json!({ "shape": { "half_space": {} } }), "payload.shape: a payload cannot be a half-space"),
         (json!({ "shape": { "sphere": { "radius_m": 0.0 } } }), "payload.shape: radius_m has 0"),
         (json!({ "shape_pose": pose }), "payload.shape_pose: there is no shape"),
     ] {

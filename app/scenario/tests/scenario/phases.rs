@@ -39,13 +39,13 @@ fn assert_refused(walk: &Value, words: &str) {
 #[test]
 fn keys_that_cannot_be_meant_of_a_walk_are_refused() {
     for (keys, words) in [
-        (json!({ "waypoints": [{ "q": vec![0.0; 14] }] }), "waypoints: phases: a walk does not know it"),
+        (json!({ "waypoints": [{ "q": vec![0.0; 14] }] }), "waypoints: phases: a walk does not support it"),
         (json!({ "continuity": "acceleration" }), "continuity: phases: accelerations jump where the foot changes"),
         (
             json!({ "objective": { "effort": 1.0, "velocity": 1.0 } }),
-            "objective: phases: a walk knows the objectives by their names alone",
+            "objective: phases: a walk accepts named objectives only",
         ),
-        (json!({ "mount": { "position_m": [0, 0, 1] } }), "mount: phases: a walk does not know it"),
+        (json!({ "mount": { "position_m": [0, 0, 1] } }), "mount: phases: a walk does not support it"),
         (json!({ "root": "right_sole" }), "root: phases: it is not the foot of the first phase"),
         (json!({ "v_goal": vec![0.1; 14] }), "v_goal: phases: where the last foot lands it ends at rest"),
     ] {

@@ -19,12 +19,14 @@ fn every_built_in_scenario_succeeds() {
         let options = FlowOptions::default();
         let outcome = Solve::new(&scenario).options(options.clone()).run();
         if !scenario.passive().is_empty() {
-            let words = format!("{name}: passive: the published flow does not know it");
+            let words = format!("{name}: passive: not supported by the published flow");
             assert_refused(outcome, &words);
             continue;
         }
         if scenario.file.free_horizon.is_some() {
-            let words = format!("{name}: objective with a weight of time: the method 'flow' does not know it");
+            let words = format!(
+                "{name}: objective with a weight of time: supported by the method 'direct' only, not by 'flow'"
+            );
             assert_refused(outcome, &words);
             continue;
         }

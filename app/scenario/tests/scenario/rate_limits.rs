@@ -100,7 +100,7 @@ fn limits_that_are_not_there_or_no_limits_are_refused() {
             "a number is needed, a list with a number or null for each joint, \"urdf\" or {\"file\": PATH}",
         ),
         (json!([1.0, null]), "it has 2 entries, 3 are needed"),
-        (json!([1.0, null, 0.0]), "it is 0, a positive number is needed"),
+        (json!([1.0, null, 0.0]), "it is 0 and must be a positive number"),
     ] {
         let error = error(source);
         assert!(error.starts_with("enforced_limits.acceleration: ") && error.contains(words), "{error}");
@@ -116,7 +116,7 @@ fn limits_that_are_not_there_or_no_limits_are_refused() {
         ),
         (
             "joint_limits: {turn_a: {has_acceleration_limits: true, max_acceleration: -1}}",
-            "joint_limits.turn_a.max_acceleration: it is -1, a positive number is needed",
+            "joint_limits.turn_a.max_acceleration: it is -1 and must be a positive number",
         ),
         ("joint_limits: {wheel: {has_acceleration_limits: true, max_acceleration: 1}}", "no joint that is planned has"),
         ("joint_limits: {turn_a: {max_acceleration: fast}}", "joint_limits.turn_a.max_acceleration: "),

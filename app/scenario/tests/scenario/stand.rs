@@ -56,7 +56,7 @@ fn a_foot_needs_a_link_of_the_base_a_size_and_a_weight_above_it() {
     for (keys, words) in [
         (json!({ "frame": "sole" }), "stand.frame: the robot has no link 'sole'"),
         (json!({ "frame": "end_effector_link" }), "stand.frame: link 'end_effector_link' moves"),
-        (json!({ "friction": 0.0 }), "stand.friction: it is 0, a positive number is needed"),
+        (json!({ "friction": 0.0 }), "stand.friction: it is 0 and must be a positive number"),
         (json!({ "torsion": -1.0 }), "stand.torsion: it is -1"),
         (
             json!({ "sole": { "position_m": [0, 0, 0], "orientation_xyzw": [0, 0, 0, 2] } }),
@@ -75,7 +75,7 @@ fn a_foot_needs_a_link_of_the_base_a_size_and_a_weight_above_it() {
     let flow = load("flow", &with(arm(), plate(json!({})))).expect("it is good");
     let error = Solve::new(&flow).options(SolveOptions::Rest(RestOptions::default())).run();
     let error = error.err().map(|e| e.to_string()).unwrap_or_default();
-    assert!(error.contains("stand: the method 'rest' does not know it"), "{error}");
+    assert!(error.contains("stand: supported by the method 'direct' only, not by 'rest'"), "{error}");
 }
 
 /// The published flow keeps the centre of pressure nearer to a small plate than without one, by penalties.

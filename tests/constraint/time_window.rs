@@ -2,8 +2,8 @@
 
 use crate::common::{assert_refused, config, robot};
 use aghf::constraint::{
-    AnyConstraint, Between, Constraint, Constraints, Evaluator, FrameRows, PointSpeedLimit, StageConstraint,
-    StageConstraints, StageInput, TorqueLimits, Weights,
+    AnyConstraint, Constraint, Constraints, Evaluator, FrameRows, PointSpeedLimit, StageConstraint, StageConstraints,
+    StageInput, TimeWindow, TorqueLimits, Weights,
 };
 use aghf::curve::{Chebyshev, Curve};
 use aghf::model::{Frame, Model};
@@ -28,7 +28,7 @@ fn rows(model: &Model) -> Vec<AnyConstraint> {
 fn rows_are_those_of_the_state_within_their_times() {
     let model = robot("kinova_gen3");
     let rows = rows(&model);
-    let between = Between::new(model.clone(), rows.clone(), [0.5, 1.0]).expect("times");
+    let window = TimeWindow::new(model.clone(), rows.clone(), [0.5, 1.0]).expect("times");
     let [q, v] = [[0.3, -0.4, 0.1, 1.0, 0.2, -0.3, 0.5], [0.5, 0.1, -0.7, 0.2, 0.4, 0.9, -0.3]];
     let input = |t| StageInput { t, q: &q, v: &v, a: &[0.0; 7], u: &[0.0; 7] };
     let x = [q, v].concat();
@@ -40,10 +40,10 @@ fn rows_are_those_of_the_state_within_their_times() {
     let weights = Weights { first_order: &multipliers, gauss_newton: Some(&[0.0; 3]) };
     let sums = placed.weighted_derivatives(&rows, weights).expect("its rows");
     for t in [0.5, 0.7, 1.0] {
-        between.value(&input(t), &mut g).expect("three rows");
+        window.value(&input(t), &mut g).expect("three rows");
         assert_eq!(g, expected);
         let (mut gradients, mut hessian) = (DMatrix::zeros(28, 3), DMatrix::from_element(28, 28, 1.0));
-        between.derivatives(&input(t), &multipliers, &mut gradients, &mut hessian).expect("three rows");
+        window.derivatives(&input(t), &multipliers, &mut gradients, &mut hessian).expect("three rows");
         let sum = &gradients * nalgebra::Vector3::from(multipliers);
         assert_close!(&sum.as_slice()[..14], sums.gradient(), 1e-14);
         assert!(sum.rows(14, 14).amax() == 0.0);
@@ -52,23 +52,23 @@ fn rows_are_those_of_the_state_within_their_times() {
         assert_eq!(hessian.view((14, 0), (14, 28)).amax(), 0.0);
     }
     for t in [0.0, 0.499, 1.001] {
-        between.value(&input(t), &mut g).expect("three rows");
-        assert!(g.iter().enumerate().all(|(row, g)| *g == -between.scale(row) && *g < 0.0));
+        window.value(&input(t), &mut g).expect("three rows");
+        assert!(g.iter().enumerate().all(|(row, g)| *g == -window.scale(row) && *g < 0.0));
         let (mut gradients, mut hessian) = (DMatrix::from_element(28, 3, 1.0), DMatrix::zeros(28, 28));
-        between.derivatives(&input(t), &multipliers, &mut gradients, &mut hessian).expect("three rows");
+        window.derivatives(&input(t), &multipliers, &mut gradients, &mut hessian).expect("three rows");
         assert_eq!((gradients.amax(), hessian.amax()), (0.0, 0.0));
     }
-    assert_eq!(between.label(2, &model), rows.label(2, &model));
+    assert_eq!(window.label(2, &model), rows.label(2, &model));
 }
 
 #[test]
 fn equalities_and_times_in_the_wrong_order_are_refused() {
     let model = robot("kinova_gen3");
     let tool = model.frames().last().expect("it has links").clone();
-    let found = Between::new(model.clone(), rows(&model), [1.0, 1.0]);
+    let found = TimeWindow::new(model.clone(), rows(&model), [1.0, 1.0]);
     assert_refused(found, "they are 1 s and 1 s, the first one is to be before the second");
     let at = FrameRows::new(&tool, Frame::new("goal", None, Placement::identity())).at_origin();
-    let found = Between::new(model, vec![AnyConstraint::Frame(at)], [0.0, 1.0]);
+    let found = TimeWindow::new(model, vec![AnyConstraint::Frame(at)], [0.0, 1.0]);
     assert_refused(found, "position along x of frame");
 }
 
@@ -76,11 +76,11 @@ fn equalities_and_times_in_the_wrong_order_are_refused() {
 #[test]
 fn the_excess_of_a_row_is_in_its_unit() {
     let model = robot("kinova_gen3");
-    let between = Between::new(model.clone(), rows(&model), [0.5, 1.0]).expect("times");
+    let window = TimeWindow::new(model.clone(), rows(&model), [0.5, 1.0]).expect("times");
     let all = Constraints {
         state: Vec::<AnyConstraint>::new(),
         torque: TorqueLimits(Vec::new()),
-        stage: StageConstraints { others: vec![Arc::new(between)], ..StageConstraints::default() },
+        stage: StageConstraints { custom: vec![Arc::new(window)], ..StageConstraints::default() },
     };
     let excess = |row, by| all.excess(row, by, &model);
     assert!((excess(0, 1.2_f64.powi(2) - 0.3_f64.powi(2)) - 0.9).abs() < 1e-14);
@@ -101,11 +101,11 @@ proptest! {
     ) {
         let (model, to) = (robot("kinova_gen3"), from + length);
         let rows = rows(&model);
-        let between = Between::new(model.clone(), rows.clone(), [from, to]).expect("times");
+        let window = TimeWindow::new(model.clone(), rows.clone(), [from, to]).expect("times");
         let all = Constraints {
             state: Vec::<AnyConstraint>::new(),
             torque: TorqueLimits(Vec::new()),
-            stage: StageConstraints { others: vec![Arc::new(between)], ..StageConstraints::default() },
+            stage: StageConstraints { custom: vec![Arc::new(window)], ..StageConstraints::default() },
         };
         let chebyshev = Chebyshev::new(6, 2.0).expect("a degree");
         let curve = Curve::new(chebyshev, DMatrix::from_vec(14, 7, entries)).expect("nodes");

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 /// The distance of two balls, or of one from an obstacle, of which a row is a function.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gap<C: Scalar = f64> {
+pub struct PairDistance<C: Scalar = f64> {
     /// The body of each ball that is on one, with the distance of its centre from the origin of the body, in m.
     pub bodies: [Option<(usize, C)>; 2],
     /// The sum `R` of the radii if the row is $R^2 - d^2$ for a distance `d` of the centres, scaled by `2 R`; `None` if
@@ -17,7 +17,7 @@ pub struct Gap<C: Scalar = f64> {
     pub squared: Option<C>,
 }
 
-impl<C: Scalar> Gap<C> {
+impl<C: Scalar> PairDistance<C> {
     pub(super) fn new(balls: [Option<&CollisionSphere<C>>; 2], squared: Option<C>) -> Self {
         let body = |ball: &CollisionSphere<C>| {
             let r = dot(&ball.centre, &ball.centre).sqrt();
@@ -27,7 +27,7 @@ impl<C: Scalar> Gap<C> {
     }
 }
 
-impl Gap {
+impl PairDistance {
     /// The least distance of the surfaces, in m, for a value of the scaled row.
     #[must_use]
     pub fn distance(&self, value: f64) -> f64 {

@@ -15,9 +15,9 @@ use crate::nlp::{Nlp, Options, Status, solve};
 use crate::transcription::Grid;
 use std::time::Duration;
 
-/// The options of [`AnyFlowToRest`].
+/// The options of [`LagrangianDescent`].
 #[derive(Clone, Debug)]
-pub struct AnyRestOptions {
+pub struct LagrangianDescentOptions {
     /// The number of polynomials on equal parts of the horizon. The state is continuous at their joints.
     pub segments: usize,
     /// The degree of each, at least 4.
@@ -37,7 +37,7 @@ pub struct AnyRestOptions {
     pub interrupt: Interrupt,
 }
 
-impl Default for AnyRestOptions {
+impl Default for LagrangianDescentOptions {
     fn default() -> Self {
         Self {
             segments: 1,
@@ -54,7 +54,7 @@ impl Default for AnyRestOptions {
 
 /// The result of the flow of any Lagrangian.
 #[derive(Clone, Debug)]
-pub struct AnyRest {
+pub struct LagrangianDescentSolution {
     /// The curve.
     pub curve: Curve,
     /// The action of the curve, by the quadrature of the flow.
@@ -74,17 +74,17 @@ pub struct AnyRest {
 /// The flow of any Lagrangian in any metric from a curve to rest, by the same implicit scheme as
 /// [`FlowToRest`](super::FlowToRest), in one basis and without constraints. The ends of the curve are fixed. The
 /// [guide](crate::guide::lagrangian) has an example.
-pub struct AnyFlowToRest<'a, L, M = ActuationMetric> {
+pub struct LagrangianDescent<'a, L, M = ActuationMetric> {
     model: &'a Model,
     lagrangian: L,
     metric: M,
     k: f64,
     curve: &'a Curve,
-    options: AnyRestOptions,
+    options: LagrangianDescentOptions,
     observe: Box<dyn FnMut(&RestRecord) + 'a>,
 }
 
-impl<'a, L: Lagrangian> AnyFlowToRest<'a, L> {
+impl<'a, L: Lagrangian> LagrangianDescent<'a, L> {
     /// The flow of `lagrangian` under the penalty `k` from `curve` with default options; the metric of the flow is the
     /// paper's.
     #[must_use]
@@ -95,23 +95,23 @@ impl<'a, L: Lagrangian> AnyFlowToRest<'a, L> {
             metric: ActuationMetric::default(),
             k,
             curve,
-            options: AnyRestOptions::default(),
+            options: LagrangianDescentOptions::default(),
             observe: Box::new(|_| {}),
         }
     }
 }
 
-impl<'a, L: Lagrangian, M: Metric> AnyFlowToRest<'a, L, M> {
+impl<'a, L: Lagrangian, M: Metric> LagrangianDescent<'a, L, M> {
     /// Replaces the options.
     #[must_use]
-    pub fn options(self, options: AnyRestOptions) -> Self {
+    pub fn options(self, options: LagrangianDescentOptions) -> Self {
         Self { options, ..self }
     }
 
     /// Replaces the metric of [`RestMetric::Flow`].
     #[must_use]
-    pub fn metric<N: Metric>(self, metric: N) -> AnyFlowToRest<'a, L, N> {
-        AnyFlowToRest {
+    pub fn metric<N: Metric>(self, metric: N) -> LagrangianDescent<'a, L, N> {
+        LagrangianDescent {
             model: self.model,
             lagrangian: self.lagrangian,
             metric,
@@ -133,8 +133,8 @@ impl<'a, L: Lagrangian, M: Metric> AnyFlowToRest<'a, L, M> {
     ///
     /// # Errors
     /// An option or the penalty is out of range, or curve, Lagrangian or metric have another number of joints. A flow
-    /// that does not come to rest is not an error: [`AnyRest::at_rest`] is false.
-    pub fn run(mut self) -> Result<AnyRest> {
+    /// that does not come to rest is not an error: [`LagrangianDescentSolution::at_rest`] is false.
+    pub fn run(mut self) -> Result<LagrangianDescentSolution> {
         let (model, curve, options) = (self.model, self.curve, &self.options);
         options.check()?;
         check_positive("flow", "k", self.k)?;
@@ -164,7 +164,7 @@ impl<'a, L: Lagrangian, M: Metric> AnyFlowToRest<'a, L, M> {
             }
         })?;
         let action = free.value(&end.x, &mut Vec::new())?;
-        Ok(AnyRest {
+        Ok(LagrangianDescentSolution {
             curve: free.path.curve_of_states(curve.horizon())?,
             action,
             gradient_norm: end.progress.stationarity,
@@ -176,7 +176,7 @@ impl<'a, L: Lagrangian, M: Metric> AnyFlowToRest<'a, L, M> {
     }
 }
 
-impl AnyRestOptions {
+impl LagrangianDescentOptions {
     /// Refuses values out of range.
     fn check(&self) -> Result<()> {
         use super::RestSettings as Settings;

@@ -7,14 +7,14 @@ use nalgebra::DMatrix;
 
 /// Inequalities on the state that are kept between two times; elsewhere their rows are a negative constant.
 #[derive(Clone, Debug)]
-pub struct Between {
+pub struct TimeWindow {
     model: Model,
     rows: Vec<AnyConstraint>,
     times: [f64; 2],
     scales: Vec<f64>,
 }
 
-impl Between {
+impl TimeWindow {
     /// The rows of constraints of a robot from `times[0]` to `times[1]`, s, either of which may be infinite.
     ///
     /// # Errors
@@ -58,23 +58,23 @@ impl Between {
 
 impl<K: Constraint> Constraints<K> {
     /// The constraints that are kept between two times, each with its first row.
-    pub(crate) fn between(&self) -> impl Iterator<Item = (usize, &Between)> {
+    pub(crate) fn windows(&self) -> impl Iterator<Item = (usize, &TimeWindow)> {
         let first_of_stage = self.first_of_stage();
-        let others = self.stage.others();
-        others.filter_map(move |(first, other)| Some((first_of_stage + first, other.between()?)))
+        let others = self.stage.custom_rows();
+        others.filter_map(move |(first, other)| Some((first_of_stage + first, other.window()?)))
     }
 
     /// The times between which each row is kept, s, infinite for most.
     pub(crate) fn times(&self) -> Vec<[f64; 2]> {
         let mut times = vec![[f64::NEG_INFINITY, f64::INFINITY]; self.dim()];
-        for (first, between) in self.between() {
-            times[first..first + between.dim()].fill(between.times);
+        for (first, window) in self.windows() {
+            times[first..first + window.dim()].fill(window.times);
         }
         times
     }
 }
 
-impl StageConstraint for Between {
+impl StageConstraint for TimeWindow {
     fn dim(&self) -> usize {
         self.rows.dim()
     }
@@ -117,7 +117,7 @@ impl StageConstraint for Between {
         Ok(())
     }
 
-    fn between(&self) -> Option<&Between> {
+    fn window(&self) -> Option<&TimeWindow> {
         Some(self)
     }
 

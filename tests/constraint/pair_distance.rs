@@ -3,8 +3,8 @@
 use crate::common::constraint::Held;
 use crate::common::{robot, wave};
 use aghf::constraint::{
-    AnyConstraint, Bounds, CollisionSphere, Constraint, Evaluator, Gap, RowList, SelfClearance, SolidClearance, Sphere,
-    SphereClearance,
+    AnyConstraint, Bounds, CollisionSphere, Constraint, Evaluator, PairDistance, RowList, SelfClearance,
+    SolidClearance, Sphere, SphereClearance,
 };
 use aghf::geometry::{Shape, Solid};
 use aghf::model::Model;
@@ -71,7 +71,7 @@ fn gaps_change_by_no_more_than_bodies_move() {
         let y: Vec<f64> = y.collect();
         let [(g, from), (h, to)] = [&x, &y].map(|x| at(&model, &parts, x));
         for row in 0..parts.dim() {
-            let Some(gap) = parts.row_set(row).gap else { continue };
+            let Some(gap) = parts.row_set(row).distance else { continue };
             gaps += 1;
             let [before, after] = [g[row], h[row]].map(|g| gap.distance(g / scales[row]));
             assert!((gap.value(before) - g[row] / scales[row]).abs() < 1e-12);
@@ -88,11 +88,11 @@ fn gaps_change_by_no_more_than_bodies_move() {
     }
     // The bound is attained, so that it is not one of something else.
     assert!(most > 0.9 && gaps > 0, "{most}");
-    assert_eq!(parts.row_set(0).gap, None);
+    assert_eq!(parts.row_set(0).distance, None);
     let first = parts.dim() - parts.1.1.dim();
-    let squared = parts.row_set(first).gap.and_then(|gap: Gap| gap.squared);
+    let squared = parts.row_set(first).distance.and_then(|gap: PairDistance| gap.squared);
     assert!(squared.is_some_and(|reach| (reach - 0.13).abs() < 1e-12), "{squared:?}");
-    assert_eq!(parts.row_set(parts.dim()).gap, None);
+    assert_eq!(parts.row_set(parts.dim()).distance, None);
 }
 
 /// Single rows are those of all, to the last bit.

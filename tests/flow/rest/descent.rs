@@ -4,7 +4,7 @@ use super::{FREE, degree, moved, rested, swing};
 use crate::common::{assert_refused, robot};
 use aghf::curve::Curve;
 use aghf::flow::AghfLagrangian;
-use aghf::flow::rest::{AnyFlowToRest, AnyRestOptions, RestMetric, RestSettings};
+use aghf::flow::rest::{LagrangianDescent, LagrangianDescentOptions, RestMetric, RestSettings};
 use aghf::motion::{Interrupt, Problem, Stopped};
 use std::time::Duration;
 
@@ -20,13 +20,14 @@ fn any_lagrangian_comes_to_rest() {
     let model = robot("pendulum_2");
     let problem = swing(&model);
     let start = guess(&problem, 1);
-    let options = AnyRestOptions { segments: 2, degree: 7, ..AnyRestOptions::default() };
+    let options = LagrangianDescentOptions { segments: 2, degree: 7, ..LagrangianDescentOptions::default() };
     let mut found = Vec::new();
     for metric in [RestMetric::Velocity, RestMetric::Flow] {
-        let options = AnyRestOptions { metric, ..options.clone() };
+        let options = LagrangianDescentOptions { metric, ..options.clone() };
         let tolerance = options.tolerance;
         let mut records = 0;
-        let flow = AnyFlowToRest::new(&model, AghfLagrangian, 1e3, &start).options(options).observe(|_| records += 1);
+        let flow =
+            LagrangianDescent::new(&model, AghfLagrangian, 1e3, &start).options(options).observe(|_| records += 1);
         let dual = flow.run().expect("valid");
         assert!(dual.at_rest && dual.gradient_norm <= tolerance && dual.steps > 1, "{dual:?}");
         assert_eq!(records, dual.steps);
@@ -48,28 +49,28 @@ fn options_that_make_no_sense_are_refused() {
     let model = robot("pendulum_2");
     let problem = swing(&model);
     let start = guess(&problem, 1);
-    let options = AnyRestOptions::default();
-    let refused = |options: AnyRestOptions, words: &str| {
-        let flow = AnyFlowToRest::new(&model, AghfLagrangian, 1e3, &start).options(options);
+    let options = LagrangianDescentOptions::default();
+    let refused = |options: LagrangianDescentOptions, words: &str| {
+        let flow = LagrangianDescent::new(&model, AghfLagrangian, 1e3, &start).options(options);
         assert_refused(flow.run(), words);
     };
     for (segments, degree, points, words) in
         [(1, 3, None, "degree"), (33, 16, None, "segments"), (1, 16, Some(0), "points")]
     {
-        refused(AnyRestOptions { segments, degree, points, ..options.clone() }, words);
+        refused(LagrangianDescentOptions { segments, degree, points, ..options.clone() }, words);
     }
     for tolerance in [0.0, f64::NAN] {
-        refused(AnyRestOptions { tolerance, ..options.clone() }, "tolerance");
+        refused(LagrangianDescentOptions { tolerance, ..options.clone() }, "tolerance");
     }
-    let flow = AnyFlowToRest::new(&model, AghfLagrangian, f64::NAN, &start);
+    let flow = LagrangianDescent::new(&model, AghfLagrangian, f64::NAN, &start);
     assert_refused(flow.run(), "k");
     let other = robot("pendulum_3");
-    let flow = AnyFlowToRest::new(&other, AghfLagrangian, 1e3, &start);
+    let flow = LagrangianDescent::new(&other, AghfLagrangian, 1e3, &start);
     assert_refused(flow.run(), "curve");
     let interrupt = Interrupt::default();
     interrupt.raise();
-    let options = AnyRestOptions { interrupt, ..options };
-    let flow = AnyFlowToRest::new(&model, AghfLagrangian, 1e3, &start).options(options);
+    let options = LagrangianDescentOptions { interrupt, ..options };
+    let flow = LagrangianDescent::new(&model, AghfLagrangian, 1e3, &start).options(options);
     let stopped = flow.run().expect("valid");
     assert_eq!((stopped.stopped, stopped.at_rest, stopped.steps), (Some(Stopped::Interrupt), false, 0));
 }

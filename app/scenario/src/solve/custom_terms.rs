@@ -24,7 +24,7 @@ pub type SharedCost = Arc<dyn RunningCost + Send + Sync>;
 
 /// The conditions along the way, a standing foot, user-defined constraints and a user-defined running cost.
 #[derive(Clone, Default)]
-pub(crate) struct OwnTerms {
+pub(crate) struct CustomTerms {
     pub constraints: Vec<AnyConstraint>,
     pub stage: Vec<Arc<dyn StageConstraint>>,
     pub foot: Option<StandingFoot>,
@@ -33,9 +33,9 @@ pub(crate) struct OwnTerms {
     pub added: usize,
 }
 
-impl Debug for OwnTerms {
+impl Debug for CustomTerms {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("OwnTerms")
+        f.debug_struct("CustomTerms")
             .field("constraints", &self.constraints)
             .field("stage", &self.stage)
             .field("foot", &self.foot)

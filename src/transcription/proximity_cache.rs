@@ -1,6 +1,6 @@
 //! The rows of the state that may be near their bounds, at the points of a grid and between them.
 
-use crate::constraint::{Constraint, Piece};
+use crate::constraint::{ActivePair, Constraint};
 use crate::scalar::{AlgebraOver, LANES, Lanes, Scalar, Wide};
 use crate::spatial::Placement;
 use std::ops::Range;
@@ -12,7 +12,7 @@ use std::ops::Range;
 /// move; then all are evaluated again. A point of a body that is `r` from its origin moves by at most
 /// $|\Delta p| + r\\, |\Delta R|$, and the norm of a difference of two rotations is its Frobenius norm over $\sqrt 2$.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Near {
+pub(crate) struct ProximityCache {
     /// The value of each scaled row of the state below which it is not listed; NaN for those that always are.
     far: Vec<f64>,
     /// The bodies of clearances, with the largest distance of the centre of a ball from their origin, in m.
@@ -22,10 +22,10 @@ pub(crate) struct Near {
     /// The times of the points of a segment, in parts of it.
     times: Vec<f64>,
     groups: Vec<Group>,
-    /// True if rows are computed from the pieces that were active at the points before.
-    pub follows: bool,
-    /// The active pieces at the last times between the points.
-    pub(super) beside: Noted,
+    /// True if rows are computed from the active pairs that were active at the points before.
+    pub reuse_active_pairs: bool,
+    /// The active pairs at the last times between the points.
+    pub(super) beside: CachedPairs,
 }
 
 /// The rows of a group.
@@ -37,24 +37,24 @@ struct Group {
     /// Rows that are listed although they are far: those of the working set, and those between the points.
     working: Vec<usize>,
     between: Vec<usize>,
-    noted: Noted,
+    noted: CachedPairs,
 }
 
-/// The active pieces of all rows at the points of a group, if they are known.
+/// The active pairs of all rows at the points of a group, if they are known.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Noted {
-    pub pieces: Vec<Piece>,
+pub(super) struct CachedPairs {
+    pub active_pairs: Vec<ActivePair>,
     pub are_known: bool,
 }
 
-impl Near {
+impl ProximityCache {
     /// Begins lists at points with these times in parts of each of several segments. Rows that are not listed are below
     /// the values of `far` until a body has moved by more than `moved`, in m; an infinite one lists its row.
     pub fn begin<K: Constraint>(&mut self, state: &K, far: &[f64], moved: f64, (times, segments): (Vec<f64>, usize)) {
         self.bodies.clear();
         self.far.clear();
         for (row, far) in far.iter().copied().enumerate() {
-            let gap = state.row_set(row).gap.filter(|_| far.is_finite());
+            let gap = state.row_set(row).distance.filter(|_| far.is_finite());
             self.far.push(gap.map_or(f64::NAN, |gap| {
                 let moving = gap.bodies.iter().flatten();
                 gap.value(gap.distance(far) + moving.count() as f64 * moved)
@@ -92,25 +92,25 @@ impl Near {
         is_known.then(|| first / points * points.div_ceil(LANES) + start / LANES)
     }
 
-    /// The active pieces of the rows at the points of a group, if they are known.
-    pub fn pieces(&self, group: usize) -> Option<&[Piece]> {
+    /// The active pairs of the rows at the points of a group, if they are known.
+    pub fn active_pairs(&self, group: usize) -> Option<&[ActivePair]> {
         let noted = &self.groups[group].noted;
-        noted.are_known.then_some(&noted.pieces)
+        noted.are_known.then_some(&noted.active_pairs)
     }
 
     /// The memory of these.
-    pub(super) fn noted(&mut self, group: usize) -> &mut Noted {
+    pub(super) fn noted(&mut self, group: usize) -> &mut CachedPairs {
         &mut self.groups[group].noted
     }
 
-    /// Memory for the active pieces beside the points. In the part of a group they are those at its points for the
+    /// Memory for the active pairs beside the points. In the part of a group they are those at its points for the
     /// first times, and for others those at the times before; elsewhere they are not known.
-    pub(super) fn begin_beside(&mut self, group: Option<usize>, start: usize) -> Noted {
+    pub(super) fn begin_beside(&mut self, group: Option<usize>, start: usize) -> CachedPairs {
         let mut noted = std::mem::take(&mut self.beside);
         match group {
             Some(group) if start == 0 => {
                 let of_points = &self.groups[group].noted;
-                noted.pieces.clone_from(&of_points.pieces);
+                noted.active_pairs.clone_from(&of_points.active_pairs);
                 noted.are_known = of_points.are_known;
             }
             Some(_) => {}
@@ -119,11 +119,11 @@ impl Near {
         noted
     }
 
-    /// Forgets the active pieces.
-    pub fn forget_pieces(&mut self) {
+    /// Forgets the active pairs.
+    pub fn forget_active_pairs(&mut self) {
         for group in &mut self.groups {
             group.noted.are_known = false;
-            group.noted.pieces.clear();
+            group.noted.active_pairs.clear();
         }
     }
 
