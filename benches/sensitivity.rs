@@ -106,10 +106,10 @@ fn options() -> Vec<(&'static str, Change)> {
             nlp.largest_penalty, nlp.infeasible_cost, nlp.sufficient_decrease, nlp.largest_warm_slack,
             nlp.multiplier_range, nlp.first_regularisation, nlp.smallest_regularisation, nlp.largest_regularisation,
             nlp.saddle_step;
-        count: nlp.memory, nlp.max_backtracks, nlp.rounds, nlp.steps_without_share;
+        count: nlp.memory, nlp.max_backtracks, nlp.rounds, nlp.max_steps_without_curvature;
         fraction: nlp.fraction_to_boundary, nlp.infeasible_progress, nlp.backtracking, nlp.short_fraction,
-            nlp.long_fraction, nlp.smallest_share;
-        shares: nlp.share_factors;
+            nlp.long_fraction, nlp.min_curvature_weight;
+        shares: nlp.curvature_factors;
         factor: nlp.row_penalty_factor, nlp.penalty_factor, nlp.equality_factor;
         regularisation: nlp.regularisation_factors;
     }

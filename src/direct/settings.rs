@@ -226,13 +226,13 @@ impl DirectSettings {
         let refuse = |what: &str, condition: String| Err(Error::input("settings", what, condition));
         let (smallest, largest) = (continuity.smallest_degree(), Self::MAX_DEGREE);
         if !(smallest..=largest).contains(&degree) {
-            let range = format!("at least {smallest} and at most {largest} is needed");
-            return refuse("degree", format!("it is {degree}, {range}"));
+            let range = format!("at least {smallest} and at most {largest}");
+            return refuse("degree", format!("it is {degree} and must be {range}"));
         }
         let most = Self::MAX_SIZE / degree;
         if !(1..=most).contains(&segments) {
-            let range = format!("at least 1 and for degree {degree} at most {most} is needed");
-            return refuse("segments", format!("it is {segments}, {range}"));
+            let range = format!("at least 1 and for degree {degree} at most {most}");
+            return refuse("segments", format!("it is {segments} and must be {range}"));
         }
         Ok(())
     }

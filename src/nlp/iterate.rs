@@ -21,11 +21,12 @@ pub struct Iterate {
     /// The largest equality at the last update of their multipliers.
     before: f64,
     pub barrier: Barrier,
-    /// The share, from 0 to 1, that the Hessian includes of the second derivatives of inequalities that make it
-    /// indefinite.
-    pub share: f64,
+    /// The factor, from 0 to 1, of the second derivatives of [curved](Row::is_curved) inequalities in the Hessian.
+    pub curvature_weight: f64,
     /// The number of successive steps with a multiple of the norm and without any of these derivatives.
-    without_share: usize,
+    without_curvature: usize,
+    /// True if the terms of inequalities are those of the Lagrangian, and not those of the barrier function.
+    pub is_lagrangian: bool,
 }
 
 impl Default for Iterate {
@@ -46,7 +47,8 @@ impl Clone for Iterate {
         self.working.clone_from(&from.working);
         self.equalities.clone_from(&from.equalities);
         (self.before, self.barrier) = (from.before, from.barrier);
-        (self.share, self.without_share) = (from.share, from.without_share);
+        (self.curvature_weight, self.without_curvature) = (from.curvature_weight, from.without_curvature);
+        self.is_lagrangian = from.is_lagrangian;
     }
 }
 
@@ -58,8 +60,9 @@ impl Iterate {
             equalities,
             before: f64::INFINITY,
             barrier,
-            share: 1.0,
-            without_share: 0,
+            curvature_weight: 1.0,
+            without_curvature: 0,
+            is_lagrangian: false,
         }
     }
 
@@ -148,7 +151,7 @@ impl Iterate {
     pub(crate) fn restart(&mut self, barrier: Barrier, equalities: Vec<Equality>) {
         self.working.clear();
         (self.equalities, self.before, self.barrier) = (equalities, f64::INFINITY, barrier);
-        self.share = 1.0;
+        self.curvature_weight = 1.0;
     }
 
     /// Uses known multipliers $\lambda$ of the first rows, except those that are zero. An inequality whose slack is
@@ -247,16 +250,21 @@ impl Iterate {
         self.working.iter().map(product).sum()
     }
 
-    /// Adapts the [share](Self::share) of second derivatives after a step with a multiple of the norm, or without one.
-    pub fn adapt_share(&mut self, is_regularised: bool, options: &Options) {
-        let [less, more] = options.share_factors;
-        let is_without = is_regularised && self.share == 0.0;
-        self.without_share = usize::from(is_without) * (self.without_share + 1);
-        self.share = match is_regularised {
-            true if self.without_share >= options.steps_without_share => 1.0,
-            true if self.share > options.smallest_share => less * self.share,
+    /// Adapts the [weight](Self::curvature_weight) of second derivatives after a step with a multiple of the norm, or
+    /// without one; it is one without curved rows.
+    pub fn adapt_curvature_weight(&mut self, is_regularised: bool, options: &Options) {
+        if !self.working.iter().any(|of| of.row.is_curved) {
+            self.curvature_weight = 1.0;
+            return;
+        }
+        let ([less, more], least) = (options.curvature_factors, options.min_curvature_weight);
+        let is_without = is_regularised && self.curvature_weight == 0.0;
+        self.without_curvature = usize::from(is_without) * (self.without_curvature + 1);
+        self.curvature_weight = match is_regularised {
+            true if self.without_curvature >= options.max_steps_without_curvature => 1.0,
+            true if self.curvature_weight > least => less * self.curvature_weight,
             true => 0.0,
-            false => (more * self.share).clamp(options.smallest_share, 1.0),
+            false => (more * self.curvature_weight).clamp(least, 1.0),
         };
     }
 
@@ -265,10 +273,14 @@ impl Iterate {
         let mu = self.barrier.mu;
         let RowState { slack: s, elastic: t, multiplier: z, penalty: nu, .. } = *state;
         let curvature = self.curvature(state);
+        let multiplier = if state.row.is_curved { self.curvature_weight * z } else { z };
+        if self.is_lagrangian {
+            return Term { slope: z, curvature, multiplier, cost: 0.0 };
+        }
         Term {
             slope: z + curvature * (h + mu / z - mu / (nu - z)),
             curvature,
-            multiplier: z,
+            multiplier,
             cost: nu * t - mu * (s * t).ln(),
         }
     }

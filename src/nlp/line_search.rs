@@ -2,7 +2,7 @@
 
 use super::iterate::MeasuredSum;
 use super::kkt::Step;
-use super::{Iterate, Nlp, Options, RowStep, State, measures};
+use super::{Iterate, Nlp, Options, RowStep, State};
 use crate::error::Result;
 use crate::linalg::assign;
 use nalgebra::DVector;
@@ -27,7 +27,7 @@ pub(super) fn line_search<P: Nlp>(
     trial.iterate.clone_from(&state.iterate);
     trial.set_tangent(problem, state, step, options)?;
     let whole = options.longest_step / state.progress.step;
-    let first = problem.longest(&state.x, &step.x).min(whole);
+    let first = problem.max_step_fraction(&state.x, &step.x).min(whole);
     let (mut alpha, mut predicted) = (first, f64::NAN);
     for _ in 0..options.max_backtracks {
         let f = trial.evaluate(problem, state, &step.x, alpha)?;
@@ -85,7 +85,7 @@ impl End {
             let alpha = 2.0 * self.alpha;
             assign(&mut longer.x, &step.x);
             longer.x *= alpha;
-            if alpha > most || problem.longest(&state.x, &longer.x) < 1.0 {
+            if alpha > most || problem.max_step_fraction(&state.x, &longer.x) < 1.0 {
                 return Ok(());
             }
             longer.iterate.clone_from(&state.iterate);
@@ -145,7 +145,7 @@ impl Trial {
 
     /// The barrier function for an objective.
     fn merit<P: Nlp>(&self, problem: &P, f: f64) -> f64 {
-        let measure = measures(problem, &self.x);
+        let measure = |row| problem.row_measure(&self.x, row);
         f + self.iterate.barrier_terms(&self.h, measure)
     }
 
@@ -153,7 +153,7 @@ impl Trial {
     /// the slope of the barrier function along the step and that of the condensed equations.
     fn take<P: Nlp>(&mut self, problem: &P, state: &State, alpha: f64, options: &Options) -> f64 {
         let (from, mut slope) = (&state.iterate, MeasuredSum::default());
-        let measure = measures(problem, &state.x);
+        let measure = |row| problem.row_measure(&state.x, row);
         let rows = from.working.iter().zip(&mut self.iterate.working);
         for ((before, after), tangent) in rows.zip(&self.tangent) {
             let at = before.row.at;

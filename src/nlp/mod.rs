@@ -65,40 +65,33 @@ pub trait Nlp {
     }
 
     /// Computes gradient and Hessian of the objective plus the weighted rows at `x`, the last evaluated point, with the
-    /// weights of `iterate`. Where the problem [has a share](Self::has_share), the Hessian has that of `iterate`.
+    /// [terms](Iterate::term) of `iterate`.
     ///
     /// # Errors
     /// Those of [`value`](Self::value).
     fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()>;
 
-    /// Returns true if the Hessian has only the [share](Iterate::share) of the second derivatives of some inequalities
-    /// of the working set: those that make it indefinite by themselves, such as clearances.
-    fn has_share(&self) -> bool {
-        false
-    }
-
-    /// The factor of the weights of all rows at `x`: the horizon.
+    /// The factor of the weights of the rows at `x`: the horizon.
     fn measure(&self, x: &DVector<f64>) -> f64;
 
-    /// Returns true if rows have factors of their own, as where parts of the horizon differ in length.
-    fn has_parts(&self) -> bool {
-        false
-    }
-
-    /// The factor of the weight of one row.
-    fn measure_of(&self, x: &DVector<f64>, _row: usize) -> f64 {
+    /// The factor of the weight of one row, if it has its own, as where parts of the horizon differ in length.
+    fn row_measure(&self, x: &DVector<f64>, _row: usize) -> f64 {
         self.measure(x)
     }
 
     /// The equalities, with their first penalties for an objective of this density.
-    fn equalities(&self, density: f64) -> Vec<Equality>;
+    fn equalities(&self, _density: f64) -> Vec<Equality> {
+        Vec::new()
+    }
 
     /// Lists the inequalities of the working set in ascending order, for the values `h` of the last evaluation, in
     /// place of those in `rows`.
     fn working_set(&mut self, h: &[f64], rows: &mut Vec<Row>);
 
     /// The largest fraction of a step from `x` that may be tried, at most 1.
-    fn longest(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64;
+    fn max_step_fraction(&self, _x: &DVector<f64>, _step: &DVector<f64>) -> f64 {
+        1.0
+    }
 
     /// Evaluates rows between the points at `x`, the last evaluated one, and adapts their margins; after some rounds at
     /// the last barrier parameter, counted by `round`, margins only grow. `h` gets the values without the new margins
@@ -108,20 +101,10 @@ pub trait Nlp {
     /// Those of [`value`](Self::value).
     fn tighten(&mut self, x: &DVector<f64>, h: &mut Vec<f64>, round: usize) -> Result<Tightened>;
 
-    /// The largest violation of a row at `x`, between the points too, in its unit.
-    ///
-    /// # Errors
-    /// Those of [`value`](Self::value).
-    fn violation(&mut self, x: &DVector<f64>) -> Result<f64>;
-
     /// Returns true if the search is to stop.
-    fn is_stopped(&self) -> bool;
-}
-
-/// The factors of the weights of rows at `x`.
-pub(crate) fn measures<P: Nlp>(problem: &P, x: &DVector<f64>) -> impl Fn(usize) -> f64 {
-    let all = (!problem.has_parts()).then(|| problem.measure(x));
-    move |row| all.unwrap_or_else(|| problem.measure_of(x, row))
+    fn is_stopped(&self) -> bool {
+        false
+    }
 }
 
 /// The result of an evaluation of the rows between the points.
@@ -189,7 +172,6 @@ pub struct Solution {
     pub iterate: Iterate,
     pub status: Status,
     pub progress: Progress,
-    pub violation: f64,
 }
 
 /// Solves a nonlinear program from `x`, with known multipliers if there are any.
@@ -208,7 +190,7 @@ pub fn solve<P: Nlp>(
     let mut state = State::new(problem, x, multipliers, kkt, options)?;
     loop {
         if let Some(status) = iterate(problem, &mut state, options, observe)? {
-            return state.end(problem, status);
+            return Ok(state.end(status));
         }
     }
 }
@@ -226,10 +208,10 @@ pub(crate) fn iterate<P: Nlp>(
         return Ok(Some(status));
     }
     let step = state.kkt.step(state.scale(), &mut state.progress, options);
-    let is_part = state.iterate.share < 1.0;
+    let is_part = state.iterate.curvature_weight < 1.0;
     if is_part && state.is_within_tolerance(options) {
         // A minimum counts only with all second derivatives.
-        state.iterate.share = 1.0;
+        state.iterate.curvature_weight = 1.0;
         if let Some(step) = step {
             state.kkt.reuse(step);
         }
@@ -250,11 +232,7 @@ pub(crate) fn iterate<P: Nlp>(
     observe(&state.progress);
     let (alpha, used) = (state.progress.alpha, state.progress.regularisation);
     state.kkt.adapt(alpha, used, options);
-    if problem.has_share() {
-        state.iterate.adapt_share(used > 0.0, options)
-    } else {
-        state.iterate.share = 1.0
-    }
+    state.iterate.adapt_curvature_weight(used > 0.0, options);
     let at = BarrierState::after(state, taken.unwrap_or_default(), options);
     let solved = taken.is_none() || options.barrier.is_solved(&at);
     if solved && !state.is_last_barrier(options) {
@@ -270,7 +248,7 @@ pub(crate) fn iterate<P: Nlp>(
             return Ok(Some(Status::QuadratureTooCoarse));
         }
     } else if taken.is_none() && is_part {
-        state.iterate.share = 1.0;
+        state.iterate.curvature_weight = 1.0;
     } else if taken.is_none() && !state.accepts_rounding(options) {
         return Ok(Some(Status::NoDescent));
     }

@@ -83,20 +83,21 @@ pub struct Options {
     pub long_fraction: f64,
     /// The largest multiple.
     pub largest_regularisation: f64,
-    /// The factors of the [share](super::Iterate::share) of second derivatives after a step with a multiple of the norm
-    /// and after one without, and the smallest share except zero. A body that passes around another one has negative
-    /// curvature across the line between them, which makes the Hessian indefinite while multipliers are large; without
-    /// it, as in the Gauss-Newton method, steps are as long as the objective allows, whereas a multiple of the norm
-    /// makes all of them short (tuned on 67 problems of Fetch, UR5, Baxter and Panda: with 0.5 and 2, 0.25 and 2, or 0
-    /// and 10 the gain is half as large; 57 others take a sixth fewer iterations than with all second derivatives).
-    pub share_factors: [f64; 2],
-    pub smallest_share: f64,
-    /// The number of successive steps with a multiple of the norm and a share of zero after which the share is one
+    /// The factors of the [weight](super::Iterate::curvature_weight) of second derivatives after a step with a multiple
+    /// of the norm and after one without, and the smallest weight except zero. A body that passes around another one
+    /// has negative curvature across the line between them, which makes the Hessian indefinite while multipliers are
+    /// large; without it, as in the Gauss-Newton method, steps are as long as the objective allows, whereas a multiple
+    /// of the norm makes all of them short (tuned on 67 problems of Fetch, UR5, Baxter and Panda: with 0.5 and 2, 0.25
+    /// and 2, or 0 and 10 the gain is half as large; 57 others take a sixth fewer iterations than with all second
+    /// derivatives).
+    pub curvature_factors: [f64; 2],
+    pub min_curvature_weight: f64,
+    /// The number of successive steps with a multiple of the norm and a weight of zero after which the weight is one
     /// again: then these derivatives are not the only ones that make the Hessian indefinite, and without them steps are
     /// Gauss-Newton steps, which may take hundreds of iterations along a curved row (108 problems of Fetch, UR5, Baxter
     /// and Panda take 8 % less time than without this rule; after 5 steps they take 4 % less than after 10, but 35 of
     /// the Panda a quarter more, the slowest four times as much).
-    pub steps_without_share: usize,
+    pub max_steps_without_curvature: usize,
     /// The first length of a step along a direction of negative curvature, in the norm of steps.
     pub saddle_step: f64,
     /// The largest number of times that rows are tightened at the last barrier parameter.
@@ -137,9 +138,9 @@ impl Default for Options {
             short_fraction: 0.3,
             long_fraction: 0.6,
             largest_regularisation: 1e10,
-            share_factors: [0.25, 4.0],
-            smallest_share: 0.1,
-            steps_without_share: 10,
+            curvature_factors: [0.25, 4.0],
+            min_curvature_weight: 0.1,
+            max_steps_without_curvature: 10,
             saddle_step: 0.3,
             rounds: 20,
         }
@@ -183,7 +184,7 @@ impl Options {
     /// Refuses factors out of range.
     fn check_factors(&self) -> Result<()> {
         let [first, later, after] = self.regularisation_factors;
-        let [less, more] = self.share_factors;
+        let [less, more] = self.curvature_factors;
         let [for_first, for_second, for_third] = [" for the first", " for the second", " for the third"];
         let of_row = self.row_penalty_of_multipliers;
         for (what, value) in
@@ -199,15 +200,15 @@ impl Options {
             ("multiplier_range", self.multiplier_range, ""),
             ("regularisation_factors", first, for_first),
             ("regularisation_factors", later, for_second),
-            ("share_factors", more, for_second),
+            ("curvature_factors", more, for_second),
         ] {
             let good = value > 1.0 && value.is_finite();
             needs(what, value, good, "more than 1", which)?;
         }
         for (what, value, which) in [
             ("regularisation_factors", after, for_third),
-            ("share_factors", less, for_first),
-            ("smallest_share", self.smallest_share, ""),
+            ("curvature_factors", less, for_first),
+            ("min_curvature_weight", self.min_curvature_weight, ""),
             ("fraction_to_boundary", self.fraction_to_boundary, ""),
             ("sufficient_decrease", self.sufficient_decrease, ""),
             ("backtracking", self.backtracking, ""),
@@ -224,6 +225,6 @@ fn needs(what: &str, value: f64, good: bool, condition: &str, which: &str) -> Re
     if good {
         return Ok(());
     }
-    let condition = format!("it is {value}, {condition}{which} is needed");
+    let condition = format!("it is {value} and must be {condition}{which}");
     Err(Error::input("nlp", what, condition))
 }

@@ -10,6 +10,17 @@ pub struct Row {
     pub at: usize,
     /// The weight without the measure of the problem.
     pub weight: f64,
+    /// True for an inequality that makes the Hessian indefinite by itself, such as a clearance: of its second
+    /// derivatives the Hessian has [a part](super::Iterate::curvature_weight).
+    pub is_curved: bool,
+}
+
+impl Row {
+    /// A row all of whose second derivatives the Hessian has.
+    #[must_use]
+    pub const fn new(at: usize, weight: f64) -> Self {
+        Self { at, weight, is_curved: false }
+    }
 }
 
 /// A row that is an equality.

@@ -1,7 +1,7 @@
 //! A search in progress.
 
 use super::line_search::{Trial, leave_saddle};
-use super::{Barrier, Iterate, Kkt, Nlp, Options, Progress, Row, RowState, Solution, Status, Tightened, measures};
+use super::{Barrier, Iterate, Kkt, Nlp, Options, Progress, Row, RowState, Solution, Status, Tightened};
 use crate::error::Result;
 use nalgebra::DVector;
 
@@ -324,13 +324,12 @@ impl State {
         Ok(())
     }
 
-    /// The end of the search, with the violation between the points.
-    pub(super) fn end<P: Nlp>(mut self, problem: &mut P, status: Status) -> Result<Solution> {
-        let violation = problem.violation(&self.x)?;
+    /// The end of the search.
+    pub(super) fn end(mut self, status: Status) -> Solution {
         self.progress.complementarity = self.complementarity();
         // Other users of its terms want those of the Lagrangian.
-        self.iterate.share = 1.0;
-        Ok(Solution { x: self.x, iterate: self.iterate, status, progress: self.progress, violation })
+        self.iterate.curvature_weight = 1.0;
+        Solution { x: self.x, iterate: self.iterate, status, progress: self.progress }
     }
 
     /// The size of the objective, relative to which gradients and barriers are measured.
@@ -351,7 +350,7 @@ impl State {
 
     /// The barrier function.
     pub(super) fn merit<P: Nlp>(&self, problem: &P) -> f64 {
-        let measure = measures(problem, &self.x);
+        let measure = |row| problem.row_measure(&self.x, row);
         self.f + self.iterate.barrier_terms(&self.h, measure)
     }
 }

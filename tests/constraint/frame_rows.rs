@@ -186,7 +186,7 @@ fn what_no_frame_keeps_is_refused() {
     }
     for bad in [0.0, -1.0, PI, f64::NAN] {
         assert_refused(rows().within_angle(bad), "frame 'tool': largest angle: it is");
-        assert_refused(rows().axis_within(&z, &z, bad), "an angle between 0 and pi is needed");
+        assert_refused(rows().axis_within(&z, &z, bad), "and must be an angle between 0 and pi");
     }
     assert_refused(rows().axis_along(&zero, &z), "frame 'tool': axis: it is (0, 0, 0)");
     let large = Vector3::new(f64::NAN, 0.0, 1.0);

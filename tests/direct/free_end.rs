@@ -198,7 +198,7 @@ fn bad_horizons_are_errors() {
     let model = slider(1.0);
     let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
     for (shortest, longest, weight, words) in [
-        (0.0, 2.0, 1.0, "free_horizon.shortest: it is 0, a positive time"),
+        (0.0, 2.0, 1.0, "free_horizon.shortest: it is 0 and must be a positive time"),
         (0.5, f64::INFINITY, 1.0, "free_horizon.longest: it is inf"),
         (0.5, 2.0, -1.0, "free_horizon.weight: it is -1, a weight is not"),
         (1.5, 2.0, 1.0, "free_horizon.shortest: it is 1.5, above the horizon 1"),

@@ -130,16 +130,16 @@ fn bad_settings_are_errors() {
         let error = direct.solve().expect_err(words).to_string();
         assert!(error.contains(words), "{error}; want {words}");
     };
-    let words = "settings: degree: it is 3, at least 4 and at most 64";
+    let words = "settings: degree: it is 3 and must be at least 4 and at most 64";
     refused(degree(3), words);
     refused(degree(65), "settings: degree: it is 65");
     let changes: [(Change, &str); 7] = [
-        (|s| s.tolerance = 0.0, "tolerance: it is 0, a positive number"),
+        (|s| s.tolerance = 0.0, "tolerance: it is 0 and must be a positive number"),
         (|s| s.tolerance = f64::NAN, "tolerance: it is NaN"),
         (|s| s.quadrature_tolerance = -1.0, "quadrature_tolerance: it is -1"),
         (|s| s.start_amplitude = f64::INFINITY, "start_amplitude: it is inf"),
         (|s| s.lowest_degree = 1, "lowest_degree: it is 1"),
-        (|s| s.starts = 0, "starts: it is 0, at least 1"),
+        (|s| s.starts = 0, "starts: it is 0 and must be at least 1"),
         (|s| s.iterations = 0, "iterations: it is 0"),
     ];
     for (change, words) in changes {

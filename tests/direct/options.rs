@@ -10,12 +10,12 @@ fn options_out_of_range_are_errors() {
     let model = robot("pendulum_2");
     let problem = Problem::new(&model, vec![0.0; 4], vec![1.0, 0.0, 0.0, 0.0], 1.0).expect("valid");
     let cases: [(Change, &str); 7] = [
-        (|s| s.search.batch = 0, "batch: it is 0, at least 1"),
+        (|s| s.search.batch = 0, "batch: it is 0 and must be at least 1"),
         (|s| s.search.more_starts = 0, "more_starts: it is 0"),
-        (|s| s.search.points = 1e9, "points: it is 1000000000, at most 1024"),
-        (|s| s.search.horizon_growth = 1.0, "horizon_growth: it is 1, more than 1"),
+        (|s| s.search.points = 1e9, "points: it is 1000000000 and must be at most 1024"),
+        (|s| s.search.horizon_growth = 1.0, "horizon_growth: it is 1 and must be more than 1"),
         (|s| s.search.drop_ratio[1] = -1.0, "drop_ratio: it is -1"),
-        (|s| s.search.planned_degree = 3, "planned_degree: it is 3, at least 4"),
+        (|s| s.search.planned_degree = 3, "planned_degree: it is 3 and must be at least 4"),
         (|s| s.nlp.backtracking = 0.0, "nlp: backtracking: it is 0"),
     ];
     for (change, words) in cases {

@@ -292,11 +292,11 @@ fn bad_sizes_are_errors() {
     let problem = Problem::new(&model, vec![0.0; 2], vec![1.0, 0.0], 1.0).expect("valid");
     let degree_tolerance = |tolerance| DirectSettings { degree_tolerance: Some(tolerance), ..Default::default() };
     for (settings, words) in [
-        (size(0, 9), "segments: it is 0, at least 1"),
-        (size(29, 9), "segments: it is 29, at least 1 and for degree 9 at most 28"),
+        (size(0, 9), "segments: it is 0 and must be at least 1"),
+        (size(29, 9), "segments: it is 29 and must be at least 1 and for degree 9 at most 28"),
         (size(usize::MAX, 9), "segments: it is 18446744073709551615"),
-        (size(2, 3), "degree: it is 3, at least 4"),
-        (degree_tolerance(0.0), "degree_tolerance: it is 0, a positive number"),
+        (size(2, 3), "degree: it is 3 and must be at least 4"),
+        (degree_tolerance(0.0), "degree_tolerance: it is 0 and must be a positive number"),
         (degree_tolerance(-0.1), "degree_tolerance: it is -0.1"),
         (degree_tolerance(f64::NAN), "degree_tolerance: it is NaN"),
     ] {

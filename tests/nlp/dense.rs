@@ -112,7 +112,7 @@ impl Dense {
     fn all_rows(&self, equalities: bool) -> impl Iterator<Item = Row> {
         let rows = self.rows.iter().enumerate();
         let of_kind = rows.filter(move |(_, row)| row.3 == equalities);
-        of_kind.map(|(at, row)| Row { at, weight: row.2 })
+        of_kind.map(|(at, row)| Row { is_curved: !row.3, ..Row::new(at, row.2) })
     }
 
     /// The solution from the start.
@@ -125,6 +125,15 @@ impl Dense {
         let (x, kkt) = (DVector::from_column_slice(x), self.kkt());
         let end = solve(self, x, multipliers, kkt, options, &mut |_| ());
         end.expect("the functions do not fail")
+    }
+
+    /// The largest violation of a row at `x`.
+    pub fn violation(&mut self, x: &DVector<f64>) -> Result<f64> {
+        let mut h = Vec::new();
+        self.value(x, &mut h)?;
+        let rows = h.iter().zip(&self.rows);
+        let violations = rows.map(|(h, (.., equality))| if *equality { h.abs() } else { *h });
+        Ok(violations.fold(0.0, f64::max))
     }
 }
 
@@ -154,9 +163,7 @@ impl Nlp for Dense {
             hessian.ger(term.curvature, slope, slope, 1.0);
         };
         for state in &iterate.working {
-            let mut term = iterate.term(state, h[state.row.at]);
-            term.multiplier *= iterate.share;
-            add(&state.row, term);
+            add(&state.row, iterate.term(state, h[state.row.at]));
         }
         for equality in &iterate.equalities {
             let row = &equality.row;
@@ -165,10 +172,6 @@ impl Nlp for Dense {
         out.gradient = gradient;
         out.hessian.matrix.diagonal[0] = hessian;
         Ok(())
-    }
-
-    fn has_share(&self) -> bool {
-        true
     }
 
     fn measure(&self, _: &DVector<f64>) -> f64 {
@@ -185,10 +188,6 @@ impl Nlp for Dense {
         rows.extend(self.all_rows(false));
     }
 
-    fn longest(&self, _: &DVector<f64>, _: &DVector<f64>) -> f64 {
-        1.0
-    }
-
     fn tighten(&mut self, x: &DVector<f64>, _: &mut Vec<f64>, round: usize) -> Result<Tightened> {
         // The first round is that at which the last barrier parameter is reached.
         self.tightened |= round > 1;
@@ -200,14 +199,6 @@ impl Nlp for Dense {
             return Ok(Tightened::QuadratureTooCoarse);
         }
         self.violation(x).map(Tightened::Violation)
-    }
-
-    fn violation(&mut self, x: &DVector<f64>) -> Result<f64> {
-        let mut h = Vec::new();
-        self.value(x, &mut h)?;
-        let rows = h.iter().zip(&self.rows);
-        let violations = rows.map(|(h, (.., equality))| if *equality { h.abs() } else { *h });
-        Ok(violations.fold(0.0, f64::max))
     }
 
     fn is_stopped(&self) -> bool {

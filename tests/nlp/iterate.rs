@@ -5,7 +5,7 @@ use aghf::nlp::{Barrier, Equality, Iterate, Options, Row, RowState};
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 
-const ROW: Row = Row { at: 0, weight: 1.0 };
+const ROW: Row = Row::new(0, 1.0);
 
 /// An inequality with a slack, an elastic variable and a multiplier at this fraction of the penalty.
 fn one_row(barrier: Barrier, [slack, elastic, fraction]: [f64; 3]) -> Iterate {
@@ -173,7 +173,7 @@ fn known_multipliers_have_their_penalties() {
 fn penalties_of_violated_rows_grow() {
     let (barrier, options) = (Barrier { mu: 1e-6, nu: 2.0 }, Options::default());
     let mut iterate = Iterate::new(barrier, Vec::new());
-    let rows = [0, 1, 2].map(|at| Row { at, weight: 1.0 });
+    let rows = [0, 1, 2].map(|at| Row::new(at, 1.0));
     let h = [0.1, -0.1, 1e-4];
     iterate.set_working(&rows, &h);
     for (state, fraction) in iterate.working.iter_mut().zip([0.95, 0.95, 0.5]) {
@@ -216,12 +216,20 @@ fn rows_at_the_penalty() {
     assert!(!at(0.95).is_at_penalty(&[-1.0], 1e-6));
 }
 
-/// A share falls to none with steps that need a multiple of the norm, and returns.
+/// An iterate with one curved row.
+fn curved() -> Iterate {
+    let mut iterate = Iterate::new(Barrier { mu: 1e-6, nu: 2.0 }, Vec::new());
+    iterate.set_working(&[Row { is_curved: true, ..ROW }], &[-1.0]);
+    iterate
+}
+
+/// The weight of the second derivatives of curved rows falls to none with steps that need a multiple of the norm, and
+/// returns; other rows have all of theirs.
 #[test]
-fn a_share_of_second_derivatives() {
-    let mut iterate = Iterate::default();
-    assert_eq!(iterate.share, 1.0);
-    for (is_regularised, share) in [
+fn the_weight_of_second_derivatives() {
+    let mut iterate = curved();
+    assert_eq!(iterate.curvature_weight, 1.0);
+    for (is_regularised, weight) in [
         (true, 0.25),
         (true, 0.0625),
         (true, 0.0),
@@ -235,21 +243,28 @@ fn a_share_of_second_derivatives() {
         (false, 1.0),
         (false, 1.0),
     ] {
-        iterate.adapt_share(is_regularised, &Options::default());
-        assert_eq!(iterate.share, share);
+        iterate.adapt_curvature_weight(is_regularised, &Options::default());
+        assert_eq!(iterate.curvature_weight, weight);
+        let state = iterate.working[0];
+        assert_eq!(iterate.term(&state, -1.0).multiplier, weight * state.multiplier);
+        let other = RowState { row: ROW, ..state };
+        assert_eq!(iterate.term(&other, -1.0).multiplier, state.multiplier);
     }
+    iterate.set_working(&[ROW], &[-1.0]);
+    iterate.adapt_curvature_weight(true, &Options::default());
+    assert_eq!(iterate.curvature_weight, 1.0);
 }
 
 /// All second derivatives are tried again where some steps without them needed a multiple of the norm too, counted anew
 /// after each step without one.
 #[test]
 fn all_second_derivatives_are_tried_again() {
-    let options = Options { steps_without_share: 2, ..Options::default() };
-    let mut iterate = Iterate::default();
-    iterate.share = 0.0;
-    for (is_regularised, share) in [(true, 0.0), (false, 0.1), (true, 0.0), (true, 0.0), (true, 1.0), (true, 0.25)] {
-        iterate.adapt_share(is_regularised, &options);
-        assert_eq!(iterate.share, share);
+    let options = Options { max_steps_without_curvature: 2, ..Options::default() };
+    let mut iterate = curved();
+    iterate.curvature_weight = 0.0;
+    for (is_regularised, weight) in [(true, 0.0), (false, 0.1), (true, 0.0), (true, 0.0), (true, 1.0), (true, 0.25)] {
+        iterate.adapt_curvature_weight(is_regularised, &options);
+        assert_eq!(iterate.curvature_weight, weight);
     }
 }
 
@@ -258,7 +273,7 @@ fn all_second_derivatives_are_tried_again() {
 /// quarter or is accepted; another working set of inequalities changes neither.
 #[test]
 fn equalities_have_the_terms_of_an_augmented_lagrangian() {
-    let (row, penalty, h) = (Row { at: 1, weight: 0.5 }, 8.0, 0.25);
+    let (row, penalty, h) = (Row::new(1, 0.5), 8.0, 0.25);
     let equality = Equality { row, first: penalty, penalty, multiplier: 0.0, estimate: 0.0 };
     let mut iterate = Iterate::new(Barrier { mu: 1e-3, nu: 1.0 }, vec![equality]);
     iterate.set_multipliers(&[0.0, -3.0], &[0.0, h], &Options::default());

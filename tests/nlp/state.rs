@@ -74,5 +74,5 @@ fn a_minimum_has_all_second_derivatives() {
     let end = Dense::new(behind, &[2.0, 0.0], 0, 1).solve(&accurate());
     assert_eq!(end.status, Status::Converged);
     assert_near("behind", end.x.as_slice(), &[-2.0, 0.0], 1e-6);
-    assert_eq!(end.iterate.share, 1.0);
+    assert_eq!(end.iterate.curvature_weight, 1.0);
 }

@@ -1,6 +1,6 @@
 //! A curve with its multipliers.
 
-use super::point_rows::Place;
+use super::place::Place;
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::curve::{Basis, Curve};

@@ -5,7 +5,7 @@ use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::error::Result;
 use crate::linalg::BlockTridiagonal;
-use crate::nlp::{Bordered, Iterate, Memory, Nlp, RowState, Term};
+use crate::nlp::{Bordered, Iterate, Memory, Nlp};
 use crate::transcription::Derivatives;
 use nalgebra::DVector;
 
@@ -16,34 +16,27 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let Some(mut kkt) = self.kkt() else {
             return Ok(f64::INFINITY);
         };
-        self.lagrangian = true;
-        let found = self.derivatives(x, iterate, &mut kkt);
-        self.lagrangian = false;
-        found.map(|()| kkt.dual_length() / self.finer_cost[0].abs())
-    }
-
-    /// The term of a row: with its multiplier as slope for the Lagrangian.
-    pub(super) fn term(&self, iterate: &Iterate, state: &RowState, h: f64) -> Term {
-        let term = iterate.term(state, h);
-        if self.lagrangian { Term { slope: term.multiplier, cost: 0.0, ..term } } else { term }
+        let mut iterate = iterate.clone();
+        iterate.is_lagrangian = true;
+        self.derivatives(x, &iterate, &mut kkt)?;
+        Ok(kkt.dual_length() / self.finer.cost[0].abs())
     }
 
     /// The smallest curvature at the unknowns of an iterate.
     pub fn smallest_curvature(&mut self, x: &DVector<f64>, iterate: &Iterate) -> Result<f64> {
         self.place(x);
-        self.set_terms(iterate);
-        self.objective.derivatives(&self.coefficients, &mut self.derivatives)?;
-        for (place, of) in self.of_points(iterate)? {
-            place.add_hessian(&self.grid, &of, self.horizons.whole(), &mut self.derivatives.hessian);
-        }
+        let Self { unknowns, grid_rows, points, derivatives, .. } = self;
+        grid_rows.set_terms(unknowns, iterate);
+        grid_rows.objective.derivatives(&unknowns.coefficients, derivatives)?;
+        points.add_hessian(unknowns, iterate, &mut derivatives.hessian)?;
         let of_unknowns = |matrix: &BlockTridiagonal<f64>| {
             let full = Bordered::with_border(matrix.clone(), 0);
-            match &self.period {
+            match &unknowns.period {
                 None => full,
                 Some(period) => period.reduced(&full),
             }
         };
-        let Derivatives { hessian, metric, .. } = &self.derivatives;
+        let Derivatives { hessian, metric, .. } = &*derivatives;
         Ok(smallest(&of_unknowns(hessian), &of_unknowns(metric)))
     }
 }

@@ -1,11 +1,13 @@
 //! The rows between the points beside an end that is at a bound.
 
+use super::grid_rows::GridRows;
 use super::point_rows::PointRows;
 use super::program::Program;
+use super::unknowns::Unknowns;
 use crate::constraint::{Constraint, Evaluator, Weights};
 use crate::cost::CostWithControl;
 use crate::error::Result;
-use crate::transcription::Maximum;
+use crate::transcription::{Grid, Maximum};
 use nalgebra::DVector;
 
 /// The number of times beside an end, each half as far from it as the one before, which divides a violation between it
@@ -29,10 +31,11 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// whether the bound is kept. So there are rows at times between that point and the end, to first order in the
     /// configuration, divided by that power.
     pub(super) fn add_rows_of_ends(&mut self) -> Result<()> {
-        let (ends, fixed) = (self.basis.continuity(), self.fixed_ends());
-        let is_zero = |(slope, _)| self.rates.column(slope).iter().all(|rate| *rate == 0.0);
-        let times = &self.grid.times;
-        if times[0] != 0.0 || !self.basis.fixed_slopes().all(is_zero) {
+        let Self { unknowns, grid_rows, points, search, stage, .. } = self;
+        let (ends, fixed) = (unknowns.basis.continuity(), unknowns.fixed_ends());
+        let is_zero = |(slope, _)| unknowns.rates.column(slope).iter().all(|rate| *rate == 0.0);
+        let times = &unknowns.grid.times;
+        if times[0] != 0.0 || !unknowns.basis.fixed_slopes().all(is_zero) {
             return Ok(());
         }
         let last = times.len() - 1;
@@ -40,46 +43,47 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         for end in [0, 1].into_iter().filter(|end| fixed[*end]) {
             let (at, interval) = beside[end];
             let power = 2 + i32::from(ends.acceleration && ends.rest[end]);
-            let rows = self.rows_at_bound(end)?;
-            self.rows_of_ends[end] = rows.iter().map(|of| of.row).collect();
+            let rows = grid_rows.rows_at_bound(end, unknowns, (search.reserve, stage.feasible))?;
+            grid_rows.at_bound[end] = rows.iter().map(|of| of.row).collect();
             for half in (1..=HALVINGS).take_while(|_| !rows.is_empty()) {
                 let part = 0.5_f64.powi(half);
                 let factor = part.powi(-power);
                 // The reserve, which is added to the rows of points, cancels.
-                let value = |of: &AtBound| factor * of.value + self.search.reserve;
+                let value = |of: &AtBound| factor * of.value + search.reserve;
                 let linear = rows.iter().map(|of| (factor * &of.slope, value(of)));
-                let (time, first) = (at + part * interval, self.range_of_points().end);
-                let of_time = PointRows::of_linear(self.model, linear.collect(), time, first);
-                self.points.push(of_time);
+                let (linear, time) = (linear.collect(), at + part * interval);
+                let model = grid_rows.objective.cost().rows.model;
+                points.push(|first| PointRows::of_linear(model, linear, time, first));
             }
         }
-        self.count_margins();
         Ok(())
     }
+}
 
-    /// Returns true if there are [rows](Self::add_rows_of_ends) beside a maximum.
-    pub(super) fn has_rows_of_ends(&self, maximum: &Maximum) -> bool {
-        let times = &self.grid.times;
-        let [first, last] = &self.rows_of_ends;
+impl<K: Constraint, P: CostWithControl> GridRows<'_, '_, K, P> {
+    /// Returns true if there are [rows](Program::add_rows_of_ends) beside a maximum.
+    pub(super) fn has_rows_of_ends(&self, grid: &Grid<f64>, maximum: &Maximum) -> bool {
+        let times = &grid.times;
+        let [first, last] = &self.at_bound;
         (maximum.time < times[1] && first.contains(&maximum.row))
             || (maximum.time > times[times.len() - 2] && last.contains(&maximum.row))
     }
 
     /// The rows of the state that are within the reserve of their bounds at an end, or exceed them by no more than is
     /// accepted.
-    fn rows_at_bound(&self, end: usize) -> Result<Vec<AtBound>> {
+    fn rows_at_bound(&self, end: usize, unknowns: &Unknowns, (reserve, feasible): (f64, f64)) -> Result<Vec<AtBound>> {
         let integrand = self.objective.cost();
         let (rows, h) = (&integrand.rows, &integrand.h);
         let (attributes, n) = (rows.attributes(), rows.model.dof());
         let (first, breakpoint) = match end {
             0 => (0, 0),
-            _ => (h.len() - rows.count(), self.basis.segments()),
+            _ => (h.len() - rows.count(), unknowns.basis.segments()),
         };
-        let q = self.coefficients.column(self.basis.value(breakpoint));
+        let q = unknowns.coefficients.column(unknowns.basis.value(breakpoint));
         let is_at_bound = |row: &usize| {
-            let least = -self.stage.feasible / attributes.units[*row];
+            let least = -feasible / attributes.units[*row];
             let other = attributes.equalities[*row] || rows.is_of_phase(*row);
-            !other && (least..=self.search.reserve).contains(&-h[first + row])
+            !other && (least..=reserve).contains(&-h[first + row])
         };
         let (mut evaluator, mut found) = (Evaluator::new(rows.model), Vec::new());
         let mut state = vec![0.0; 2 * n];

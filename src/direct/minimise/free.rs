@@ -1,11 +1,7 @@
 //! The free horizons of a program.
 
-use super::program::Program;
-use crate::constraint::Constraint;
-use crate::cost::CostWithControl;
 use crate::direct::FreeHorizon;
 use crate::transcription::Horizons;
-use nalgebra::DVector;
 
 /// The largest share of the range between two bounds that each of them is kept away from.
 const RANGE: f64 = 0.25;
@@ -51,16 +47,5 @@ impl Free {
     /// Returns true if the whole horizon is an unknown: then the coefficients of given velocities follow it.
     pub fn is_whole(&self, horizons: &Horizons<f64>) -> bool {
         horizons.reference().is_none() && !self.parts.is_empty()
-    }
-}
-
-impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
-    /// The horizon of a part for unknowns.
-    pub(super) fn horizon_at(&self, x: &DVector<f64>, part: usize) -> f64 {
-        let free = self.free.parts.iter().position(|(of, _)| *of == part);
-        match free {
-            Some(k) => x[self.own() + k],
-            None => self.horizons.parts()[part],
-        }
     }
 }

@@ -1,22 +1,26 @@
 //! A minimum in a basis within constraints, by the [interior-point method](crate::nlp).
 //!
-//! `program` is the nonlinear program: coefficients and horizon are the unknowns, and the rows of the constraints at
-//! the points of the quadrature its rows. `integrand` adds the weighted rows to the running cost, and `margins`
-//! evaluates the rows between the points, `end_rows` those beside an end that is at a bound; `point_rows` has those of
-//! waypoints and of a goal that is a set, `windows` those at the ends of the time in which a row is kept, `border` the
-//! unknowns beside the coefficients, and `ends` those of a periodic motion. `working_set` lists rows: clearances while
-//! they are near their bound, all others always.
+//! `program` is the nonlinear program: `unknowns` and blocks of rows, each with its margins. `grid_rows` are those at
+//! the points of the quadrature, which `integrand` adds to the running cost; `points` those at single times
+//! (`point_rows`): of waypoints, of a goal that is a set, at the ends of the time in which a row is kept (`windows`),
+//! and beside an end that is at a bound (`end_rows`); `border` those that are linear in the horizon and in times.
+//! `margins` evaluates rows between the points, `finer` checks the quadrature, `ends` are those of a periodic motion,
+//! and `working_set` lists rows: clearances while they are near their bound, all others always.
 
 mod border;
 mod candidate;
 mod curvature;
 mod end_rows;
 mod ends;
+mod finer;
 mod foot_terms;
 mod free;
+mod grid_rows;
 mod integrand;
 mod margins;
+mod place;
 mod point_rows;
+mod points;
 mod program;
 mod rate_rows;
 mod real_time;
@@ -37,7 +41,7 @@ use crate::cost::check_integral;
 use crate::curve::Basis;
 use crate::error::{Error, Result};
 use crate::motion::{Problem, Watch, passive_share};
-use crate::nlp::{Equality, Nlp, Options, Progress, Solution, Status, solve};
+use crate::nlp::{Equality, Options, Progress, Solution, Status, solve};
 use crate::transcription::{Grid, Grids, Rows};
 use program::Program;
 use std::sync::Arc;
@@ -124,27 +128,16 @@ fn on_grid<K: Constraint, P: CostWithControl>(
     // Not a multiple, so that it evaluates between the points.
     let finer = grids.get(&basis, points * 3 / 2 + 7);
     let refinable = points < settings.search.most_points * basis.degree();
-    let both = (grid, Some(finer));
-    let mut program = Program::new(context, candidate, both, stage, refinable);
-    let goal = context.goal.map(|goal| &goal.alternatives[candidate.alternative][..]);
-    program.add_goal_and_waypoints(&settings.waypoints, goal);
-    program.add_windows(&rows.constraints);
-    program.stiffen_points()?;
-    if let Some(period) = &settings.period {
-        program.set_period(period);
-    }
+    let (mut program, x) = Program::of_search(context, candidate, (grid, Some(finer)), (stage, refinable))?;
     let options = options_of(settings, stage, candidate.penalty, rows.count());
     let kkt = program
         .kkt()
         .ok_or_else(|| Error::input("basis", "norm", "the norm of velocities is not positive definite"))?;
     let mut log = |progress: &Progress| observe(iteration_of(progress, &basis, points));
-    program.equality_penalty = candidate.equality_penalty;
-    let x = program.unknowns(candidate);
-    program.set_first_margins(&x)?;
     let mut known = Vec::new();
     let known = program.known_multipliers(candidate, &mut known);
     if stage.last {
-        program.kept.push(x.clone());
+        program.feasible_iterates.push(x.clone());
     }
     let end = solve(&mut program, x, known, kkt, &options, &mut log)?;
     take_end(context, &mut program, candidate, &end, stage)?;
@@ -160,16 +153,15 @@ fn take_end<K: Constraint, P: CostWithControl>(
     stage: Stage,
 ) -> Result<()> {
     let (rows, settings) = (context.rows, context.settings);
-    let all = end.iterate.multipliers(program.margins.len());
-    candidate.multipliers.put(&program.grid, rows, &all);
-    candidate.multipliers.of_points = all[program.range_of_points()].to_vec();
+    let mut violation = program.violation(&end.x)?;
+    program.put_all_multipliers(&end.iterate, candidate);
     if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
         candidate.equality_penalty = penalty / first;
     }
-    candidate.converged = end.status == Status::Converged && program.finer_cost[1] <= stage.quadrature_tolerance;
-    let (mut x, mut violation) = (end.x.clone(), end.violation);
+    candidate.converged = end.status == Status::Converged && program.finer.cost[1] <= stage.quadrature_tolerance;
+    let mut x = end.x.clone();
     while stage.last && violation > stage.feasible {
-        let Some(earlier) = program.kept.pop() else {
+        let Some(earlier) = program.feasible_iterates.pop() else {
             break;
         };
         let of = program.violation(&earlier)?;
@@ -177,7 +169,7 @@ fn take_end<K: Constraint, P: CostWithControl>(
             (x, violation) = (earlier, of);
         }
     }
-    (candidate.violation, candidate.deviation) = (violation, program.deviation);
+    (candidate.violation, candidate.deviation) = (violation, program.grid_rows.deviation);
     let rough = stage.last && candidate.deviation > settings.search.deviation;
     candidate.converged &= !rough;
     candidate.kept = rows.count() > 0 && !candidate.converged && violation <= stage.feasible && !rough;
@@ -186,8 +178,8 @@ fn take_end<K: Constraint, P: CostWithControl>(
         // The finer quadrature may be that of another iterate.
         program.is_coarse(true)?;
     }
-    [candidate.cost, candidate.quadrature_error] = program.finer_cost;
-    let time = program.free.weight * candidate.horizons.whole();
+    [candidate.cost, candidate.quadrature_error] = program.finer.cost;
+    let time = program.unknowns.free.weight * candidate.horizons.whole();
     candidate.objective = candidate.cost + time;
     candidate.gradient_norm = end.progress.stationarity;
     candidate.complementarity = end.progress.complementarity;

@@ -1,15 +1,12 @@
 //! The rows of a waypoint, and of a goal on the final configuration.
 
-use super::program::Program;
+use super::place::Place;
 use super::rate_rows::RateRows;
 use crate::constraint::{AnyConstraint, Constraint, Evaluator, Weights};
-use crate::cost::CostWithControl;
-use crate::curve::Basis;
 use crate::direct::Waypoint;
 use crate::error::Result;
 use crate::model::Model;
 use crate::nlp::Term;
-use crate::transcription::{Horizons, functions_in_part};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -48,19 +45,6 @@ pub(super) struct PointRows<'g> {
     pub first: usize,
 }
 
-/// A curve at one normalised time.
-pub(super) struct Place {
-    /// The segment, and value and first three derivatives of its functions, one column each.
-    pub segment: usize,
-    pub functions: DMatrix<f64>,
-    /// The derivatives of the functions in the horizon of a part, if slopes have factors.
-    pub in_part: Option<DMatrix<f64>>,
-    /// The configuration and its first three derivatives, one column each.
-    pub q: DMatrix<f64>,
-    /// The horizon in whose time the slopes are, s.
-    pub horizon: f64,
-}
-
 /// The derivatives of weighted rows in $(q, q')$, the configuration and the slope, without the measure.
 pub(super) struct PointDerivatives {
     /// The gradient with the slopes of the rows, `2 N` entries.
@@ -69,23 +53,6 @@ pub(super) struct PointDerivatives {
     pub of_multipliers: DVector<f64>,
     /// The Hessian, `2 N` by `2 N`.
     pub hessian: DMatrix<f64>,
-}
-
-impl Place {
-    /// The curve of these coefficients at a normalised time in `[0, 1]`.
-    pub fn new(basis: &Basis, coefficients: &DMatrix<f64>, time: f64, horizons: &Horizons<f64>) -> Self {
-        let (segment, mut functions) = basis.functions_at(time);
-        let own = coefficients.columns(basis.first(segment), functions.ncols());
-        let horizon = horizons.parts()[horizons.part(segment, basis.segments())];
-        let in_part = horizons.reference().map(|reference| {
-            let shared = basis.continuity().order();
-            let [stretched, rates] = functions_in_part(&functions, shared, (horizon, reference));
-            functions = stretched;
-            rates
-        });
-        let q = own * functions.transpose();
-        Self { segment, functions, in_part, q, horizon }
-    }
 }
 
 impl<'g> PointRows<'g> {
@@ -167,7 +134,7 @@ impl<'g> PointRows<'g> {
 
     /// Makes the penalty of equalities stiffer if the start of the motion nearly keeps them: on a free horizon a motion
     /// that stays there in no time costs nothing but this penalty, which is the square of little.
-    fn stiffen(&mut self, start: &Place) -> Result<()> {
+    pub fn stiffen(&mut self, start: &Place) -> Result<()> {
         self.evaluate(start)?;
         let held = self.h.iter().zip(&self.equalities).filter(|(_, held)| **held);
         let off: f64 = held.map(|(h, _)| h * h).sum();
@@ -288,34 +255,6 @@ impl<'g> PointRows<'g> {
                 let own = both.hessian().view((i * n, j * n), (n, n));
                 let mut to = out.hessian.view_mut((i * n, j * n), (n, n));
                 to += own * (factors[i] * factors[j]);
-            }
-        }
-        Ok(())
-    }
-}
-
-impl<'g, K: Constraint, P: CostWithControl> Program<'g, '_, K, P> {
-    /// Adds the rows of waypoints and of a goal.
-    pub fn add_goal_and_waypoints(&mut self, waypoints: &'g [Waypoint], goal: Option<&'g [AnyConstraint]>) {
-        let mut first = self.first_of_points;
-        for waypoint in waypoints {
-            let of_waypoint = PointRows::of_waypoint(self.model, waypoint, first);
-            first = of_waypoint.range().end;
-            self.points.push(of_waypoint);
-        }
-        let of_goal = goal.map(|goal| PointRows::of_goal(self.model, goal, first));
-        self.points.extend(of_goal);
-        let unknown = waypoints.iter().map(|waypoint| waypoint.share.is_none());
-        let unknown = unknown.enumerate().filter(|(_, unknown)| *unknown);
-        self.moving = unknown.map(|(k, _)| k).collect();
-        self.count_margins();
-    }
-    /// Scales the penalties of a goal and of waypoints on a free horizon by their distance from the start.
-    pub fn stiffen_points(&mut self) -> Result<()> {
-        if self.free.is_whole(&self.horizons) {
-            let start = Place::new(&self.basis, &self.coefficients, 0.0, &self.horizons);
-            for point in &mut self.points {
-                point.stiffen(&start)?;
             }
         }
         Ok(())

@@ -1,6 +1,7 @@
 //! The rates of equalities at a point of a curve.
 
-use super::point_rows::{Place, PointDerivatives};
+use super::place::Place;
+use super::point_rows::PointDerivatives;
 use crate::constraint::{AnyConstraint, Constraint, Evaluator, Weights};
 use crate::error::Result;
 use crate::model::Model;

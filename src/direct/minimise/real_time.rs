@@ -6,7 +6,7 @@ use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::error::{Error, Result};
 use crate::motion::Problem;
-use crate::nlp::{Iterate, Nlp, Options, Row, State, iterate, measures};
+use crate::nlp::{Iterate, Nlp, Options, Row, State, iterate};
 use nalgebra::DVector;
 
 /// The factor by which margins shrink at most from one call to the next. Exact margins oscillate where a maximum is
@@ -54,7 +54,7 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
         let grid = super::grid(context, &candidate.path.basis, candidate.points);
         let stage = Stage { last: false, ..settings.highest() };
         // The search before chose the points, so there is no finer quadrature.
-        let mut program = Program::new(context, candidate, (grid, None), stage, false);
+        let mut program = Program::new(context, candidate, (grid, None), (stage, false));
         let kkt = program.kkt().ok_or_else(|| {
             let condition = "the norm of velocities is not positive definite";
             Error::input("basis", "norm", condition)
@@ -69,9 +69,9 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
             penalty: settings.search.planned_penalty,
             ..settings.nlp.clone()
         };
-        let x = program.unknowns(candidate);
+        let x = program.unknowns.vector(candidate);
         let mut state = State::idle(x.clone(), kkt);
-        let rows = program.margins.len();
+        let rows = program.rows();
         program.allocate();
         state.allocate(rows);
         let mut other = Other {
@@ -104,19 +104,20 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
         should_continue: &mut dyn FnMut(usize) -> bool,
     ) -> Result<Iterations> {
         let Self { program, state, options, known, other, margins, .. } = self;
-        margins.clone_from(&program.margins);
+        margins.clear();
+        margins.extend(program.margins_mut().map(|margin| *margin));
         program.restart(problem, candidate);
         program.restart_kkt(&mut state.kkt);
-        program.unknowns_in(candidate, &mut state.x);
+        program.unknowns.vector_in(candidate, &mut state.x);
         program.tighten(&state.x, &mut state.h, 0)?;
         if is_same {
-            for (margin, before) in program.margins.iter_mut().zip(margins) {
+            for (margin, before) in program.margins_mut().zip(margins) {
                 *margin = margin.max(SHRINK * *before);
             }
         }
         let known = program.known_multipliers(candidate, known);
         state.begin(program, known, options)?;
-        program.unknowns_in(reference, &mut other.x);
+        program.unknowns.vector_in(reference, &mut other.x);
         // A search often begins at the reference, where everything is known.
         let is_known = other.x == state.x;
         if is_known {
@@ -144,22 +145,9 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
             // With the barrier of the search and the best slacks.
             other.iterate.restart(barrier, Vec::new());
             other.iterate.set_working(rows, h);
-            *f += other.iterate.barrier_terms(h, measures(program, x));
+            *f += other.iterate.barrier_terms(h, |row| program.row_measure(x, row));
         }
         program.put(&state.x, candidate);
         Ok(Iterations { count, converged, gain: (before - after) / state.scale() })
-    }
-}
-
-impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
-    /// Allocates memory for a working set of all rows.
-    fn allocate(&mut self) {
-        let integrand = self.objective.cost_mut();
-        let count = integrand.rows.count();
-        for terms in &mut integrand.terms {
-            terms.reserve(count);
-        }
-        integrand.rows.near.allocate();
-        self.working.allocate(self.first_of_points);
     }
 }

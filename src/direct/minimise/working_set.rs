@@ -44,11 +44,6 @@ impl WorkingSet {
         self.inside.reserve(rows);
     }
 
-    /// Returns true if a clearance is in the working set.
-    pub fn has_clearances(&self) -> bool {
-        !self.inside.is_empty()
-    }
-
     /// Begins the lists of rows that may be in the working set or above the depth of a scan.
     pub fn begin_lists<K: Constraint, P: CostWithControl>(
         &self,
@@ -147,7 +142,7 @@ impl WorkingSet {
                     self.inside.push(at);
                     self.outside[at] = false;
                 }
-                all.push(Row { at, weight });
+                all.push(Row { at, weight, is_curved: self.clearances[row] });
             });
         }
         let listed = all.iter().map(|row| (row.at / count, row.at % count));
@@ -191,7 +186,7 @@ pub(crate) fn equalities<K: Constraint, P: CostWithControl>(
                 search.equality_penalty * density
             };
             let at = g * count + row;
-            Equality::new(Row { at, weight }, first, factor)
+            Equality::new(Row::new(at, weight), first, factor)
         }));
     }
     all

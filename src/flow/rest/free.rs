@@ -3,7 +3,7 @@
 use crate::cost::PointCost;
 use crate::error::Result;
 use crate::motion::{Path, Watch};
-use crate::nlp::{Equality, Iterate, Kkt, Nlp, Row, Tightened};
+use crate::nlp::{Iterate, Kkt, Nlp, Row, Tightened};
 use crate::transcription::{Derivatives, Grid, Objective};
 use nalgebra::DVector;
 
@@ -72,24 +72,12 @@ impl<L: PointCost<f64>> Nlp for Free<'_, L> {
         self.horizon
     }
 
-    fn equalities(&self, _: f64) -> Vec<Equality> {
-        Vec::new()
-    }
-
     fn working_set(&mut self, _: &[f64], rows: &mut Vec<Row>) {
         rows.clear();
     }
 
-    fn longest(&self, _: &DVector<f64>, _: &DVector<f64>) -> f64 {
-        1.0
-    }
-
     fn tighten(&mut self, _: &DVector<f64>, _: &mut Vec<f64>, _: usize) -> Result<Tightened> {
         Ok(Tightened::Violation(0.0))
-    }
-
-    fn violation(&mut self, _: &DVector<f64>) -> Result<f64> {
-        Ok(0.0)
     }
 
     fn is_stopped(&self) -> bool {

@@ -85,7 +85,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         let action = self.value(x, &mut h)?;
         let held = iterate.equalities.iter();
         let terms = held.map(|held| {
-            let Row { at, weight } = held.row;
+            let Row { at, weight, .. } = held.row;
             weight * iterate.equality_term(held, h[at]).cost
         });
         Ok(action + self.problem.horizon() * terms.sum::<f64>())
@@ -209,6 +209,14 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         }
         Ok(violation)
     }
+
+    /// The largest violation of a row at `x`, between the points too, in its unit.
+    pub fn violation(&mut self, x: &DVector<f64>) -> Result<f64> {
+        self.free.place(x);
+        self.is_coarse(true)?;
+        self.slip = self.free.objective.cost().slips().amax();
+        self.look(true, None)
+    }
 }
 
 impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
@@ -243,10 +251,6 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         self.working.list(self.free.grid, rows, [true; 2], h, all);
     }
 
-    fn longest(&self, x: &DVector<f64>, step: &DVector<f64>) -> f64 {
-        self.free.longest(x, step)
-    }
-
     fn tighten(&mut self, x: &DVector<f64>, _: &mut Vec<f64>, round: usize) -> Result<Tightened> {
         let end = round > 0;
         self.free.place(x);
@@ -256,13 +260,6 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         self.updates += 1;
         let violation = self.look(end, Some(round))?;
         Ok(Tightened::Violation(violation.max(self.update_slip())))
-    }
-
-    fn violation(&mut self, x: &DVector<f64>) -> Result<f64> {
-        self.free.place(x);
-        self.is_coarse(true)?;
-        self.slip = self.free.objective.cost().slips().amax();
-        self.look(true, None)
     }
 
     fn is_stopped(&self) -> bool {

@@ -203,6 +203,7 @@ impl Walk {
         program: &mut Program<'_, '_, K, P>,
         end: &Solution,
     ) -> Result<()> {
+        self.found.violation = program.violation(&end.x)?;
         let of_slips = program.slip_multipliers().as_slice().to_vec();
         let grid = program.free.grid;
         let times = if of_slips.is_empty() { Vec::new() } else { grid.times.clone() };
@@ -220,7 +221,6 @@ impl Walk {
         self.path = program.free.path.clone();
         found.gradient_norm = end.progress.stationarity;
         found.slip = program.slip;
-        found.violation = end.violation;
         found.quadrature_error = program.quadrature_error;
         found.rounds += program.updates;
         Ok(())

@@ -86,7 +86,7 @@ fn lists_of_a_sweep_have_bounds() {
     let (long, longer) = (list(2000), list(10_001));
     let costs = format!("[objective]\neffort = [{long}]\nvelocity = [{long}]\nacceleration = [{long}]");
     for (keys, words) in [
-        ("starts = [100001]".to_owned(), "starts[0]: it is 100001, at least 1 and at most 100000"),
+        ("starts = [100001]".to_owned(), "starts[0]: it is 100001 and must be at least 1 and at most 100000"),
         (format!("tolerance = [{longer}]"), "tolerance: it has 10001 values, at most 10000"),
         (costs, "sweep: the grid has more than 1000000 sets"),
         ("objective = [[1.0], [0.1], [0.2]]".to_owned(), "objective[0]: ; the name of an objective, or an object"),

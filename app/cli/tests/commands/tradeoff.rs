@@ -41,7 +41,7 @@ fn the_curve_is_a_table_and_a_page() {
 fn what_it_cannot_do_is_told() {
     let folder = empty_folder("tradeoff_refused");
     for (arguments, words) in [
-        (&["--points", "1"][..], "points; it is 1, at least 2"),
+        (&["--points", "1"][..], "points; it is 1 and must be at least 2"),
         (&["--method", "flow"][..], "tradeoff; supported by the method 'direct' only, not by 'flow'"),
     ] {
         let all = [&["tradeoff", "limits_01"][..], arguments].concat();

@@ -86,7 +86,7 @@ impl<'a> Tradeoff<'a> {
         let Self { scenario, points, options, interrupt, mut observe } = self;
         if !(2..=Self::MAX_POINTS).contains(&points) {
             let most = Self::MAX_POINTS;
-            let condition = format!("it is {points}, at least 2 and at most {most} are needed");
+            let condition = format!("it is {points} and must be at least 2 and at most {most}");
             return Err(Error::input("options", "points", condition));
         }
         scenario.refuse_walk()?;

@@ -106,7 +106,7 @@ fn payloads_that_cannot_be_are_refused_by_key() {
     for (payload, words) in [
         (json!({ "link": "hand" }), "payload.link: the robot has no link 'hand' that moves"),
         (json!({ "link": "base_link" }), "payload.link: the robot has no link 'base_link' that moves"),
-        (json!({ "mass_kg": 0.0 }), "payload.mass_kg: it is 0, a positive number"),
+        (json!({ "mass_kg": 0.0 }), "payload.mass_kg: it is 0 and must be a positive number"),
         (json!({ "center_m": [0.0, 0.0, 1e7] }), "payload.center_m: a number is not finite, or above"),
         (json!({ "inertia_kg_m2": [1.0, 0.0, 0.0, 1.0, 0.0, 5.0] }), "payload.inertia_kg_m2: its largest"),
         (json!({ "shape": { "half_space": {} } }), "payload.shape: a payload cannot be a half-space"),

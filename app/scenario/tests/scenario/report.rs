@@ -164,8 +164,8 @@ fn bad_options_are_errors() {
     let scenario = Scenario::load("pendulum_1_swingup").expect("built in");
     let cases: [(Change, &str); 8] = [
         (|o| o.degree = Some(0), "degree: it is 0"),
-        (|o| o.degree = Some(1), "degree: it is 1, at least 2"),
-        (|o| o.k = Some(-1.0), "k: it is -1, a positive number"),
+        (|o| o.degree = Some(1), "degree: it is 1 and must be at least 2"),
+        (|o| o.k = Some(-1.0), "k: it is -1 and must be a positive number"),
         (|o| o.k = Some(f64::INFINITY), "k: it is inf"),
         (|o| o.s_max = Some(0.0), "s_max: it is 0"),
         (|o| o.s_max = Some(f64::NAN), "s_max: it is NaN"),

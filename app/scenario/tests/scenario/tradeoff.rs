@@ -36,7 +36,7 @@ fn what_has_no_curve_is_refused() {
     let scenario = load("cart", &cart(2.0, 40.0, json!({}))).expect("it is good");
     for points in [1, 1001] {
         let error = Tradeoff::new(&scenario).points(points).run().expect_err("too few or many");
-        let words = format!("options: points: it is {points}, at least 2");
+        let words = format!("options: points: it is {points} and must be at least 2");
         assert!(error.to_string().starts_with(&words), "{error}");
     }
     let limits = json!({ "position": false, "velocity": false, "torque": false });
