@@ -125,18 +125,14 @@ impl<C: Scalar> Constraint<C> for AnyConstraint<C> {
         each!(self, it => it.label(row, model))
     }
 
-    fn value_of<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, rows: RowList<'_>, g: &mut [S]) -> Result<()> {
-        each!(self, it => it.value_of(at, rows, g))
-    }
-
-    fn value_and_pieces<S: AlgebraOver<C>>(
+    fn value_of<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
         rows: Option<RowList<'_>>,
         g: &mut [S],
-        active_pairs: &mut Vec<ActivePair>,
+        active_pairs: Option<&mut Vec<ActivePair>>,
     ) -> Result<()> {
-        each!(self, it => it.value_and_pieces(at, rows, g, active_pairs))
+        each!(self, it => it.value_of(at, rows, g, active_pairs))
     }
 
     fn parts<'a>(&'a self, parts: &mut Vec<&'a Self>) -> bool {

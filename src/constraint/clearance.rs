@@ -2,8 +2,8 @@
 
 use super::label::name_of;
 use super::{
-    CollisionSphere, Constraint, PairDistance, PlacedState, Quantity, RowLabel, RowList, RowSet, WeightedDerivatives,
-    Weights,
+    ActivePair, CollisionSphere, Constraint, PairDistance, PlacedState, Quantity, RowLabel, RowList, RowSet,
+    WeightedDerivatives, Weights,
 };
 use crate::error::Result;
 use crate::geometry::Sphere;
@@ -46,7 +46,16 @@ impl<C: Scalar> Constraint<C> for SphereClearance<C> {
         Ok(())
     }
 
-    fn value_of<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, rows: RowList<'_>, g: &mut [S]) -> Result<()> {
+    fn value_of<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        rows: Option<RowList<'_>>,
+        g: &mut [S],
+        _: Option<&mut Vec<ActivePair>>,
+    ) -> Result<()> {
+        let Some(rows) = rows else {
+            return self.value(at, g);
+        };
         rows.by_ball((&self.balls, self.spheres.len()), at, |row, j, ball, p| {
             g[row] = row_of(ball, p, &self.spheres[j]);
         })

@@ -45,26 +45,18 @@ impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
         }
     }
 
-    fn value_of<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, rows: RowList<'_>, g: &mut [S]) -> Result<()> {
-        let (a, b) = g.split_at_mut(self.0.dim());
-        let (of_a, of_b) = rows.split_at(a.len());
-        let (at_a, at_b) = at.split_at(a.len());
-        self.0.value_of(&at_a, of_a, a)?;
-        self.1.value_of(&at_b, of_b, b)
-    }
-
-    fn value_and_pieces<S: AlgebraOver<C>>(
+    fn value_of<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
         rows: Option<RowList<'_>>,
         g: &mut [S],
-        active_pairs: &mut Vec<ActivePair>,
+        mut active_pairs: Option<&mut Vec<ActivePair>>,
     ) -> Result<()> {
         let (a, b) = g.split_at_mut(self.0.dim());
         let (at_a, at_b) = at.split_at(a.len());
         let (of_a, of_b) = rows.map(|rows| rows.split_at(a.len())).unzip();
-        self.0.value_and_pieces(&at_a, of_a, a, active_pairs)?;
-        append_active_pairs(&self.1, (&at_b, of_b), (b, a.len()), active_pairs)
+        self.0.value_of(&at_a, of_a, a, active_pairs.as_deref_mut())?;
+        append(&self.1, (&at_b, of_b), (b, a.len()), active_pairs)
     }
 
     fn parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {
@@ -116,26 +108,9 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
     fn value_of<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
-        mut rows: RowList<'_>,
-        mut g: &mut [S],
-    ) -> Result<()> {
-        let mut at = *at;
-        for constraint in self {
-            let (own, rest) = g.split_at_mut(constraint.dim());
-            let (listed, others) = rows.split_at(own.len());
-            let (here, elsewhere) = at.split_at(own.len());
-            constraint.value_of(&here, listed, own)?;
-            (at, rows, g) = (elsewhere, others, rest);
-        }
-        Ok(())
-    }
-
-    fn value_and_pieces<S: AlgebraOver<C>>(
-        &self,
-        at: &PlacedState<'_, C, S>,
         mut rows: Option<RowList<'_>>,
         mut g: &mut [S],
-        active_pairs: &mut Vec<ActivePair>,
+        mut active_pairs: Option<&mut Vec<ActivePair>>,
     ) -> Result<()> {
         let (mut at, mut first) = (*at, 0);
         for constraint in self {
@@ -143,7 +118,7 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
             let count = own.len();
             let (here, others) = at.split_at(count);
             let (listed, unlisted) = rows.map(|rows| rows.split_at(count)).unzip();
-            append_active_pairs(constraint, (&here, listed), (own, first), active_pairs)?;
+            append(constraint, (&here, listed), (own, first), active_pairs.as_deref_mut())?;
             (at, rows, first, g) = (others, unlisted, first + count, rest);
         }
         Ok(())
@@ -171,15 +146,15 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
 }
 
 /// Computes the rows of a constraint, the first of which has this number among all, and appends its active pairs.
-fn append_active_pairs<C: Scalar, S: AlgebraOver<C>, K: Constraint<C>>(
+fn append<C: Scalar, S: AlgebraOver<C>, K: Constraint<C>>(
     constraint: &K,
     (at, rows): (&PlacedState<'_, C, S>, Option<RowList<'_>>),
     (g, first): (&mut [S], usize),
-    active_pairs: &mut Vec<ActivePair>,
+    mut active_pairs: Option<&mut Vec<ActivePair>>,
 ) -> Result<()> {
-    let before = active_pairs.len();
-    constraint.value_and_pieces(at, rows, g, active_pairs)?;
-    for pair in &mut active_pairs[before..] {
+    let before = active_pairs.as_ref().map_or(0, |pairs| pairs.len());
+    constraint.value_of(at, rows, g, active_pairs.as_deref_mut())?;
+    for pair in active_pairs.into_iter().flat_map(|pairs| &mut pairs[before..]) {
         pair.row += first;
     }
     Ok(())
@@ -225,22 +200,12 @@ macro_rules! delegate {
             fn value_of<S: AlgebraOver<C>>(
                 &self,
                 at: &PlacedState<'_, C, S>,
-                rows: RowList<'_>,
-                g: &mut [S],
-            ) -> Result<()> {
-                let $it = self;
-                $inner.value_of(at, rows, g)
-            }
-
-            fn value_and_pieces<S: AlgebraOver<C>>(
-                &self,
-                at: &PlacedState<'_, C, S>,
                 rows: Option<RowList<'_>>,
                 g: &mut [S],
-                active_pairs: &mut Vec<ActivePair>,
+                active_pairs: Option<&mut Vec<ActivePair>>,
             ) -> Result<()> {
                 let $it = self;
-                $inner.value_and_pieces(at, rows, g, active_pairs)
+                $inner.value_of(at, rows, g, active_pairs)
             }
 
             $(fn $parts<'a>(&'a self, parts: &mut Vec<&'a AnyConstraint<C>>) -> bool {

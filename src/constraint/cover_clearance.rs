@@ -155,19 +155,15 @@ impl<C: Scalar> Constraint<C> for CoverClearance<C> {
         self.values(at, |_| true, None, g)
     }
 
-    fn value_of<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, rows: RowList<'_>, g: &mut [S]) -> Result<()> {
-        self.values(at, |own| rows.has_any(own), None, g)
-    }
-
-    fn value_and_pieces<S: AlgebraOver<C>>(
+    fn value_of<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
         rows: Option<RowList<'_>>,
         g: &mut [S],
-        active_pairs: &mut Vec<ActivePair>,
+        active_pairs: Option<&mut Vec<ActivePair>>,
     ) -> Result<()> {
         let is_needed = |own: &Range<usize>| rows.is_none_or(|rows| rows.has_any(own));
-        self.values(at, is_needed, Some(active_pairs), g)
+        self.values(at, is_needed, active_pairs, g)
     }
 
     fn label(&self, row: usize, model: &Model<C>) -> RowLabel {

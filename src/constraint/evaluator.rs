@@ -103,7 +103,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Placed<'_, C, S> {
     /// Those of [`value`](Self::value).
     pub fn value_of<K: Constraint<C> + ?Sized>(&self, constraint: &K, rows: RowList<'_>, g: &mut [S]) -> Result<()> {
         check_length("g", constraint.dim(), g.len())?;
-        constraint.value_of(&self.state, rows, g)
+        constraint.value_of(&self.state, Some(rows), g, None)
     }
 
     /// Computes the sums of derivatives weighted by row: the gradient alone, or the Hessian too.

@@ -105,33 +105,21 @@ pub trait Constraint<C: Scalar = f64> {
         RowLabel::numbered(row)
     }
 
-    /// Computes at least these rows of [`value`](Self::value) into `g`, [`dim`](Self::dim) entries. By default all.
+    /// Computes [`value`](Self::value), or at least the rows of a list, and appends the active [pairs](ActivePair) of
+    /// rows that are maxima of many functions, in ascending order of the rows, if they are asked for. By default all
+    /// rows, none of which has any.
     ///
     /// # Errors
     /// Those of [`value`](Self::value).
-    fn value_of<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, rows: RowList<'_>, g: &mut [S]) -> Result<()> {
-        let _ = rows;
-        self.value(at, g)
-    }
-
-    /// Computes [`value`](Self::value), or at least [some rows](Self::value_of), and appends the active
-    /// [pairs](ActivePair) of those that are maxima of many functions, in ascending order of the rows. By default there
-    /// are none.
-    ///
-    /// # Errors
-    /// Those of [`value`](Self::value).
-    fn value_and_pieces<S: AlgebraOver<C>>(
+    fn value_of<S: AlgebraOver<C>>(
         &self,
         at: &PlacedState<'_, C, S>,
         rows: Option<RowList<'_>>,
         g: &mut [S],
-        active_pairs: &mut Vec<ActivePair>,
+        active_pairs: Option<&mut Vec<ActivePair>>,
     ) -> Result<()> {
-        let _ = active_pairs;
-        match rows {
-            Some(rows) => self.value_of(at, rows, g),
-            None => self.value(at, g),
-        }
+        let _ = (rows, active_pairs);
+        self.value(at, g)
     }
 
     /// Appends the built-in constraints among those of a list to `parts`; returns false if there are others. A planner

@@ -3,8 +3,8 @@
 use super::clearance::distance;
 use super::label::name_of;
 use super::{
-    CollisionSphere, Constraint, PairDistance, PlacedState, Quantity, RowLabel, RowList, RowSet, WeightedDerivatives,
-    Weights,
+    ActivePair, CollisionSphere, Constraint, PairDistance, PlacedState, Quantity, RowLabel, RowList, RowSet,
+    WeightedDerivatives, Weights,
 };
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -69,7 +69,16 @@ impl<C: Scalar> Constraint<C> for SelfClearance<C> {
         Ok(())
     }
 
-    fn value_of<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, rows: RowList<'_>, g: &mut [S]) -> Result<()> {
+    fn value_of<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        rows: Option<RowList<'_>>,
+        g: &mut [S],
+        _: Option<&mut Vec<ActivePair>>,
+    ) -> Result<()> {
+        let Some(rows) = rows else {
+            return self.value(at, g);
+        };
         for row in rows.iter() {
             let [first, second] = self.pair(self.pairs[row])?;
             let p = at.point(first.body, &first.centre)?;

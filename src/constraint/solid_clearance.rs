@@ -3,8 +3,8 @@
 use super::clearance::distance;
 use super::label::name_of;
 use super::{
-    CollisionSphere, Constraint, PairDistance, PlacedState, Quantity, RowLabel, RowList, RowSet, WeightedDerivatives,
-    Weights,
+    ActivePair, CollisionSphere, Constraint, PairDistance, PlacedState, Quantity, RowLabel, RowList, RowSet,
+    WeightedDerivatives, Weights,
 };
 use crate::error::Result;
 use crate::geometry::Solid;
@@ -53,7 +53,16 @@ impl<C: Scalar> Constraint<C> for SolidClearance<C> {
         Ok(())
     }
 
-    fn value_of<S: AlgebraOver<C>>(&self, at: &PlacedState<'_, C, S>, rows: RowList<'_>, g: &mut [S]) -> Result<()> {
+    fn value_of<S: AlgebraOver<C>>(
+        &self,
+        at: &PlacedState<'_, C, S>,
+        rows: Option<RowList<'_>>,
+        g: &mut [S],
+        _: Option<&mut Vec<ActivePair>>,
+    ) -> Result<()> {
+        let Some(rows) = rows else {
+            return self.value(at, g);
+        };
         rows.by_ball((&self.balls, self.solids.len()), at, |row, j, ball, p| {
             g[row] = S::lift(ball.radius) - self.solids[j].distance(p);
         })

@@ -26,6 +26,15 @@ pub struct GoalEnd {
 }
 
 impl GoalSet {
+    /// The goal with one alternative, that of an end, and this end alone.
+    #[must_use]
+    pub fn with_end(&self, end: &GoalEnd) -> Self {
+        Self {
+            alternatives: vec![self.alternatives[end.alternative].clone()],
+            ends: vec![GoalEnd { q: end.q.clone(), alternative: 0 }],
+        }
+    }
+
     /// The first guess of a start.
     pub(super) fn end(&self, start: usize) -> &GoalEnd {
         &self.ends[start % self.ends.len()]

@@ -20,8 +20,9 @@
 //!    violations between the points. Without rows it is Newton's method.
 //! 3. `strategy/degree.rs`: higher degrees until the cost settles, if requested.
 //!
-//! `transcription` computes integrals of running costs and rows and their derivatives; `cost` has user-defined costs;
-//! [`SearchOptions`] and [`nlp::Options`](crate::nlp::Options) have all constants.
+//! [`DirectSequence`] solves one after the other, each from the motion of the one before: for the least time, and on
+//! other horizons. `transcription` computes integrals of running costs and rows and their derivatives; `cost` has
+//! user-defined costs; [`SearchOptions`] and [`nlp::Options`](crate::nlp::Options) have all constants.
 
 mod fixed_ends;
 mod goal;
@@ -29,6 +30,7 @@ mod minimise;
 mod options;
 mod parts;
 mod period;
+mod sequence;
 mod settings;
 mod solution;
 mod strategy;
@@ -36,8 +38,9 @@ mod tracker;
 mod waypoint;
 
 pub use goal::{GoalEnd, GoalSet};
-pub use options::SearchOptions;
+pub use options::{SearchOptions, SequenceOptions};
 pub use period::Period;
+pub use sequence::DirectSequence;
 pub use settings::{DirectSettings, PlannedStarts};
 pub use solution::{DirectSolution, Iteration};
 pub use strategy::{DegreeRefinement, FreeHorizon, LocalMinimum};

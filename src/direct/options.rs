@@ -241,3 +241,56 @@ impl SearchOptions {
         Ok(())
     }
 }
+
+/// The options of a [sequence of solves](super::DirectSequence).
+#[derive(Clone, Debug)]
+pub struct SequenceOptions {
+    /// The weights of time in a search for the least time, as multiples of the cost per second of the motion before.
+    /// With a first one of 30 balanced motions of four robots among obstacles take an eighth more iterations.
+    pub time_share: f64,
+    /// The multiple below which a search that leads to no faster motion gives up.
+    pub min_time_share: f64,
+    /// The same at the end, of the last motion: its cost is at most a hundredth of the objective; without it the motion
+    /// of joints that do not determine the duration would be arbitrary.
+    pub last_time_share: f64,
+    /// The largest number of weights. If only inertia costs effort, each of them divides the duration by four.
+    pub max_weights: usize,
+    /// The factor up to which a horizon with a larger weight of time shows that there is no faster motion nearby:
+    /// margins of rows between the points of the quadrature differ from search to search by parts in ten thousand.
+    pub same_horizon: f64,
+    /// The longest duration of a balanced motion, as a multiple of the least one.
+    pub balanced: f64,
+    /// The least duration from which its search starts, as such a multiple.
+    pub slowed: f64,
+    /// The first penalty of the equalities of goals and waypoints in a solve from a motion that meets them: ten times
+    /// that of others, with which 28 motions of a Panda to poses take 8 % more iterations, and one ends at no minimum.
+    pub point_penalty: f64,
+    /// The factor of the first penalty with which a solve that leads to no better minimum is done again: with a larger
+    /// penalty a search from a motion that keeps its rows violates them less.
+    pub penalty_factor: f64,
+    /// The largest number of times that a solve is done again.
+    pub max_repeats: i32,
+    /// The part of a time limit for the starts of a search that continues from the best one.
+    pub part_of_starts: f64,
+    /// True if the first solve on a free horizon follows one on the given horizon.
+    pub fixed_first: bool,
+}
+
+impl Default for SequenceOptions {
+    fn default() -> Self {
+        Self {
+            time_share: 1000.0,
+            min_time_share: 2.0,
+            last_time_share: 100.0,
+            max_weights: 8,
+            same_horizon: 1.001,
+            balanced: 1.25,
+            slowed: 1.2,
+            point_penalty: 1000.0,
+            penalty_factor: 10.0,
+            max_repeats: 2,
+            part_of_starts: 0.5,
+            fixed_first: false,
+        }
+    }
+}

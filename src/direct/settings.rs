@@ -7,7 +7,7 @@ use crate::curve::{Basis, Continuity, Curve};
 use crate::error::{Error, Result, check_count, check_positive};
 use crate::motion::{Interrupt, Problem};
 use crate::nlp;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// The settings of a direct solve.
 #[derive(Clone, Debug)]
@@ -140,6 +140,13 @@ impl DirectSettings {
     pub const MAX_THREADS: usize = 1024;
     /// The accepted violation of a constraint, in rad, rad/s, m, N m or N.
     pub const FEASIBLE: f64 = 1e-6;
+
+    /// Returns true if a search that started then has time left and is not interrupted.
+    #[must_use]
+    pub fn has_time(&self, started: Instant) -> bool {
+        let is_late = self.time_limit.is_some_and(|limit| started.elapsed() >= limit);
+        !is_late && !self.interrupt.is_raised()
+    }
 
     /// The defaults for problems with constraints: a gradient norm of 1e-6, because large multipliers limit the
     /// accuracy.

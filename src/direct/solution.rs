@@ -102,6 +102,12 @@ impl DirectSolution {
     /// The number of minima whose curves are stored.
     pub const MINIMA_CURVES: usize = 4;
 
+    /// Returns true if the motion keeps all constraints to within the [tolerance](super::DirectSettings::FEASIBLE).
+    #[must_use]
+    pub fn is_feasible(&self) -> bool {
+        self.largest_violation <= super::DirectSettings::FEASIBLE
+    }
+
     /// The solution with the best of the starts, without iterations.
     pub(super) fn of(problem: &Problem<'_>, outcome: MultistartOutcome) -> Result<Self> {
         let (found, (best_start, guess)) = (outcome.best, outcome.best_start);

@@ -91,7 +91,7 @@ impl<'a, K: Constraint> Rows<'a, K> {
             let known = ActivePairs::new(&self.active_pairs).and_above(self.searched_from);
             let at = PlacedState { active_pairs: self.are_known.then_some(known), ..*placed.state() };
             self.active.clear();
-            state.value_and_pieces(&at, None, of_state, &mut self.active)?;
+            state.value_of(&at, None, of_state, Some(&mut self.active))?;
             std::mem::swap(&mut self.active_pairs, &mut self.active);
             self.are_known = true;
             if !(of_torque.is_empty() && stage.custom.is_empty()) {

@@ -141,13 +141,10 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
         let beside = PlacedState { active_pairs: (follows || is_beside).then_some(known), ..at };
         let (wide, rows) = (&mut self.wide, listed.map(RowList::new));
         if follows {
-            match rows {
-                Some(rows) => state.value_of(&beside, rows, wide)?,
-                None => state.value(&beside, wide)?,
-            }
+            state.value_of(&beside, rows, wide, None)?;
         } else {
             self.active.clear();
-            state.value_and_pieces(&beside, rows, wide, &mut self.active)?;
+            state.value_of(&beside, rows, wide, Some(&mut self.active))?;
             std::mem::swap(&mut noted.active_pairs, &mut self.active);
             noted.are_known = true;
         }

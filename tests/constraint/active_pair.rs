@@ -34,7 +34,7 @@ fn beside<K: Constraint>(
     let (mut active_pairs, mut evaluator) = (Vec::new(), Evaluator::<f64, Wide>::new(model));
     let placed = evaluator.at(x).expect("lengths agree");
     let at = PlacedState { active_pairs: known, ..*placed.state() };
-    let found = rows.value_and_pieces(&at, some, &mut g, &mut active_pairs);
+    let found = rows.value_of(&at, some, &mut g, Some(&mut active_pairs));
     found.expect("rows");
     (g, active_pairs)
 }

@@ -1,6 +1,6 @@
 //! Motions to several ends of a goal that is a set.
 
-use crate::solve::search::{Search, is_valid};
+use crate::solve::search::Search;
 use aghf::direct::{DirectSettings, DirectSolution, GoalEnd, GoalSet};
 use aghf::error::Result;
 
@@ -29,7 +29,7 @@ impl Search<'_, '_> {
             let least = self.scenario.least_horizon_to(Some(&end.q));
             let least = least.map_or(0.0, |(.., least)| least);
             let best_yet = best.as_ref().map_or(f64::INFINITY, |best| best.curve.horizon());
-            if least > PROMISING * best_yet || !self.has_time() {
+            if least > PROMISING * best_yet || !self.settings.has_time(self.started) {
                 break;
             }
             tried += 1;
@@ -37,17 +37,17 @@ impl Search<'_, '_> {
             let mut own = Search::new(self.scenario, settings, &mut *self.observe);
             let mut found = search(&mut own)?;
             iterations.append(&mut found.iterations);
-            if !(found.converged && is_valid(&found)) && own.has_time() {
+            if !(found.converged && found.is_feasible()) && own.settings.has_time(own.started) {
                 // To this very configuration, which is in the set.
                 (own.settings.goal, own.end) = (None, Some(end.q.clone()));
                 let mut fixed = search(&mut own)?;
                 iterations.append(&mut fixed.iterations);
-                if is_valid(&fixed) && (!is_valid(&found) || fixed.curve.horizon() < found.curve.horizon()) {
+                if fixed.is_feasible() && (!found.is_feasible() || fixed.curve.horizon() < found.curve.horizon()) {
                     found = fixed;
                 }
             }
             found.alternative = end.alternative;
-            if is_valid(&found) && found.curve.horizon() < best_yet {
+            if found.is_feasible() && found.curve.horizon() < best_yet {
                 best = Some(found);
             }
         }
@@ -66,7 +66,7 @@ impl Search<'_, '_> {
         let settings = &self.settings;
         let left = |limit: std::time::Duration| limit.saturating_sub(self.started.elapsed());
         let mut own = DirectSettings {
-            goal: Some(goal_with_end(goal, end)),
+            goal: Some(goal.with_end(end)),
             starts: settings.starts.div_ceil(COMPARED),
             time_limit: settings.time_limit.map(|limit| left(limit) / COMPARED as u32),
             ..settings.clone()
@@ -74,13 +74,5 @@ impl Search<'_, '_> {
         // A planned one in addition; others follow if no end is reached.
         own.search.most_starts = own.starts + 1;
         own
-    }
-}
-
-/// The goal with one alternative, that of an end, and this end alone.
-pub(crate) fn goal_with_end(goal: &GoalSet, end: &GoalEnd) -> GoalSet {
-    GoalSet {
-        alternatives: vec![goal.alternatives[end.alternative].clone()],
-        ends: vec![GoalEnd { q: end.q.clone(), alternative: 0 }],
     }
 }

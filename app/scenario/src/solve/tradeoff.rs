@@ -105,7 +105,7 @@ impl<'a> Tradeoff<'a> {
             file.free_horizon = bounds;
         })?;
         let longest = bounds.map_or(first, |bounds| bounds.longest_s);
-        walk.find(slow, |search| search.at_most(&fast, first, longest))?;
+        walk.find(slow, |search| search.solves()?.at_most(&fast, first, longest))?;
         let Some((slow, last)) = walk.found.pop_if(|(_, report)| report.summary.success) else {
             return Ok(walk.found);
         };
@@ -119,7 +119,7 @@ impl<'a> Tradeoff<'a> {
             let between = with_objective(scenario, Preset::LeastEffort, |file| {
                 (file.horizon_s, file.free_horizon) = (horizon, None);
             })?;
-            let found = walk.find(between, |search| search.at(&before, horizon))?;
+            let found = walk.find(between, |search| search.solves()?.at(&before, horizon))?;
             match walk.found.last() {
                 Some((_, report)) if report.summary.success => before = found,
                 _ => drop(walk.found.pop()),
