@@ -135,6 +135,9 @@ impl<C: Scalar> Constraint<C> for Bounds<C> {
     }
 }
 
+/// The highest order of a derivative of a motion on which rows and costs may depend: the jerk.
+pub const MAX_ORDER: usize = 3;
+
 /// A limit of a derivative of the motion of one joint on one side, the row $\pm x / \bar x - 1 \le 0$.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RateLimit {

@@ -39,7 +39,7 @@ mod weighted_derivatives;
 pub(crate) use active_pair::searched_from;
 pub use active_pair::{ActivePair, ActivePairs};
 pub use any::AnyConstraint;
-pub use bounds::{Bound, Bounds, RateLimit, Side};
+pub use bounds::{Bound, Bounds, MAX_ORDER, RateLimit, Side};
 pub use clearance::SphereClearance;
 pub use cover_clearance::CoverClearance;
 pub(crate) use cover_search::place;

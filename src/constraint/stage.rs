@@ -1,7 +1,7 @@
 //! Constraints on a motion at one time: limits of acceleration and jerk, a standing foot, and user-defined rows in
 //! $(t, q, v, a, u)$.
 
-use super::{Phase, Quantity, RateLimit, RowLabel, StandingFoot, TimeWindow};
+use super::{MAX_ORDER, Phase, Quantity, RateLimit, RowLabel, StandingFoot, TimeWindow};
 use crate::error::{Error, Result, check_length};
 use crate::model::Model;
 use crate::scalar::Scalar;
@@ -236,9 +236,9 @@ impl StageConstraints {
     /// None.
     pub const NONE: Self = Self { rates: Vec::new(), foot: None, phases: Vec::new(), custom: Vec::new() };
 
-    /// Returns true if any row depends on the jerk.
-    pub(crate) fn has_jerk(&self) -> bool {
-        self.rates.iter().any(|rate| rate.order == 3)
+    /// The highest order of a derivative on which a row depends, at least two.
+    pub(crate) fn order(&self) -> usize {
+        self.rates.iter().map(|rate| rate.order).fold(2, usize::max)
     }
 
     /// The foot with its first row.
@@ -316,8 +316,9 @@ impl StageConstraints {
             let Some(joint) = model.joints().get(*joint) else {
                 return refuse("joints", format!("there is no joint {joint}, whose rate is limited"));
             };
-            if !matches!(order, 2 | 3) {
-                return refuse("limits", format!("the derivative of order {order} is limited, 2 or 3 is needed"));
+            if !(2..=MAX_ORDER).contains(order) {
+                let condition = format!("the order of a derivative is {order} and must be from 2 to {MAX_ORDER}");
+                return refuse("limits", condition);
             }
             if !(limit.is_finite() && *limit > 0.0) {
                 let element = format!("joint '{}': {} limit", joint.name(), Quantity::JOINT[*order].name());

@@ -4,8 +4,9 @@ use super::{
     ControlDerivatives, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives, Points, PointsDerivatives,
     WeightedSquares,
 };
+use crate::constraint::MAX_ORDER;
 use crate::dynamics::{Data, InverseDynamicsDerivatives, RneaWeightedHessian, rnea, rnea_second_order};
-use crate::error::{Result, check_length};
+use crate::error::{Result, check_count, check_length};
 use crate::linalg::{ROWS, weighted_gram};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, LANES, Scalar, Wide};
@@ -30,8 +31,8 @@ pub struct ControlEffort<'m, C: Scalar = f64, S: Scalar = C> {
     squares_of: [DVector<Wide<S>>; 3],
     /// True unless those in `v` and `a` are all zero.
     with_motion: bool,
-    /// The weights of squared jerks; empty without any.
-    jerk: Vec<S>,
+    /// The weights of the squares of the derivatives of each higher order, from three on.
+    higher: Vec<Vec<S>>,
     /// $\partial l / \partial u$, that is $w$ of the gradient.
     slopes: DVector<Wide<S>>,
     /// $w$ of $\Phi(w)$.
@@ -58,7 +59,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
         Self {
             model,
             with_motion: false,
-            jerk: Vec::new(),
+            higher: Vec::new(),
             slopes: zero.clone(),
             data: Data::new(model),
             id: InverseDynamicsDerivatives::new(n),
@@ -103,40 +104,41 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
         Ok(effort)
     }
 
-    /// Adds weighted squares of the jerk, the rate of the acceleration, with one weight per joint.
+    /// Adds weighted squares of the derivatives of higher orders, from the jerk on, at most up to [`MAX_ORDER`], with
+    /// one weight per joint each.
     ///
     /// # Errors
-    /// The number of weights is not the number of joints.
-    pub fn with_jerk(mut self, weights: &[S]) -> Result<Self> {
-        check_length("weights", self.model.dof(), weights.len())?;
-        if weights.iter().any(|w| !w.is_zero()) {
-            self.jerk = weights.to_vec();
+    /// The number of weights of an order is not the number of joints, or there are more orders.
+    pub fn with_higher(mut self, weights: &[&[S]]) -> Result<Self> {
+        check_count("orders of the cost", 2 + weights.len(), 2..=MAX_ORDER)?;
+        for weights in weights {
+            check_length("weights", self.model.dof(), weights.len())?;
         }
+        let is_used = |weights: &&[S]| weights.iter().any(|w| !w.is_zero());
+        let used = weights.iter().rposition(is_used).map_or(0, |last| last + 1);
+        self.higher = weights[..used].iter().map(|weights| weights.to_vec()).collect();
         Ok(self)
     }
 
-    /// Adds the cost of the jerk at all points.
-    fn add_jerk(&self, points: Points<'_, S>, costs: &mut [S]) {
-        if let Some(jerks) = points.jerks {
-            for (cost, jerk) in costs.iter_mut().zip(jerks.column_iter()) {
-                for (w, x) in self.jerk.iter().zip(&jerk) {
+    /// Adds the costs of the derivatives of higher orders at all points.
+    fn add_higher(&self, points: Points<'_, S>, costs: &mut [S]) {
+        for (weights, rates) in self.higher.iter().zip(points.higher) {
+            for (cost, rates) in costs.iter_mut().zip(rates.column_iter()) {
+                for (w, x) in weights.iter().zip(&rates) {
                     *cost += *w * *x * *x;
                 }
             }
         }
     }
 
-    /// Sets the derivatives in the jerk at all points.
-    fn put_jerk(&self, points: Points<'_, S>, out: &mut PointsDerivatives<S>) {
-        if let (Some(jerks), false) = (points.jerks, self.jerk.is_empty()) {
-            let two = S::from_f64(2.0);
-            let slope = |i: usize, g: usize| two * self.jerk[i] * jerks[(i, g)];
-            let (n, count) = jerks.shape();
-            out.clear_jerk(n, count);
-            let [slopes, curvatures] = &mut out.by_jerk;
-            for g in 0..count {
-                for i in 0..n {
-                    (slopes[(i, g)], curvatures[(i, g)]) = (slope(i, g), two * self.jerk[i]);
+    /// Adds the derivatives of these costs at all points.
+    fn add_higher_derivatives(&self, points: Points<'_, S>, out: &mut PointsDerivatives<S>) {
+        let two = S::from_f64(2.0);
+        for ((weights, rates), [slopes, curvatures]) in self.higher.iter().zip(points.higher).zip(&mut out.higher) {
+            for (g, rates) in rates.column_iter().enumerate() {
+                for (i, (w, x)) in weights.iter().zip(&rates).enumerate() {
+                    slopes[(i, g)] += two * *w * *x;
+                    curvatures[(i, g)] += two * *w;
                 }
             }
         }
@@ -197,8 +199,8 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
             rnea_second_order(self.model, &mut self.data, z, weigh, id, second)?;
             self.file(start, count, stiff, out);
         }
-        self.add_jerk(points, &mut out.costs);
-        self.put_jerk(points, out);
+        self.add_higher(points, &mut out.costs);
+        self.add_higher_derivatives(points, out);
         Ok(())
     }
 
@@ -289,7 +291,7 @@ impl<'m, C: Scalar, S: AlgebraOver<C>> ControlEffort<'m, C, S> {
             }
         }
         self.slopes = tau;
-        self.add_jerk(points, costs);
+        self.add_higher(points, costs);
         Ok(())
     }
 }
@@ -311,8 +313,8 @@ impl<C: Scalar, S: AlgebraOver<C>> PointCost<S> for ControlEffort<'_, C, S> {
         alone(point, out, |points, all| self.all_derivatives(points, all))
     }
 
-    fn needs_jerk(&self) -> bool {
-        !self.jerk.is_empty()
+    fn order(&self) -> usize {
+        2 + self.higher.len()
     }
 
     fn values(&mut self, points: Points<'_, S>, costs: &mut [S]) -> Result<()> {
@@ -325,19 +327,6 @@ impl<C: Scalar, S: AlgebraOver<C>> PointCost<S> for ControlEffort<'_, C, S> {
 }
 
 impl CostWithControl for ControlEffort<'_, f64, f64> {
-    fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
-        control_alone(point, u, |points, costs, controls| self.values_with_control(points, costs, controls))
-    }
-
-    fn derivatives_with(
-        &mut self,
-        point: Point<'_, f64>,
-        out: &mut PointDerivatives<f64>,
-        term: &mut impl ControlTerm<f64>,
-    ) -> Result<f64> {
-        alone(point, out, |points, all| self.with_term(points, all, term))
-    }
-
     fn values_with_control(
         &mut self,
         points: Points<'_, f64>,
@@ -355,19 +344,6 @@ impl CostWithControl for ControlEffort<'_, f64, f64> {
     ) -> Result<()> {
         self.with_term(points, out, term)
     }
-}
-
-/// The cost and the control at a single point, from the function for many points.
-pub(crate) fn control_alone(
-    point: Point<'_, f64>,
-    u: &mut [f64],
-    values: impl FnOnce(Points<'_, f64>, &mut [f64], &mut DMatrix<f64>) -> Result<()>,
-) -> Result<f64> {
-    let (states, mut cost) = (point.states(), [0.0]);
-    let mut controls = DMatrix::zeros(u.len(), 1);
-    values(point.points(&states), &mut cost, &mut controls)?;
-    u.copy_from_slice(controls.as_slice());
-    Ok(cost[0])
 }
 
 /// The derivatives at a single point, from the function for many points.

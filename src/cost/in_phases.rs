@@ -2,7 +2,7 @@
 
 use super::{
     ControlDerivatives, ControlTerm, CostWithControl, PackedHessian, Point, PointCost, PointDerivatives, Points,
-    PointsDerivatives, alone, control_alone,
+    PointsDerivatives, alone,
 };
 use crate::constraint::is_permutation;
 use crate::error::{Error, Result, check_length};
@@ -21,9 +21,10 @@ struct OfPhase<P> {
     cost: P,
     /// The joint of the motion for each joint of the robot of this phase.
     order: Vec<usize>,
-    /// $q, v, a$ and the jerks at the points, the controls and the derivatives, by the joints of the phase.
+    /// $q, v, a$ and the derivatives of higher orders at the points, the controls and the derivatives, by the joints of
+    /// the phase.
     states: DMatrix<f64>,
-    jerks: DMatrix<f64>,
+    higher: Vec<DMatrix<f64>>,
     controls: DMatrix<f64>,
     out: PointsDerivatives<f64>,
 }
@@ -46,7 +47,7 @@ impl<P> InPhases<P> {
             cost,
             order,
             states: DMatrix::zeros(n, 0),
-            jerks: DMatrix::zeros(n, 0),
+            higher: Vec::new(),
             controls: DMatrix::zeros(n, 0),
             out: PointsDerivatives::new(n, 0),
         };
@@ -94,10 +95,11 @@ impl<P> OfPhase<P> {
     ) -> Result<T> {
         check_length("q", self.order.len(), points.states.nrows())?;
         permuted(points.states, &self.order, &mut self.states);
-        if let Some(jerks) = points.jerks {
-            permuted(jerks, &self.order, &mut self.jerks);
+        self.higher.resize_with(points.higher.len(), || DMatrix::zeros(0, 0));
+        for (from, to) in points.higher.iter().zip(&mut self.higher) {
+            permuted(from, &self.order, to);
         }
-        let here = Points { states: &self.states, jerks: points.jerks.map(|_| &self.jerks), ..points };
+        let here = Points { states: &self.states, higher: &self.higher, ..points };
         of(&mut self.cost, here, &mut self.controls, &mut self.out)
     }
 
@@ -110,7 +112,7 @@ impl<P> OfPhase<P> {
         if out.with_metrics {
             out.metrics.permute(&own.metrics, order);
         }
-        for (to, from) in out.by_jerk.iter_mut().zip(&own.by_jerk) {
+        for (to, from) in out.higher.iter_mut().flatten().zip(own.higher.iter().flatten()) {
             restored(from, order, to);
         }
     }
@@ -123,6 +125,7 @@ fn fit(own: &mut PointsDerivatives<f64>, out: &PointsDerivatives<f64>) {
         *own = PointsDerivatives::new(n, points);
     }
     own.with_metrics = out.with_metrics;
+    own.clear_higher(out.higher.len(), n, points);
 }
 
 impl<P: PointCost<f64>> PointCost<f64> for InPhases<P> {
@@ -142,8 +145,8 @@ impl<P: PointCost<f64>> PointCost<f64> for InPhases<P> {
         of.with(point.points(&states), |cost, points, _, _| cost.time_rate(points.point(0)))
     }
 
-    fn needs_jerk(&self) -> bool {
-        self.phases.iter().any(|of| of.cost.needs_jerk())
+    fn order(&self) -> usize {
+        self.phases.iter().map(|of| of.cost.order()).fold(2, usize::max)
     }
 
     fn phases(&self) -> usize {
@@ -167,19 +170,6 @@ impl<P: PointCost<f64>> PointCost<f64> for InPhases<P> {
 }
 
 impl<P: CostWithControl> CostWithControl for InPhases<P> {
-    fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
-        control_alone(point, u, |points, costs, controls| self.values_with_control(points, costs, controls))
-    }
-
-    fn derivatives_with(
-        &mut self,
-        point: Point<'_, f64>,
-        out: &mut PointDerivatives<f64>,
-        term: &mut impl ControlTerm<f64>,
-    ) -> Result<f64> {
-        alone(point, out, |points, all| self.all_derivatives_with(points, all, term))
-    }
-
     fn values_with_control(
         &mut self,
         points: Points<'_, f64>,

@@ -17,7 +17,7 @@ pub use autodiff::AutodiffCost;
 pub use chain_rule::ChainRule;
 pub use composition::Weighted;
 pub use effort::ControlEffort;
-pub(crate) use effort::{alone, control_alone};
+pub(crate) use effort::alone;
 pub use in_phases::InPhases;
 pub use num_dual::HyperDual64;
 pub use packed_hessian::PackedHessian;
@@ -126,19 +126,32 @@ impl<R: RunningCost> PointCost<f64> for CostThroughDynamics<'_, R> {
 }
 
 impl<R: RunningCost + Clone + Send + Sync> CostWithControl for CostThroughDynamics<'_, R> {
-    fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
-        let control = self.rule.control(point)?;
-        u.copy_from_slice(control);
-        self.running.value(&point.with_control(control))
+    fn values_with_control(
+        &mut self,
+        points: Points<'_, f64>,
+        costs: &mut [f64],
+        controls: &mut DMatrix<f64>,
+    ) -> Result<()> {
+        for (g, (cost, mut u)) in costs.iter_mut().zip(controls.column_iter_mut()).enumerate() {
+            let control = self.rule.control(points.point(g))?;
+            u.copy_from_slice(control);
+            *cost = self.running.value(&points.point(g).with_control(control))?;
+        }
+        Ok(())
     }
 
-    fn derivatives_with(
+    fn all_derivatives_with(
         &mut self,
-        point: Point<'_, f64>,
-        out: &mut PointDerivatives<f64>,
+        points: Points<'_, f64>,
+        out: &mut PointsDerivatives<f64>,
         term: &mut impl ControlTerm<f64>,
-    ) -> Result<f64> {
-        self.with_term(point, out, term)
+    ) -> Result<()> {
+        let mut single = PointDerivatives::new(points.states.nrows());
+        for g in 0..points.count() {
+            let cost = self.with_term(points.point(g), &mut single, term)?;
+            out.set(g, cost, &single);
+        }
+        Ok(())
     }
 }
 

@@ -37,7 +37,7 @@ impl<'a, S: Scalar> Point<'a, S> {
 
     /// This point as a batch of one. `states` is [`Self::states`].
     pub(crate) fn points<'b>(&'b self, states: &'b DMatrix<S>) -> Points<'b, S> {
-        Points { first: self.index, phase: self.phase, times: std::slice::from_ref(&self.time), states, jerks: None }
+        Points { first: self.index, phase: self.phase, times: std::slice::from_ref(&self.time), states, higher: &[] }
     }
 }
 
@@ -52,8 +52,8 @@ pub struct Points<'a, S: Scalar> {
     pub times: &'a [S],
     /// $q, v, a$ at each point, one column each: `N` by `3 M`.
     pub states: &'a DMatrix<S>,
-    /// The rate of the acceleration at each point, `N` by `M`, if the cost [needs](PointCost::needs_jerk) it.
-    pub jerks: Option<&'a DMatrix<S>>,
+    /// The derivatives of higher orders, from three to that of the [cost](PointCost::order), each `N` by `M`.
+    pub higher: &'a [DMatrix<S>],
 }
 
 impl<'a, S: Scalar> Points<'a, S> {
@@ -125,9 +125,9 @@ pub struct PointsDerivatives<S: Scalar> {
     pub metrics: PackedHessian<S>,
     /// True if the metrics are needed.
     pub with_metrics: bool,
-    /// The first derivatives in the jerk at each point and the second ones, those of different joints being zero: `N`
-    /// by `M`. Not used unless the cost [needs](PointCost::needs_jerk) it.
-    pub by_jerk: [DMatrix<S>; 2],
+    /// The first derivatives in those of each [higher order](Points::higher) at each point and the second ones, those
+    /// of different joints being zero: `N` by `M`.
+    pub higher: Vec<[DMatrix<S>; 2]>,
 }
 
 impl<S: Scalar> PointsDerivatives<S> {
@@ -141,13 +141,14 @@ impl<S: Scalar> PointsDerivatives<S> {
             metrics: hessians.clone(),
             hessians,
             with_metrics: true,
-            by_jerk: [DMatrix::zeros(0, 0), DMatrix::zeros(0, 0)],
+            higher: Vec::new(),
         }
     }
 
-    /// Sets the derivatives in the jerk to zero, `n` by `points`.
-    pub(crate) fn clear_jerk(&mut self, n: usize, points: usize) {
-        for of in &mut self.by_jerk {
+    /// Sets the derivatives in those of this many higher orders to zero, `n` by `points`.
+    pub(crate) fn clear_higher(&mut self, orders: usize, n: usize, points: usize) {
+        self.higher.resize_with(orders, || [DMatrix::zeros(n, points), DMatrix::zeros(n, points)]);
+        for of in self.higher.iter_mut().flatten() {
             if of.shape() == (n, points) { of.fill(S::zero()) } else { *of = DMatrix::zeros(n, points) }
         }
     }
@@ -192,9 +193,10 @@ pub trait PointCost<S: Scalar> {
         Ok(S::zero())
     }
 
-    /// Returns true if $l$ depends on the rate of the acceleration too. False by default.
-    fn needs_jerk(&self) -> bool {
-        false
+    /// The highest order of a derivative on which $l$ depends, at least two, as by default, and at most
+    /// [`MAX_ORDER`](crate::constraint::MAX_ORDER).
+    fn order(&self) -> usize {
+        2
     }
 
     /// The number of phases of a motion, each of which has as many segments. One by default.
@@ -240,8 +242,8 @@ impl<S: Scalar, P: PointCost<S>> PointCost<S> for &mut P {
         (**self).time_rate(point)
     }
 
-    fn needs_jerk(&self) -> bool {
-        (**self).needs_jerk()
+    fn order(&self) -> usize {
+        (**self).order()
     }
 
     fn phases(&self) -> usize {
@@ -258,60 +260,29 @@ impl<S: Scalar, P: PointCost<S>> PointCost<S> for &mut P {
 }
 
 /// A running cost that computes the control, so that limits of the control can be constraints.
-///
-/// As with [`PointCost`], only the functions of one point are required.
 pub trait CostWithControl: PointCost<f64> + Clone + Send + Sync {
-    /// Computes the cost, and the control into `u`.
-    ///
-    /// # Errors
-    /// `q`, `v` or `a` of `point` does not have `N` entries.
-    fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64>;
-
-    /// Computes the cost, and into `out` the derivatives of the cost plus a `term` in the control alone; cost and
-    /// metric are without the term.
-    ///
-    /// # Errors
-    /// `q`, `v` or `a` of `point` does not have `N` entries, or `out` was made for another number of joints.
-    fn derivatives_with(
-        &mut self,
-        point: Point<'_, f64>,
-        out: &mut PointDerivatives<f64>,
-        term: &mut impl ControlTerm<f64>,
-    ) -> Result<f64>;
-
     /// Computes the costs at all points, and the controls into the columns of `controls`, `N` by `M`.
     ///
     /// # Errors
-    /// Those of [`value_with_control`](Self::value_with_control).
+    /// The states do not have `N` rows.
     fn values_with_control(
         &mut self,
         points: Points<'_, f64>,
         costs: &mut [f64],
         controls: &mut DMatrix<f64>,
-    ) -> Result<()> {
-        for (g, (cost, mut u)) in costs.iter_mut().zip(controls.column_iter_mut()).enumerate() {
-            *cost = self.value_with_control(points.point(g), u.as_mut_slice())?;
-        }
-        Ok(())
-    }
+    ) -> Result<()>;
 
-    /// Computes all of `out`, except metrics that are not needed, as [`derivatives_with`](Self::derivatives_with) does.
+    /// Computes the costs, and into all of `out`, except metrics that are not needed, the derivatives of the cost plus
+    /// a `term` in the control alone; costs and metrics are without the term.
     ///
     /// # Errors
-    /// Those of [`derivatives_with`](Self::derivatives_with).
+    /// The states do not have `N` rows, or `out` was made for another number of joints.
     fn all_derivatives_with(
         &mut self,
         points: Points<'_, f64>,
         out: &mut PointsDerivatives<f64>,
         term: &mut impl ControlTerm<f64>,
-    ) -> Result<()> {
-        let mut single = PointDerivatives::new(points.states.nrows());
-        for g in 0..points.count() {
-            let cost = self.derivatives_with(points.point(g), &mut single, term)?;
-            out.set(g, cost, &single);
-        }
-        Ok(())
-    }
+    ) -> Result<()>;
 }
 
 /// The derivatives of a term in the control alone at a point.

@@ -2,6 +2,7 @@
 
 use super::Scan;
 use super::horizons::slopes;
+use crate::constraint::MAX_ORDER;
 use crate::cost::products;
 use crate::curve::{Basis, gauss_legendre, gauss_lobatto};
 use crate::linalg::{BlockTridiagonal, multiply};
@@ -34,15 +35,52 @@ pub struct Grid<S: Scalar> {
     pub(crate) table: DMatrix<S>,
     /// Its transpose.
     pub(crate) transposed: DMatrix<S>,
-    /// The third derivatives at each point, one row per function, and their transpose; no entries for arbitrary
-    /// functions.
-    pub(crate) thirds: [DMatrix<S>; 2],
+    /// The derivatives of higher orders, from three to [`MAX_ORDER`]; none of arbitrary functions.
+    pub(crate) higher: Vec<Higher<S>>,
     /// Pairs of functions of a segment, the first not before the second, in the order of the rows of `products`.
     pub(crate) pairs: Vec<(usize, usize)>,
     /// Weighted products of functions; only derivatives need them.
     products: OnceLock<[DMatrix<S>; 2]>,
-    /// Products of third derivatives; only those of costs in the jerk need them.
-    products_of_thirds: OnceLock<DMatrix<S>>,
+}
+
+/// The derivatives of the functions of a segment of one order.
+#[derive(Clone, Debug)]
+pub(crate) struct Higher<S: Scalar> {
+    /// The derivatives at each point, one row per function, and their transpose.
+    pub table: DMatrix<S>,
+    pub transposed: DMatrix<S>,
+    /// Their products of each pair of functions, one row per point; only costs in them need these.
+    products: OnceLock<DMatrix<S>>,
+}
+
+impl<S: Scalar> Higher<S> {
+    fn new(table: DMatrix<S>) -> Self {
+        Self { transposed: table.transpose(), table, products: OnceLock::new() }
+    }
+
+    /// Multiplies the first derivatives in those of this order by their weights, and sums the second ones over the
+    /// points with the products of each pair of functions into `squares`, `N` by pairs.
+    pub fn weigh(
+        &self,
+        grid: &Grid<S>,
+        (horizon, rate): (S, S),
+        [first, second]: &mut [DMatrix<S>; 2],
+        squares: &mut DMatrix<S>,
+    ) {
+        for (g, weight) in grid.weights.iter().enumerate() {
+            let mut column = first.column_mut(g);
+            column *= *weight * horizon * rate;
+            let mut column = second.column_mut(g);
+            column *= *weight * horizon * rate * rate;
+        }
+        let products = self.products.get_or_init(|| {
+            DMatrix::from_fn(grid.points(), grid.pairs.len(), |g, pair| {
+                let (a, b) = grid.pairs[pair];
+                self.table[(a, g)] * self.table[(b, g)]
+            })
+        });
+        multiply(second, products, squares);
+    }
 }
 
 /// Tables that several searches share.
@@ -146,10 +184,12 @@ impl Grid<f64> {
     /// Tabulates at these points of each segment.
     fn at(basis: &Basis, nodes: Vec<Node>, horizon: f64) -> Self {
         let mut table = DMatrix::zeros(basis.degree() + 1, 3 * nodes.len());
-        let mut thirds = DMatrix::zeros(basis.degree() + 1, nodes.len());
+        let mut higher = vec![DMatrix::zeros(basis.degree() + 1, nodes.len()); MAX_ORDER - 2];
         for (g, node) in nodes.iter().enumerate() {
             let local = basis.local(node.at);
-            thirds.set_column(g, &(local.row(3).transpose() / horizon.powi(3)));
+            for (order, table) in (3..).zip(&mut higher) {
+                table.set_column(g, &(local.row(order as usize).transpose() / horizon.powi(order)));
+            }
             for d in 0..3 {
                 let scaled = local.row(d).transpose() / horizon.powi(d as i32);
                 table.set_column(3 * g + d, &scaled);
@@ -161,7 +201,7 @@ impl Grid<f64> {
         let weights = nodes.iter().map(|node| node.weight * length).collect();
         Self {
             collocated: nodes.iter().map(|node| node.collocated).collect(),
-            thirds: [thirds.clone(), thirds.transpose()],
+            higher: higher.into_iter().map(Higher::new).collect(),
             ..Self::from_table(
                 basis.segments(),
                 basis.continuity().order(),
@@ -206,11 +246,10 @@ impl<S: Scalar> Grid<S> {
             collocated: vec![false; weights.len()],
             weights,
             transposed: table.transpose(),
-            thirds: [DMatrix::zeros(0, 0), DMatrix::zeros(0, 0)],
+            higher: Vec::new(),
             table,
             pairs,
             products: OnceLock::new(),
-            products_of_thirds: OnceLock::new(),
         }
     }
 
@@ -222,7 +261,7 @@ impl<S: Scalar> Grid<S> {
         let table = self.table.map(&f);
         Grid {
             collocated: self.collocated.clone(),
-            thirds: [0, 1].map(|i| self.thirds[i].map(&f)),
+            higher: self.higher.iter().map(|of| Higher::new(of.table.map(&f))).collect(),
             ..Grid::from_table(self.segments, self.shared, self.free.clone(), times, weights, table)
         }
     }
@@ -231,17 +270,6 @@ impl<S: Scalar> Grid<S> {
     pub(crate) fn products(&self) -> &[DMatrix<S>; 2] {
         let new = || products(&self.table, &self.weights, &self.pairs);
         self.products.get_or_init(new)
-    }
-
-    /// Products of the third derivatives of the functions of each pair, one row per point.
-    pub(super) fn products_of_thirds(&self) -> &DMatrix<S> {
-        self.products_of_thirds.get_or_init(|| {
-            let thirds = &self.thirds[0];
-            DMatrix::from_fn(self.points(), self.pairs.len(), |g, pair| {
-                let (a, b) = self.pairs[pair];
-                thirds[(a, g)] * thirds[(b, g)]
-            })
-        })
     }
 
     /// The number of points per segment.
@@ -294,24 +322,6 @@ impl<S: Scalar> Grid<S> {
         };
         Some(target.view_mut((row * n, column * n), (n, n)))
     }
-}
-
-/// Multiplies the first derivatives in the jerk by their weights, and sums the second derivatives over the points with
-/// the products of each pair of functions into `squares`, `N` by pairs.
-pub(super) fn jerk_products<S: Scalar>(
-    grid: &Grid<S>,
-    horizon: S,
-    [first, second]: &mut [DMatrix<S>; 2],
-    squares: &mut DMatrix<S>,
-) {
-    let rate = S::one() / (horizon * horizon * horizon);
-    for (g, weight) in grid.weights.iter().enumerate() {
-        let mut column = first.column_mut(g);
-        column *= *weight * horizon * rate;
-        let mut column = second.column_mut(g);
-        column *= *weight * horizon * rate * rate;
-    }
-    multiply(second, grid.products_of_thirds(), squares);
 }
 
 /// Adds the gradient in the functions of segment `e`, one column each, to the full gradient.

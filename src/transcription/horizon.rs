@@ -1,7 +1,7 @@
 //! The derivatives of an integral over a horizon that is an unknown.
 
 use super::Grid;
-use super::place::{place, scale};
+use super::place::{place, rate, scale};
 use crate::cost::{Points, PointsDerivatives};
 use crate::scalar::Scalar;
 use nalgebra::{DMatrix, DVector};
@@ -112,33 +112,32 @@ impl<S: Scalar> Moving<'_, S> {
         mixed
     }
 
-    /// Does the same for the part of a cost in the jerk $z = T^{-3} \phi^{(3)} c$, with the first and second derivatives
-    /// in it in `at`. The cost itself is part of [`integrate`](Self::integrate).
-    pub fn integrate_jerk<'m>(
+    /// Does the same for the part of a cost in the derivative of a higher order, $z = T^{-x} \phi^{(x)} c$, with the
+    /// first and second derivatives in it in `at`. The cost itself is part of [`integrate`](Self::integrate).
+    pub fn integrate_higher<'m>(
         &self,
-        e: usize,
-        jerks: &DMatrix<S>,
-        at: &PointsDerivatives<S>,
+        (e, order): (usize, usize),
+        values: &DMatrix<S>,
+        [slopes, curvatures]: &[DMatrix<S>; 2],
         memory: &'m mut Moved<S>,
         out: &mut HorizonDerivatives<S>,
     ) -> &'m DMatrix<S> {
         let Self { grid, horizon, rates } = *self;
-        let (n, [two, three]) = (rates.nrows(), [2.0, 3.0].map(S::from_f64));
-        let scale = S::one() / (horizon * horizon * horizon);
+        let (n, power, scale) = (rates.nrows(), S::from_f64(order as f64), rate(horizon, order));
+        let [one, two] = [1.0, 2.0].map(S::from_f64);
         memory.resize(n, grid.points());
         let Moved { rates: moved, mixed, .. } = memory;
-        place(rates, grid.first(e), &grid.thirds[0], moved);
+        place(rates, grid.first(e), &grid.higher[order - 3].table, moved);
         *moved *= scale;
-        let [slopes, curvatures] = &at.by_jerk;
         for (g, weight) in grid.weights.iter().enumerate() {
             for i in 0..n {
-                let (slope, bend, jerk) = (slopes[(i, g)], curvatures[(i, g)], jerks[(i, g)]);
-                let first = moved[(i, g)] - three / horizon * jerk;
-                let second = three / horizon * (jerk / horizon - moved[(i, g)] - first);
+                let (slope, bend, value) = (slopes[(i, g)], curvatures[(i, g)], values[(i, g)]);
+                let first = moved[(i, g)] - power / horizon * value;
+                let second = power / horizon * (value / horizon - moved[(i, g)] - first);
                 out.first += *weight * horizon * slope * first;
                 let squares = slope * second + bend * first * first;
                 out.second += *weight * (two * slope * first + horizon * squares);
-                mixed[(i, g)] = *weight * scale * (horizon * bend * first - two * slope);
+                mixed[(i, g)] = *weight * scale * (horizon * bend * first - (power - one) * slope);
             }
         }
         mixed

@@ -3,7 +3,7 @@
 use super::grid::put_block;
 use super::horizon::Moved;
 use super::horizons::{place_in, rates_of_slopes};
-use super::place::{points, scale};
+use super::place::{points, rate, scale};
 use super::segment::Segment;
 use super::{Grid, HorizonDerivatives, Horizons, Shared};
 use crate::cost::{PackedHessian, PointCost, PointsDerivatives};
@@ -33,8 +33,8 @@ pub struct Objective<'g, S: Scalar, P> {
     times: Vec<S>,
     /// $q, v, a$ at the points of a segment, one column each.
     states: DMatrix<S>,
-    /// The rate of the acceleration at the points of a segment, if the cost needs it.
-    jerks: Option<DMatrix<S>>,
+    /// The derivatives of the higher orders of the cost at the points of a segment.
+    higher: Vec<DMatrix<S>>,
     costs: Vec<S>,
     /// Allocated when derivatives are first requested.
     workspace: Option<Workspace<S>>,
@@ -45,10 +45,10 @@ struct Workspace<S: Scalar> {
     at_points: PointsDerivatives<S>,
     sums: [DMatrix<S>; 2],
     gradient: DMatrix<S>,
-    /// The derivatives in a free horizon, at the points and in the jerk.
-    moved: [Moved<S>; 2],
-    /// The second derivatives in the jerk by pairs of functions.
-    squares: DMatrix<S>,
+    /// The derivatives in a free horizon, at the points and in each higher order.
+    moved: Vec<Moved<S>>,
+    /// The second derivatives in each higher order by pairs of functions.
+    squares: Vec<DMatrix<S>>,
 }
 
 /// The derivatives of an objective in the unknown coefficients, function by function.
@@ -87,7 +87,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         let grid = grid.into();
         let points = grid.points();
         Self {
-            jerks: cost.needs_jerk().then(|| DMatrix::zeros(dof, points)),
+            higher: vec![DMatrix::zeros(dof, points); cost.order() - 2],
             cost,
             dof,
             horizons: Horizons::one(S::one()),
@@ -162,7 +162,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         for e in 0..self.grid.segments {
             self.place(coefficients, e);
             let phase = self.phase(e);
-            let here = points(&self.grid, &self.times, (&self.states, &self.jerks), e, phase);
+            let here = points(&self.grid, &self.times, (&self.states, &self.higher), e, phase);
             self.cost.values(here, &mut self.costs)?;
             for (weight, cost) in self.grid.weights.iter().zip(&self.costs) {
                 sum += *weight * *cost;
@@ -197,11 +197,12 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         for e in 0..grid.segments {
             self.place(coefficients, e);
             let phase = self.phase(e);
-            let curve = points(grid, &self.times, (&self.states, &self.jerks), e, phase);
+            let curve = points(grid, &self.times, (&self.states, &self.higher), e, phase);
             let segment = Segment::new(grid, &self.horizons, e, curve);
             let Workspace { at_points, sums, gradient, moved, squares } =
-                self.workspace.get_or_insert_with(|| Workspace::new(grid, dof));
+                self.workspace.get_or_insert_with(|| Workspace::new(grid, dof, curve.higher.len()));
             at_points.with_metrics = with_metric;
+            at_points.clear_higher(curve.higher.len(), dof, grid.points());
             self.cost.all_derivatives(curve, at_points)?;
             for (weight, cost) in grid.weights.iter().zip(&at_points.costs) {
                 sum += *weight * *cost;
@@ -214,7 +215,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             segment.gradient(self.rates.is_some(), at_points, gradient, out);
             let (horizon, factor) = (segment.horizon, segment.factor);
             at_points.hessians.integrate(grid.products(), horizon, sums, |pair, block| {
-                if curve.jerks.is_some() {
+                for squares in &*squares {
                     for i in 0..dof {
                         block[(i, i)] += squares[(i, pair)];
                     }
@@ -290,9 +291,9 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         let factor = (grid.shared, self.horizons.stretch(part));
         place_in(coefficients, first, &grid.table, factor, &mut self.states);
         scale(&mut self.states, horizon);
-        if let Some(jerks) = &mut self.jerks {
-            place_in(coefficients, first, &grid.thirds[0], factor, jerks);
-            *jerks *= S::one() / (horizon * horizon * horizon);
+        for ((k, rates), of) in self.higher.iter_mut().enumerate().zip(&grid.higher) {
+            place_in(coefficients, first, &of.table, factor, rates);
+            *rates *= rate(horizon, 3 + k);
         }
     }
 
@@ -303,13 +304,13 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
 }
 
 impl<S: Scalar> Workspace<S> {
-    fn new(grid: &Grid<S>, dof: usize) -> Self {
+    fn new(grid: &Grid<S>, dof: usize, higher: usize) -> Self {
         Self {
             at_points: PointsDerivatives::new(dof, grid.points()),
             sums: PackedHessian::sums(dof, grid.pairs.len()),
             gradient: DMatrix::zeros(dof, grid.table.nrows()),
-            moved: Default::default(),
-            squares: DMatrix::zeros(dof, grid.pairs.len()),
+            moved: (0..=higher).map(|_| Moved::default()).collect(),
+            squares: vec![DMatrix::zeros(dof, grid.pairs.len()); higher],
         }
     }
 }

@@ -18,6 +18,11 @@ pub(crate) fn scale<S: Scalar>(states: &mut DMatrix<S>, horizon: S) {
     }
 }
 
+/// The factor of derivatives of an order from the time of the grid to time.
+pub(crate) fn rate<S: Scalar>(horizon: S, order: usize) -> S {
+    S::one() / (1..order).fold(horizon, |power, _| power * horizon)
+}
+
 /// Computes the curve of the functions from `first` on by `table`.
 pub(crate) fn place<S: Scalar>(coefficients: &DMatrix<S>, first: usize, table: &DMatrix<S>, states: &mut DMatrix<S>) {
     if coefficients.ncols() == table.nrows() {
@@ -33,10 +38,10 @@ pub(crate) fn place<S: Scalar>(coefficients: &DMatrix<S>, first: usize, table: &
 pub(crate) fn points<'a, S: Scalar>(
     grid: &'a Grid<S>,
     times: &'a [S],
-    (states, jerks): (&'a DMatrix<S>, &'a Option<DMatrix<S>>),
+    (states, higher): (&'a DMatrix<S>, &'a [DMatrix<S>]),
     e: usize,
     phase: usize,
 ) -> Points<'a, S> {
     let first = e * grid.points();
-    Points { first, phase, times: &times[first..first + grid.points()], states, jerks: jerks.as_ref() }
+    Points { first, phase, times: &times[first..first + grid.points()], states, higher }
 }

@@ -189,9 +189,9 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         torque.dim() > 0 || !stage.custom.is_empty()
     }
 
-    /// Returns true if a row or the cost depends on the jerk.
-    pub fn needs_jerk(&self) -> bool {
-        self.constraints.stage.has_jerk() || self.cost.needs_jerk()
+    /// The highest order of a derivative on which a row or the cost depends.
+    pub fn order(&self) -> usize {
+        self.constraints.stage.order().max(self.cost.order())
     }
 
     /// Computes all rows at all points into `h`, row by row for each point, and the running cost there into `costs`.
@@ -239,15 +239,15 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
         Ok(())
     }
 
-    /// Computes the rows of acceleration and jerk.
+    /// Computes the rows of the limits of rates.
     fn of_rates(&self, points: Points<'_, f64>, h: &mut [f64]) {
         let first = self.constraints.first_of_stage();
         let rows = h.chunks_exact_mut(self.count().max(1)).take(points.count());
         for (g, h) in rows.enumerate() {
             for (h, rate) in h[first..].iter_mut().zip(&self.constraints.stage.rates) {
-                let of_joint = match points.jerks {
-                    Some(jerks) if rate.order == 3 => jerks[(rate.joint, g)],
-                    _ => points.states[(rate.joint, 3 * g + 2)],
+                let of_joint = match rate.order.checked_sub(3) {
+                    Some(higher) => points.higher[higher][(rate.joint, g)],
+                    None => points.states[(rate.joint, 3 * g + rate.order)],
                 };
                 *h = rate.side.sign() * of_joint / rate.limit - 1.0;
             }

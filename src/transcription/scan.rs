@@ -3,7 +3,7 @@
 use super::horizons::place_in;
 use super::place::scale;
 use super::{Horizons, RowSelection, Rows};
-use crate::constraint::{Constraint, StageConstraint};
+use crate::constraint::{Constraint, MAX_ORDER, StageConstraint};
 use crate::cost::{CostWithControl, Points};
 use crate::curve::{Basis, Functions};
 use crate::error::Result;
@@ -17,8 +17,8 @@ pub(crate) struct Scan {
     basis: Basis,
     /// Value, first and second derivative in normalised time at each time of a segment.
     table: DMatrix<f64>,
-    /// Third derivatives.
-    thirds: DMatrix<f64>,
+    /// The derivatives of higher orders, from three to [`MAX_ORDER`].
+    higher: Vec<DMatrix<f64>>,
     intervals: usize,
 }
 
@@ -48,30 +48,50 @@ pub(crate) struct ScanWorkspace {
     pub found: Vec<Maximum>,
     /// Those that may be above zero, by their index, with their phases.
     uncertain: Vec<(usize, usize, Bracket)>,
-    states: DMatrix<f64>,
-    jerks: Option<DMatrix<f64>>,
+    all: States,
     /// Those of a part, its times in s and in parts of the segment, and the rows that may have a maximum there.
-    of_part: [DMatrix<f64>; 2],
+    of_part: States,
     times: Vec<f64>,
     parts: Vec<f64>,
     rows: Vec<usize>,
     h: Vec<f64>,
-    /// The functions at a time, and the curve there and at up to `LANES` times with its third derivatives.
+    /// The functions at a time, and the curve there and at up to `LANES` times.
     functions: Functions,
     one: DMatrix<f64>,
-    few: [[DMatrix<f64>; 2]; LANES],
+    few: [States; LANES],
+}
+
+/// A curve at some times: $q, v, a$, one column each, and its derivatives of the higher orders of the rows.
+#[derive(Default)]
+struct States {
+    states: DMatrix<f64>,
+    higher: Vec<DMatrix<f64>>,
+}
+
+impl States {
+    fn zeros(n: usize, times: usize, higher: usize) -> Self {
+        Self { states: DMatrix::zeros(n, 3 * times), higher: vec![DMatrix::zeros(n, times); higher] }
+    }
+
+    /// Sets time `k` to a curve with one column per order.
+    fn set(&mut self, k: usize, one: &DMatrix<f64>) {
+        self.states.columns_mut(3 * k, 3).copy_from(&one.columns(0, 3));
+        for (order, rates) in (3..).zip(&mut self.higher) {
+            rates.set_column(k, &one.column(order));
+        }
+    }
 }
 
 impl ScanWorkspace {
     /// Memory for a scan of `times` times of `n` joints.
-    fn resize(&mut self, n: usize, times: usize, with_jerk: bool) {
-        if self.states.shape() == (n, 3 * times) && self.jerks.is_some() == with_jerk {
+    fn resize(&mut self, n: usize, times: usize, higher: usize) {
+        if self.all.states.shape() == (n, 3 * times) && self.all.higher.len() == higher {
             return;
         }
-        self.states = DMatrix::zeros(n, 3 * times);
-        self.jerks = with_jerk.then(|| DMatrix::zeros(n, times));
-        self.one = DMatrix::zeros(n, 4);
-        self.few = std::array::from_fn(|k| [3, 1].map(|d| DMatrix::zeros(n, d * (k + 1))));
+        self.all = States::zeros(n, times, higher);
+        self.of_part = States::zeros(n, 0, higher);
+        self.one = DMatrix::zeros(n, MAX_ORDER + 1);
+        self.few = std::array::from_fn(|k| States::zeros(n, k + 1, higher));
     }
 }
 
@@ -88,15 +108,17 @@ impl Scan {
     /// Tabulates `basis` at `intervals` intervals per segment.
     pub fn new(basis: &Basis, intervals: usize) -> Self {
         let mut table = DMatrix::zeros(basis.degree() + 1, 3 * (intervals + 1));
-        let mut thirds = DMatrix::zeros(basis.degree() + 1, intervals + 1);
+        let mut higher = vec![DMatrix::zeros(basis.degree() + 1, intervals + 1); MAX_ORDER - 2];
         for k in 0..=intervals {
             let local = basis.local(2.0 * k as f64 / intervals as f64 - 1.0);
             for d in 0..3 {
                 table.set_column(3 * k + d, &local.row(d).transpose());
             }
-            thirds.set_column(k, &local.row(3).transpose());
+            for (order, table) in (3..).zip(&mut higher) {
+                table.set_column(k, &local.row(order).transpose());
+            }
         }
-        Self { basis: basis.clone(), table, thirds, intervals }
+        Self { basis: basis.clone(), table, higher, intervals }
     }
 
     /// Finds the local maxima in time of all rows above `floor`, ends of the segments included, refined by a parabola;
@@ -111,8 +133,7 @@ impl Scan {
         work: &mut ScanWorkspace,
     ) -> Result<f64> {
         let (segments, count) = (self.basis.segments(), rows.count());
-        let with_jerk = rows.constraints.stage.has_jerk();
-        work.resize(coefficients.nrows(), self.intervals + 1, with_jerk);
+        work.resize(coefficients.nrows(), self.intervals + 1, rows.constraints.stage.order() - 2);
         work.found.clear();
         work.uncertain.clear();
         let mut deviation = 0.0_f64;
@@ -120,11 +141,11 @@ impl Scan {
             let first = self.basis.first(segment);
             let part = horizons.part(segment, segments);
             let (horizon, factor) = (horizons.parts()[part], self.factor(horizons, part));
-            place_in(coefficients, first, &self.table, factor, &mut work.states);
-            scale(&mut work.states, horizon);
-            if let Some(jerks) = &mut work.jerks {
-                place_in(coefficients, first, &self.thirds, factor, jerks);
-                *jerks *= horizon.powi(-3);
+            place_in(coefficients, first, &self.table, factor, &mut work.all.states);
+            scale(&mut work.all.states, horizon);
+            for ((order, rates), table) in (3..).zip(&mut work.all.higher).zip(&self.higher) {
+                place_in(coefficients, first, table, factor, rates);
+                *rates *= horizon.powi(-order);
             }
             let phase = segment * rows.cost.phases() / segments;
             for k in 0..rows.near.parts() {
@@ -169,12 +190,12 @@ impl Scan {
                 };
                 let segment = ((normalised * segments as f64) as usize).min(segments - 1);
                 let phase = segment * rows.cost.phases() / segments;
-                let ScanWorkspace { functions, one, few: [[states, jerks], ..], h, .. } = work;
+                let ScanWorkspace { functions, one, few: [few, ..], h, .. } = work;
                 let at = (segment, normalised);
                 self.place_at(coefficients, horizons, at, functions, one);
-                states.copy_from(&one.columns(0, 3));
-                jerks.copy_from(&one.column(3));
-                let points = Points { first: 0, phase, times: &[time], states, jerks: Some(jerks) };
+                few.set(0, one);
+                let States { states, higher } = few;
+                let points = Points { first: 0, phase, times: &[time], states, higher };
                 h.resize(rows.count(), 0.0);
                 rows.of_all(points, RowSelection::Listed(&[]), h)?;
                 let own = h[first..first + window.dim()].iter().enumerate();
@@ -207,8 +228,10 @@ impl Scan {
         place_in(coefficients, first, &functions.transposed, factor, one);
         let horizon = horizons.parts()[part];
         scale(one, horizon);
-        let factor = horizon.powi(-3);
-        one.column_mut(3).apply(|x| *x *= factor);
+        for order in 3..=MAX_ORDER {
+            let factor = horizon.powi(-(order as i32));
+            one.column_mut(order).apply(|x| *x *= factor);
+        }
     }
 
     /// Evaluates the rows at the times of a part and one time before and after, and lists those that may have a maximum
@@ -223,10 +246,10 @@ impl Scan {
         let (first, segments) = (part.segment * self.intervals, self.basis.segments());
         let interval = 1.0 / (segments * self.intervals) as f64;
         let own = part.middles.start - 1..part.middles.end + 1;
-        let [states, jerks] = &mut work.of_part;
-        cut(&work.states, 3 * own.start..3 * own.end, states);
-        if let Some(of_all) = &work.jerks {
-            cut(of_all, own.clone(), jerks);
+        let States { states, higher } = &mut work.of_part;
+        cut(&work.all.states, 3 * own.start..3 * own.end, states);
+        for (of_all, rates) in work.all.higher.iter().zip(&mut *higher) {
+            cut(of_all, own.clone(), rates);
         }
         let (times, parts) = (&mut work.times, &mut work.parts);
         times.clear();
@@ -235,8 +258,7 @@ impl Scan {
         times.extend(normalised.map(|time| horizons.time(of_horizon, time)));
         parts.clear();
         parts.extend(own.map(|k| k as f64 / self.intervals as f64));
-        let points =
-            Points { first: 0, phase: part.phase, times, states, jerks: work.jerks.is_some().then_some(jerks) };
+        let points = Points { first: 0, phase: part.phase, times, states, higher };
         let which = match part.group {
             Some(group) => RowSelection::CachedOverInterval(group, parts),
             None => RowSelection::All,
@@ -308,17 +330,17 @@ impl Scan {
         let ScanWorkspace { found, uncertain, times, rows: own, h, functions, one, few, .. } = work;
         let of_phases = uncertain.chunk_by_mut(|(_, a, _), (_, b, _)| a == b);
         for few_maxima in of_phases.flat_map(|of_phase| of_phase.chunks_mut(LANES)) {
-            let [states, jerks] = &mut few[few_maxima.len() - 1];
+            let own_few = &mut few[few_maxima.len() - 1];
             times.clear();
             for (k, (at, _, bracket)) in few_maxima.iter().enumerate() {
                 let (segment, time) = (found[*at].segment, bracket.next());
                 self.place_at(coefficients, horizons, (segment, time), functions, one);
-                states.columns_mut(3 * k, 3).copy_from(&one.columns(0, 3));
-                jerks.set_column(k, &one.column(3));
+                own_few.set(k, one);
                 let part = horizons.part(segment, segments);
                 times.push(horizons.time(part, time));
             }
-            let points = Points { first: 0, phase: few_maxima[0].1, times, states, jerks: Some(jerks) };
+            let States { states, higher } = own_few;
+            let points = Points { first: 0, phase: few_maxima[0].1, times, states, higher };
             let of_maxima = few_maxima.iter().map(|(at, ..)| found[*at].row);
             own.clear();
             own.extend(of_maxima.filter(|row| *row < rows.states()));

@@ -1,9 +1,9 @@
 //! The integral of a running cost over one segment.
 
-use super::grid::{add_gradient, jerk_products};
+use super::grid::add_gradient;
 use super::horizon::{Moved, Moving};
 use super::horizons::{slopes_alone, stretch};
-use super::place::scale;
+use super::place::{rate, scale};
 use super::{Derivatives, Grid, Horizons};
 use crate::cost::{PointCost, Points, PointsDerivatives};
 use crate::error::Result;
@@ -35,19 +35,22 @@ impl<'a, S: Scalar> Segment<'a, S> {
         &self,
         rates: &DMatrix<S>,
         at_points: &PointsDerivatives<S>,
-        [moved, moved_jerks]: &mut [Moved<S>; 2],
+        moved: &mut [Moved<S>],
         gradient: &mut DMatrix<S>,
         out: &mut Derivatives<S>,
     ) {
         let (grid, horizon) = (self.grid, self.horizon);
         let moving = Moving { grid, horizon, rates };
         let own = &mut out.horizons[self.part];
+        let Some((moved, moved_higher)) = moved.split_first_mut() else {
+            return;
+        };
         let mixed = moving.integrate(self.e, self.curve, at_points, moved, own);
         multiply(mixed, &grid.transposed, gradient);
         self.add(gradient, &mut own.mixed);
-        if let Some(jerks) = self.curve.jerks {
-            let mixed = moving.integrate_jerk(self.e, jerks, at_points, moved_jerks, own);
-            multiply(mixed, &grid.thirds[1], gradient);
+        for ((k, rates), moved) in self.curve.higher.iter().enumerate().zip(moved_higher) {
+            let mixed = moving.integrate_higher((self.e, 3 + k), rates, &at_points.higher[k], moved, own);
+            multiply(mixed, &grid.higher[k].transposed, gradient);
             self.add(gradient, &mut own.mixed);
         }
     }
@@ -66,15 +69,16 @@ impl<'a, S: Scalar> Segment<'a, S> {
     }
 
     /// Multiplies the gradients at the points by their weights and the powers of the horizon, and tabulates the second
-    /// derivatives in the jerk by pairs of functions.
-    pub fn weigh(&self, at_points: &mut PointsDerivatives<S>, squares: &mut DMatrix<S>) {
+    /// derivatives in each higher order by pairs of functions.
+    pub fn weigh(&self, at_points: &mut PointsDerivatives<S>, squares: &mut [DMatrix<S>]) {
         for (g, weight) in self.grid.weights.iter().enumerate() {
             let mut gradients = at_points.gradients.columns_mut(3 * g, 3);
             gradients *= *weight * self.horizon;
         }
         scale(&mut at_points.gradients, self.horizon);
-        if self.curve.jerks.is_some() {
-            jerk_products(self.grid, self.horizon, &mut at_points.by_jerk, squares);
+        let all = self.grid.higher.iter().zip(&mut at_points.higher).zip(squares);
+        for (k, ((of, by_rates), squares)) in all.enumerate() {
+            of.weigh(self.grid, (self.horizon, rate(self.horizon, 3 + k)), by_rates, squares);
         }
     }
 
@@ -88,10 +92,9 @@ impl<'a, S: Scalar> Segment<'a, S> {
         out: &mut Derivatives<S>,
     ) {
         let grid = self.grid;
-        let of_jerk = self.curve.jerks.is_some();
-        let of_jerk = of_jerk.then_some((&at_points.by_jerk[0], &grid.thirds[1]));
+        let higher = at_points.higher.iter().zip(&grid.higher).map(|(of, higher)| (&of[0], &higher.transposed));
         let of_states = [(&at_points.gradients, &grid.transposed)];
-        for (by_points, table) in of_states.into_iter().chain(of_jerk) {
+        for (by_points, table) in of_states.into_iter().chain(higher) {
             multiply(by_points, table, gradient);
             if let (Some(reference), true) = (self.horizons.reference(), is_free) {
                 let by_factor = slopes_alone(gradient, grid.shared, reference);

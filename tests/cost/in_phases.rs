@@ -1,10 +1,7 @@
 //! A running cost in phases: that of each phase, in the order of its joints.
 
 use crate::common::assert_refused;
-use aghf::cost::{
-    ControlDerivatives, ControlEffort, CostWithControl, InPhases, PointCost, PointDerivatives, Points,
-    PointsDerivatives,
-};
+use aghf::cost::{ControlDerivatives, ControlEffort, CostWithControl, InPhases, PointCost, Points, PointsDerivatives};
 use aghf::model::{Joint, Model};
 use aghf::urdf::{builtin_robot_text, read_robot, reroot};
 use nalgebra::DMatrix;
@@ -47,7 +44,7 @@ fn a_phase_has_the_cost_and_the_derivatives_of_its_robot_in_the_order_of_the_fir
     assert_eq!(cost.phases(), 2);
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let states = DMatrix::from_fn(n, 3 * points, |_, _| rng.random_range(-1.0..1.0));
-    let here = Points { first: 3, phase: 1, times: &[0.0; 5], states: &states, jerks: None };
+    let here = Points { first: 3, phase: 1, times: &[0.0; 5], states: &states, higher: &[] };
     let mut out = PointsDerivatives::new(n, points);
     cost.all_derivatives_with(here, &mut out, &mut term).expect("the same joints");
     let (mut values, mut controls) = (vec![0.0; points], DMatrix::zeros(n, points));
@@ -55,10 +52,10 @@ fn a_phase_has_the_cost_and_the_derivatives_of_its_robot_in_the_order_of_the_fir
     for g in 0..points {
         let sorted = states.columns(3 * g, 3).select_rows(&order);
         let own = Points { first: 3 + g, times: &[0.0], states: &sorted, ..here };
-        let mut u = vec![0.0; n];
-        let alone = effort(1).value_with_control(own.point(0), &mut u);
-        assert_eq!(alone.expect("its joints"), values[g]);
-        let mut found = PointDerivatives::new(n);
+        let (mut value, mut u) = ([0.0], DMatrix::zeros(n, 1));
+        effort(1).values_with_control(own, &mut value, &mut u).expect("its joints");
+        assert_eq!(value[0], values[g]);
+        let mut found = PointsDerivatives::new(n, 1);
         let mut of_joints = |index: usize, u: &[f64], out: &mut ControlDerivatives<f64>| {
             let mut all = vec![0.0; n];
             for (u, joint) in u.iter().zip(&order) {
@@ -74,15 +71,16 @@ fn a_phase_has_the_cost_and_the_derivatives_of_its_robot_in_the_order_of_the_fir
             bends
         };
         let mut single = effort(1);
-        let cost = single.derivatives_with(own.point(0), &mut found, &mut of_joints);
-        assert_eq!(cost.expect("its joints"), out.costs[g]);
+        single.all_derivatives_with(own, &mut found, &mut of_joints).expect("its joints");
+        assert_eq!(found.costs[0], out.costs[g]);
         let (hessian, metric) = (out.hessians.get(g), out.metrics.get(g));
         let at = |i: usize| i - i % n + order[i % n];
-        let scale = found.hessian.amax();
+        let (own_hessian, own_metric) = (found.hessians.get(0), found.metrics.get(0));
+        let scale = own_hessian.amax();
         for i in 0..3 * n {
-            assert_eq!(found.gradient[i], out.gradients[(at(i) % n, 3 * g + i / n)]);
+            assert_eq!(found.gradients[i], out.gradients[(at(i) % n, 3 * g + i / n)]);
             for j in 0..3 * n {
-                for (own, all) in [(&found.hessian, &hessian), (&found.metric, &metric)] {
+                for (own, all) in [(&own_hessian, &hessian), (&own_metric, &metric)] {
                     let off = (own[(i, j)] - all[(at(i), at(j))]).abs();
                     assert!(off <= 1e-14 * scale, "{off} of {scale} at {i}, {j}");
                 }
@@ -103,7 +101,7 @@ fn an_order_that_is_no_permutation_and_a_phase_that_is_not_there_are_refused() {
     let n = models[1].dof();
     let mut cost = InPhases::new(vec![(effort(), (0..n).collect())]).expect("one phase");
     let states = DMatrix::zeros(n, 3);
-    let here = Points { first: 0, phase: 1, times: &[0.0], states: &states, jerks: None };
+    let here = Points { first: 0, phase: 1, times: &[0.0], states: &states, higher: &[] };
     let refused = cost.values(here, &mut [0.0]);
     assert_refused(refused, "phases: cost: phase 1 of 1 was asked for");
 }

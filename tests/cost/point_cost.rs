@@ -2,7 +2,10 @@
 
 use crate::common::direct::degree;
 use crate::common::slider;
-use aghf::cost::{ControlDerivatives, ControlEffort, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives};
+use aghf::cost::{
+    ControlDerivatives, ControlEffort, ControlTerm, CostWithControl, Point, PointCost, PointDerivatives, Points,
+    PointsDerivatives,
+};
 use aghf::direct::{Direct, DirectSettings};
 use aghf::motion::Problem;
 use nalgebra::{DMatrix, DVector};
@@ -40,19 +43,35 @@ impl WithVelocity<'_> {
 }
 
 impl CostWithControl for WithVelocity<'_> {
-    fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> aghf::Result<f64> {
-        let speed: f64 = point.v.iter().map(|v| v * v).sum();
-        Ok(self.effort.value_with_control(point, u)? + self.weight * speed)
+    fn values_with_control(
+        &mut self,
+        points: Points<'_, f64>,
+        costs: &mut [f64],
+        controls: &mut DMatrix<f64>,
+    ) -> aghf::Result<()> {
+        self.effort.values_with_control(points, costs, controls)?;
+        for (g, cost) in costs.iter_mut().enumerate() {
+            *cost += self.weight * points.point(g).v.iter().map(|v| v * v).sum::<f64>();
+        }
+        Ok(())
     }
 
-    fn derivatives_with(
+    fn all_derivatives_with(
         &mut self,
-        point: Point<'_, f64>,
-        out: &mut PointDerivatives<f64>,
+        points: Points<'_, f64>,
+        out: &mut PointsDerivatives<f64>,
         term: &mut impl ControlTerm<f64>,
-    ) -> aghf::Result<f64> {
-        let value = self.effort.derivatives_with(point, out, term)?;
-        Ok(value + self.add_velocity(point, out))
+    ) -> aghf::Result<()> {
+        self.effort.all_derivatives_with(points, out, term)?;
+        for g in 0..points.count() {
+            let mut single = PointDerivatives::new(points.states.nrows());
+            single.hessian = out.hessians.get(g);
+            single.metric = out.metrics.get(g);
+            single.gradient.copy_from_slice(out.gradients.columns(3 * g, 3).into_owned().as_slice());
+            let cost = out.costs[g] + self.add_velocity(points.point(g), &mut single);
+            out.set(g, cost, &single);
+        }
+        Ok(())
     }
 }
 
@@ -77,23 +96,35 @@ impl PointCost<f64> for TwoWells {
 
 /// On a slider of mass one the control is the acceleration.
 impl CostWithControl for TwoWells {
-    fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> aghf::Result<f64> {
-        u.copy_from_slice(point.a);
-        self.value(point)
+    fn values_with_control(
+        &mut self,
+        points: Points<'_, f64>,
+        costs: &mut [f64],
+        controls: &mut DMatrix<f64>,
+    ) -> aghf::Result<()> {
+        for (g, mut u) in controls.column_iter_mut().enumerate() {
+            u.copy_from_slice(points.point(g).a);
+        }
+        self.values(points, costs)
     }
 
-    fn derivatives_with(
+    fn all_derivatives_with(
         &mut self,
-        point: Point<'_, f64>,
-        out: &mut PointDerivatives<f64>,
+        points: Points<'_, f64>,
+        out: &mut PointsDerivatives<f64>,
         term: &mut impl ControlTerm<f64>,
-    ) -> aghf::Result<f64> {
-        let cost = self.derivatives(point, out)?;
-        let mut by_term = ControlDerivatives::new(1);
-        term(point.index, point.a, &mut by_term);
-        out.gradient[2] += by_term.gradient[0];
-        out.hessian[(2, 2)] += by_term.hessian[0];
-        Ok(cost)
+    ) -> aghf::Result<()> {
+        let mut single = PointDerivatives::new(1);
+        for g in 0..points.count() {
+            let point = points.point(g);
+            let cost = self.derivatives(point, &mut single)?;
+            let mut by_term = ControlDerivatives::new(1);
+            term(point.index, point.a, &mut by_term);
+            single.gradient[2] += by_term.gradient[0];
+            single.hessian[(2, 2)] += by_term.hessian[0];
+            out.set(g, cost, &single);
+        }
+        Ok(())
     }
 }
 

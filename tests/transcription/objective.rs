@@ -18,7 +18,7 @@ pub fn random(rng: &mut ChaCha8Rng, rows: usize, columns: usize) -> DMatrix<f64>
 /// The effort with squared jerks.
 pub fn effort_and_jerk<S: AlgebraOver<f64>>(model: &Model) -> ControlEffort<'_, f64, S> {
     let weights: Vec<S> = (0..model.dof()).map(|i| S::lift(0.3 + i as f64)).collect();
-    let cost = ControlEffort::new(model).with_jerk(&weights);
+    let cost = ControlEffort::new(model).with_higher(&[&weights]);
     cost.expect("a weight for each joint")
 }
 
@@ -115,12 +115,12 @@ impl<S: Scalar> PointCost<S> for OfJerk {
         unreachable!("all points of a segment are evaluated at once")
     }
 
-    fn needs_jerk(&self) -> bool {
-        true
+    fn order(&self) -> usize {
+        3
     }
 
     fn values(&mut self, points: Points<'_, S>, costs: &mut [S]) -> Result<()> {
-        let jerks = points.jerks.expect("the cost needs it");
+        let [jerks] = points.higher else { unreachable!("the cost needs one order") };
         for (g, cost) in costs.iter_mut().enumerate() {
             let q = points.point(g).q.iter().enumerate();
             *cost = q.fold(S::zero(), |sum, (i, q)| {
@@ -132,7 +132,7 @@ impl<S: Scalar> PointCost<S> for OfJerk {
     }
 
     fn all_derivatives(&mut self, points: Points<'_, S>, out: &mut PointsDerivatives<S>) -> Result<()> {
-        let jerks = points.jerks.expect("the cost needs it");
+        let [jerks] = points.higher else { unreachable!("the cost needs one order") };
         self.values(points, &mut out.costs)?;
         let [two, four, twelve] = [2.0, 4.0, 12.0].map(S::from_f64);
         let n = jerks.nrows();
@@ -145,7 +145,7 @@ impl<S: Scalar> PointCost<S> for OfJerk {
                 out.gradients.set_column(3 * g + x, &slopes);
             }
         }
-        out.by_jerk = [jerks.map(|j| four * j * j * j), jerks.map(|j| twelve * j * j)];
+        out.higher = vec![[jerks.map(|j| four * j * j * j), jerks.map(|j| twelve * j * j)]];
         Ok(())
     }
 }

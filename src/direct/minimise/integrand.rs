@@ -132,12 +132,9 @@ impl<'a, K: Constraint, P: CostWithControl> Integrand<'a, K, P> {
 }
 
 impl<K: Constraint, P: CostWithControl> Integrand<'_, K, P> {
-    /// Adds the derivatives of the limits of acceleration and jerk.
+    /// Adds the derivatives of the limits of rates.
     fn add_rates(&self, points: Points<'_, f64>, out: &mut PointsDerivatives<f64>) {
         let first = self.rows.constraints.first_of_stage();
-        if self.needs_jerk() && !self.rows.cost.needs_jerk() {
-            out.clear_jerk(points.states.nrows(), points.count());
-        }
         for g in 0..points.count() {
             for (row, term) in &self.terms[points.first + g] {
                 let row = row.checked_sub(first);
@@ -146,12 +143,16 @@ impl<K: Constraint, P: CostWithControl> Integrand<'_, K, P> {
                 };
                 let (slope, i) = (rate.side.sign() / rate.limit, rate.joint);
                 let curvature = term.curvature * slope * slope;
-                if rate.order == 2 {
-                    out.gradients[(i, 3 * g + 2)] += term.slope * slope;
-                    out.hessians.add_acceleration(g, i, curvature);
-                } else {
-                    out.by_jerk[0][(i, g)] += term.slope * slope;
-                    out.by_jerk[1][(i, g)] += curvature;
+                match rate.order.checked_sub(3) {
+                    Some(higher) => {
+                        let [slopes, curvatures] = &mut out.higher[higher];
+                        slopes[(i, g)] += term.slope * slope;
+                        curvatures[(i, g)] += curvature;
+                    }
+                    None => {
+                        out.gradients[(i, 3 * g + 2)] += term.slope * slope;
+                        out.hessians.add_acceleration(g, i, curvature);
+                    }
                 }
             }
         }
@@ -174,8 +175,8 @@ impl<K: Constraint, P: CostWithControl> PointCost<f64> for Integrand<'_, K, P> {
         Ok(of_rows + self.rows.cost.time_rate(point)?)
     }
 
-    fn needs_jerk(&self) -> bool {
-        self.rows.needs_jerk()
+    fn order(&self) -> usize {
+        self.rows.order()
     }
 
     fn phases(&self) -> usize {

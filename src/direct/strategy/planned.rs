@@ -197,17 +197,16 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
         while horizon < longest {
             let grid = Grid::with_ends(basis, 2 * basis.degree(), horizon);
             let mut states = DMatrix::zeros(n, grid.table.ncols());
-            let with_jerk = rows.needs_jerk();
-            let mut jerks = with_jerk.then(|| DMatrix::zeros(n, grid.points()));
+            let mut higher = vec![DMatrix::zeros(n, grid.points()); rows.order() - 2];
             let mut h = vec![0.0; grid.points() * rows.count()];
             let mut kept = true;
             let path = start.clone().between_ends_of(&problem.with_horizon(horizon)?);
             for e in 0..basis.segments() {
                 place(&path.coefficients, grid.first(e), &grid.table, &mut states);
-                if let Some(jerks) = &mut jerks {
-                    place(&path.coefficients, grid.first(e), &grid.thirds[0], jerks);
+                for (rates, of) in higher.iter_mut().zip(&grid.higher) {
+                    place(&path.coefficients, grid.first(e), &of.table, rates);
                 }
-                let mut here = points(&grid, &grid.times, (&states, &jerks), e, 0);
+                let mut here = points(&grid, &grid.times, (&states, &higher), e, 0);
                 here.first = 0;
                 rows.of_all(here, RowSelection::All, &mut h)?;
                 // No horizon makes a start keep equalities.

@@ -53,7 +53,7 @@ pub fn check_weak_form(model: &Model, options: &CheckOptions) -> Result<Vec<Find
         let count = states.len();
         let columns: Vec<_> = states.iter().flat_map(columns).collect();
         let (times, columns) = (vec![0.0; count], DMatrix::from_columns(&columns));
-        let points = Points { first: 1, phase: 0, times: &times, states: &columns, jerks: None };
+        let points = Points { first: 1, phase: 0, times: &times, states: &columns, higher: &[] };
         for k in &options.penalties {
             let effort = ControlEffort::with_weights(model, &written.weights)?;
             let mut analytic = WithSlip::new(effort, *k, n, count + 1);

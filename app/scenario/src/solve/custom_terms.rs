@@ -128,8 +128,8 @@ impl PointCost<f64> for ScenarioCost<'_> {
         either!(self, it => it.time_rate(point))
     }
 
-    fn needs_jerk(&self) -> bool {
-        either!(self, it => it.needs_jerk())
+    fn order(&self) -> usize {
+        either!(self, it => it.order())
     }
 
     fn phases(&self) -> usize {
@@ -146,19 +146,6 @@ impl PointCost<f64> for ScenarioCost<'_> {
 }
 
 impl CostWithControl for ScenarioCost<'_> {
-    fn value_with_control(&mut self, point: Point<'_, f64>, u: &mut [f64]) -> Result<f64> {
-        either!(self, it => it.value_with_control(point, u))
-    }
-
-    fn derivatives_with(
-        &mut self,
-        point: Point<'_, f64>,
-        out: &mut PointDerivatives<f64>,
-        term: &mut impl ControlTerm<f64>,
-    ) -> Result<f64> {
-        either!(self, it => it.derivatives_with(point, out, term))
-    }
-
     fn values_with_control(
         &mut self,
         points: Points<'_, f64>,

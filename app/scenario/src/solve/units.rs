@@ -122,7 +122,7 @@ impl Scenario {
         let SiWeights { squares, .. } = self.weights()?;
         let [torque, velocity, acceleration, jerk] = squares;
         let squares = WeightedSquares::new(self.model.dof(), torque, velocity, acceleration)?;
-        let cost = ControlEffort::weighted(&self.model, &squares)?.with_jerk(&jerk)?;
+        let cost = ControlEffort::weighted(&self.model, &squares)?.with_higher(&[&jerk])?;
         Ok(ScenarioCost::Squares(Box::new(cost)))
     }
 

@@ -19,7 +19,7 @@ pub(super) fn analytic_lagrangian(p: &RandomInstance) -> Result<Vec<Equality>> {
     let states = DMatrix::from_fn(2 * n, 3 * POINTS, |_, _| number());
     let multipliers = DMatrix::from_fn(n, POINTS, |_, _| number());
     let direction = DVector::from_fn(4 * n, |_, _| number());
-    let points = Points { first: 0, phase: 0, times: &[Gf::zero(); POINTS], states: &states, jerks: None };
+    let points = Points { first: 0, phase: 0, times: &[Gf::zero(); POINTS], states: &states, higher: &[] };
     let mut ours = analytic(p, &multipliers)?;
     let mut values = vec![Gf::zero(); POINTS];
     let mut all = PointsDerivatives::new(2 * n, POINTS);
