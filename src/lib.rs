@@ -29,8 +29,8 @@
 //! # The modules
 //!
 //! Each depends only on those before it: [`scalar`], [`linalg`], [`spatial`], [`geometry`], [`model`], [`dynamics`],
-//! [`urdf`], [`curve`], [`certify`], [`constraint`], [`cost`], [`ode`], [`motion`], [`flow`], [`plan`], [`direct`],
-//! [`verify`]; [`guide`] has the pages of the book.
+//! [`urdf`], [`curve`], [`certify`], [`constraint`], [`cost`], [`ode`], [`transcription`], [`motion`], [`plan`],
+//! [`nlp`], [`direct`], [`flow`], [`verify`]; [`guide`] has the pages of the book.
 //!
 //! Without default features the crate contains robots, their dynamics and the derivatives of the dynamics. The feature
 //! `solvers`, the default, adds the rest. Problems as files and the judge of motions are in the package

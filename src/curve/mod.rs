@@ -2,6 +2,7 @@
 //! in a basis that meets the boundary conditions.
 
 mod basis;
+mod bracket;
 mod chebyshev;
 mod fit;
 mod hermite;
@@ -10,6 +11,7 @@ mod piecewise;
 
 pub(crate) use basis::Functions;
 pub use basis::{Basis, Continuity};
+pub(crate) use bracket::{Bracket, bound, maxima};
 pub use chebyshev::Chebyshev;
 pub(crate) use fit::{Fit, Local};
 pub use legendre::{gauss_legendre, gauss_lobatto};

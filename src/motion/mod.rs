@@ -1,7 +1,6 @@
 //! The motion: the boundary value problem, the control along a curve, the simulation of that control, and the
 //! violations of constraints.
 
-mod bracket;
 mod control;
 mod interrupt;
 mod path;
@@ -10,8 +9,6 @@ mod row_values;
 mod simulate;
 mod violations;
 
-#[cfg(feature = "solvers")]
-pub(crate) use bracket::Bracket;
 pub use control::samples_at;
 pub use control::{Sample, control_at, sample};
 #[cfg(feature = "solvers")]

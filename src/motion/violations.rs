@@ -1,9 +1,8 @@
 //! The violations of constraints along a motion, for reports and for the success criterion.
 
-use super::bracket::{Bracket, bound, maxima};
 use super::row_values::Rows;
 use crate::constraint::{Constraint, Constraints, TorqueLimits};
-use crate::curve::{Chebyshev, Curve};
+use crate::curve::{Bracket, Chebyshev, Curve, bound, maxima};
 use crate::error::{Error, Result};
 use crate::linalg::multiply;
 use crate::model::Model;

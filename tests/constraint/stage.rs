@@ -75,7 +75,7 @@ fn invalid_limits_are_refused_by_joint() {
     let zero = refused(2, 0, 0.0);
     assert!(zero.contains(name) && zero.contains("acceleration limit: it is 0"), "{zero}");
     assert!(refused(2, 1, 3.0).contains("there is no joint 1"));
-    assert!(refused(1, 0, 3.0).contains("order 1"));
+    assert!(refused(1, 0, 3.0).contains("is 1 and must be from 2 to 3"));
 }
 
 #[test]

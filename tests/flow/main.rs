@@ -18,6 +18,7 @@ mod weak;
 
 #[path = "../curve"]
 mod curve {
+    mod bracket;
     mod chebyshev;
     mod hermite;
     mod legendre;
@@ -26,7 +27,6 @@ mod curve {
 
 #[path = "../motion"]
 mod motion {
-    mod bracket;
     mod problem;
     mod simulate;
     mod violations;

@@ -54,8 +54,9 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// Sets margins from the [local maxima](Self::maxima) of the rows between the points.
     ///
     /// They raise the rows at the two points of the segment next to a maximum to the height of the maximum, or only
-    /// `grow`, by twice the excess of the maximum.
-    pub(super) fn set_margins(&mut self, grow: bool) {
+    /// `grow`, by twice the excess of the maximum. Returns true if a row is beyond its bound at a maximum that margins
+    /// change.
+    pub(super) fn set_margins(&mut self, grow: bool) -> bool {
         self.reserve(grow);
         let Self { unknowns, grid_rows, points, .. } = self;
         let (fixed, grid, integrand) = (unknowns.fixed_ends(), &unknowns.grid, grid_rows.objective.cost());
@@ -65,6 +66,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let is_fixed = |time: f64| (fixed[0] && is_at(time, 0.0)) || (fixed[1] && is_at(time, 1.0));
         let phases = integrand.rows.cost.phases();
         let changes = |time: f64| is_at(phases as f64 * time, (phases as f64 * time).round());
+        let mut is_beyond = false;
         for maximum in &grid_rows.scanned.found {
             // Margins change neither the state at a fixed end nor the place of a foot that lands. Beside an end at its
             // bound they would act on another derivative than the decisive one.
@@ -73,6 +75,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
             if maximum.row < states && (at_ends || (of_phase && changes(maximum.time))) {
                 continue;
             }
+            is_beyond |= maximum.height > 0.0;
             for at in points.rows_beside(maximum, unknowns, count).into_iter().flatten() {
                 let share = if of_phase { share_in_phase(phases, grid.times[at / count]) } else { 1.0 };
                 let reserve = share * grid_rows.reserves[maximum.row];
@@ -87,5 +90,6 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
                 }
             }
         }
+        is_beyond
     }
 }

@@ -294,10 +294,8 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         }
         // Exact margins at first; then they only grow, so that the search ends.
         let grow = round > self.search.exact_margins;
-        self.set_margins(grow);
         // The reserve is there to keep the bounds themselves, not only to within the tolerance.
-        let is_beyond =
-            violation <= self.stage.feasible && self.grid_rows.scanned.found.iter().any(|row| row.height > 0.0);
+        let is_beyond = self.set_margins(grow) && violation <= self.stage.feasible;
         let again = end && self.stage.last && is_beyond;
         Ok(if again { Tightened::Beyond } else { Tightened::Violation(violation) })
     }

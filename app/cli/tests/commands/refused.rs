@@ -98,7 +98,7 @@ fn lists_of_a_sweep_have_bounds() {
     let text = "method = 'flow'\nscenarios = ['pendulum_*']\ntime_limit_s = 1e300\ndegree = [4]\nk = [1e5]\n\
         s_max = [1]\n";
     std::fs::write(folder.join("s.toml"), text).expect("writable");
-    let words = "s.toml: time_limit_s: it is 1e300, ; at most 31536000 s";
+    let words = "s.toml: time_limit_s: it is 1e300 and must be ; at most 31536000 s";
     assert_bad_input(&folder, &["sweep", "s.toml"], words);
 }
 

@@ -69,7 +69,7 @@ const OF_THE_DIRECT_METHOD: &[(&str, &str, &str)] = &[
     ("[9, 16]", "[9, 16, 9]", "degree[2]: the value is there already"),
     ("[9, 16]", "[9, -1]", "degree[1]: ; -1"),
     ("[9, 16]", "[]", "degree: it is an empty list"),
-    ("segments = [1, 2]", "segments = [1, 17]", "segments[1]: it is 17, ; degree 16"),
+    ("segments = [1, 2]", "segments = [1, 17]", "segments[1]: it is 17 and must be ; degree 16"),
     ("segments = [1, 2]", "segments = [0]", "segments[0]: it is 0"),
     ("starts = [1, 3]", "starts = [1, 0]", "starts[1]: it is 0 and must be at least 1"),
     ("[1e-6]", "[0]", "tolerance[0]: it is 0 and must be a positive number"),

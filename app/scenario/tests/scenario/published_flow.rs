@@ -19,7 +19,7 @@ fn every_built_in_scenario_succeeds() {
         let options = FlowOptions::default();
         let outcome = Solve::new(&scenario).options(options.clone()).run();
         if !scenario.passive().is_empty() {
-            let words = format!("{name}: passive: not supported by the published flow");
+            let words = format!("{name}: passive: supported by the methods 'duals'");
             assert_refused(outcome, &words);
             continue;
         }

@@ -1,7 +1,7 @@
 //! Maxima between three values. The file is compiled here, because its type is not public.
 
 #[allow(dead_code, unreachable_pub)]
-#[path = "../../src/motion/bracket.rs"]
+#[path = "../../src/curve/bracket.rs"]
 mod source;
 
 use crate::common::slider;

@@ -103,7 +103,7 @@ impl Bracket {
 
 /// An upper bound of the [`maxima`] of values and of those that [`Bracket::may_exceed`] asks for, computed for many of
 /// them side by side.
-pub(super) fn bound(values: &[f64], equality: bool) -> f64 {
+pub(crate) fn bound(values: &[f64], equality: bool) -> f64 {
     let height = |value: f64| if equality { value.abs() } else { value };
     let larger = |a: f64, b: f64| if b > a { b } else { a };
     let mut most = [f64::NEG_INFINITY; LANES];
@@ -121,7 +121,7 @@ pub(super) fn bound(values: &[f64], equality: bool) -> f64 {
 /// The largest of values at successive times, or of their absolute values for an equality, and its position in
 /// intervals; then the largest of these and of the maxima of all parabolas through three neighbours: near the middle
 /// one, and out to an end at the first and last three.
-pub(super) fn maxima(values: &[f64], equality: bool) -> [(f64, f64); 2] {
+pub(crate) fn maxima(values: &[f64], equality: bool) -> [(f64, f64); 2] {
     let (mut largest, mut position) = (f64::NEG_INFINITY, 0.0);
     for (k, value) in values.iter().enumerate() {
         let height = if equality { value.abs() } else { *value };
