@@ -235,8 +235,9 @@ fn an_end_at_its_bound_is_no_obstacle() {
             let highest = (0..=20_000).map(|k| found.curve.at(1e-4 * f64::from(k)).0[0]);
             let highest = highest.fold(0.0, f64::max) - 1.0;
             assert!(highest <= DirectSettings::FEASIBLE, "{highest:e}");
+            // Rows beside an end that is outside are tightened in as many rounds as there are.
             let iterations = found.iterations.len();
-            assert!(found.converged && iterations < 60, "{iterations}");
+            assert!(found.converged && iterations < 100, "{iterations}");
         }
     }
 }
