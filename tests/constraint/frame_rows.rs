@@ -190,10 +190,10 @@ fn what_no_frame_keeps_is_refused() {
     }
     assert_refused(rows().axis_along(&zero, &z), "frame 'tool': axis: (0, 0, 0) has length zero");
     let large = Vector3::new(f64::NAN, 0.0, 1.0);
-    assert_refused(rows().axis_within(&z, &large, 0.1), "frame 'tool': direction: (NaN, 0, 1) has length zero or is not finite");
+    assert_refused(rows().axis_within(&z, &large, 0.1), "direction: (NaN, 0, 1) has length zero");
     for (lower, upper) in [(1.0, 0.0), (f64::NAN, 1.0), (f64::INFINITY, f64::INFINITY)] {
         let found = rows().in_box(&Vector3::from_element(lower), &Vector3::from_element(upper));
-        assert_refused(found, "frame 'tool': bounds of the position: they are");
+        assert_refused(found, "frame 'tool': bounds of the position: the lower bound");
     }
     let model = robot("pendulum_2");
     let mut evaluator = Evaluator::<f64>::new(&model);
