@@ -266,19 +266,19 @@ impl ScenarioFile {
             ("flow.c_cons", self.flow.c_cons),
             ("success_threshold", self.success_threshold),
         ];
-        let refuse = |key: &str, value: f64, condition: &str| {
-            let condition = format!("it is {}, {condition}", plain(value));
+        let refuse = |key: &str, value: f64, needed: &str| {
+            let condition = format!("it is {} and must be {needed}", plain(value));
             Err(Error::input(path, key, condition))
         };
         for (key, value) in positive {
             if !(value.is_finite() && value > 0.0) {
-                return refuse(key, value, "a positive number is needed");
+                return refuse(key, value, "a positive number");
             }
         }
         let gains = [("feedback.kp", self.feedback.kp), ("feedback.kv", self.feedback.kv)];
         for (key, gain) in gains {
             if !(gain.is_finite() && gain >= 0.0) {
-                return refuse(key, gain, "a gain is not negative");
+                return refuse(key, gain, "a number of at least 0");
             }
         }
         Problem::check_horizon(self.horizon_s).map_err(|condition| Error::input(path, "horizon_s", condition))?;
