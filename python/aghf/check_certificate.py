@@ -1,5 +1,6 @@
 """A checker of certificates, with numpy alone: `python -m aghf.check_certificate ROBOT.urdf SCENARIO SUMMARY
-CERTIFICATE`. The exit code is 0 if all promises are proved, 4 if the certificate leaves some out, 1 if it is refused.
+CERTIFICATE [FOLDER ...]`. The exit code is 0 if all promises are proved, 4 if the certificate leaves some out or a mesh
+is not read, 1 if it is refused. Packages with meshes are in the folders of the URDF and above it, or in those named.
 
 It shares no code with the library that plans motions and writes certificates: URDF, scenario, polynomials, inverse
 dynamics and distances are read and computed here once more, for all intervals at once, with the errors of rounding.
@@ -30,6 +31,8 @@ NOT_UNIT = 2e-3  # the largest deviation of the square of the norm of a quaterni
 LARGEST = 1e6  # the largest length, mass and similar number
 LEVELS, DEGREE, BALLS = 127, 100, 10_000  # at most: of lists and objects, of a motion, along links
 ORDER = 10
+# The radius about a piece of a mesh, m, and the distance of a corner of the mesh from it that is accepted.
+RADIUS, ACCEPTED = 1e-6, 0.9e-6
 KINDS = ["position", "velocity", "acceleration", "jerk", "torque", "power"]
 
 
@@ -442,10 +445,95 @@ class Joint:
         return product(self.origin[0], about(self.axis, *q.sin_cos())), self.origin[1]
 
 
+def triangles(name, data):
+    """The corners of the triangles of an STL or OBJ, number by 3 by 3; `None` if the file has another format or more
+    than is read here."""
+    name = name.strip().lower()
+    if name.endswith(".stl") and len(data) >= 84 and len(data) == 84 + 50 * int.from_bytes(data[80:84], "little"):
+        rows = np.frombuffer(data[84:], dtype=np.uint8).reshape(-1, 50)[:, 12:48]
+        return rows.copy().view("<f4").astype(float).reshape(-1, 3, 3)
+    corners, found = [], []
+    is_stl = name.endswith(".stl")
+    passed = "solid facet outer endloop endfacet endsolid" if is_stl else "vn vt vp o g s l p usemtl mtllib"
+    try:
+        for line in data.decode().splitlines() if is_stl or name.endswith(".obj") else ["?"]:
+            word, *rest = line.split() or [passed.split()[0]]
+            if word == ("vertex" if is_stl else "v"):
+                corners.append([real(x) for x in rest[:3]])
+                require(len(corners[-1]) == 3, "a corner has no three numbers")
+            elif word == "f" and not is_stl:
+                own = [int(x.split("/")[0]) for x in rest]
+                own = [i - 1 if i > 0 else len(corners) + i for i in own]
+                require(all(0 <= i < len(corners) for i in own), "a face has an unknown corner")
+                found += [[corners[own[0]], corners[own[i - 1]], corners[own[i]]] for i in range(2, len(own))]
+            elif word not in passed.split() and (word[0] != "#" or is_stl):
+                return None
+    except (Refused, ValueError):
+        return None
+    if is_stl:
+        return np.array(corners).reshape(-1, 3, 3) if len(corners) % 3 == 0 else None
+    return np.array(found).reshape(-1, 3, 3)
+
+
+def are_inside(points, piece):
+    """True where a point is within `ACCEPTED` of an average of corners: of their middle and those of a face."""
+    corners, faces = piece
+    middle = corners.mean(axis=0)
+    ways = corners[faces] - middle
+    a, b, c = ways[:, 0], ways[:, 1], ways[:, 2]
+    normals = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+    normals = normals / (a * normals[:, 0]).sum(axis=1)[:, None, None]
+    found = (points[:, None] == corners).all(axis=2).any(axis=1)
+    points = points - middle
+    for face, weights in zip(ways, normals):
+        (left,) = np.nonzero(~found)
+        share = np.nan_to_num(np.maximum(points[left] @ weights.T, 0.0), posinf=0.0)
+        share /= np.maximum(share.sum(axis=1), 1.0)[:, None]
+        off = points[left] - share @ face
+        slack = ACCEPTED - 64.0 * UNIT * np.sqrt((points[left] ** 2).sum(axis=1))
+        found[left[np.sqrt((off**2).sum(axis=1)) <= slack]] = True
+    return found
+
+
+def read_piece(corners, faces):
+    """The corners and the faces of a piece of a mesh."""
+    require(corners and all(i < len(corners) for face in faces for i in face), "a piece of a mesh has a wrong face")
+    return np.array(corners, dtype=float), np.array(faces, dtype=int).reshape(-1, 3)
+
+
+def check_meshes(robot, pieces, listed, files):
+    """Checks that pieces contain their meshes, and returns the names of those that are not read."""
+    require(set(listed) == {name for name, _ in robot.meshes}, "the meshes are not those of the robot")
+    data = {name: files(name) for name in listed}
+    for name, found in data.items():
+        is_same = found is None or hashlib.sha256(found).hexdigest() == listed[name]
+        require(is_same, f"'{name}' is another file than that of the certificate")
+    known = {name: None if found is None else triangles(name, found) for name, found in data.items()}
+    for (name, scale), own in zip(robot.meshes, pieces):
+        if known[name] is not None:
+            all_points, of = np.unique(known[name].reshape(-1, 3) * scale, axis=0, return_inverse=True)
+            inside = [are_inside(all_points, piece)[of.reshape(-1, 3)].all(axis=1) for piece in own]
+            require(np.any(inside, axis=0).all(), f"the pieces of '{name}' do not contain it")
+    return sorted(name for name, found in known.items() if found is None)
+
+
+def find_mesh(name, robot, folders=()):
+    """The bytes of the mesh that a URDF calls so: a path from its folder, or `package://NAME/PATH`, which is looked up
+    in the folder of the URDF, in those above it and in `folders`; `None` if there is no such file."""
+    own, name = Path(robot).absolute().parent, name.strip()
+    files = [own / name.removeprefix("file://")]
+    if name.startswith("package://"):
+        package, _, path = name.removeprefix("package://").lstrip("/").partition("/")
+        files = []
+        for folder in [own, *own.parents, *map(Path, folders)]:
+            files += [folder / package / path] + ([folder / path] if folder.name == package else [])
+    return next((file.read_bytes() for file in files if file.is_file()), None)
+
+
 class Robot:
     """The moving bodies of a URDF and the shapes that keep clear."""
 
-    def __init__(self, urdf, scenario, names):
+    def __init__(self, urdf, scenario, names, pieces):
         urdf = urdf.partition("?>")[2] if urdf.startswith("<?xml ") else urdf
         require("&#" not in urdf and urdf[:1] != "\ufeff", "the robot has a reference to a number or a byte order mark")
         root = ElementTree.fromstring(urdf, ElementTree.XMLParser(target=Elements()))
@@ -467,13 +555,14 @@ class Robot:
             require(body is not None, "the payload is on no link that moves")
             center = (IDENTITY[0], vector(option(load, "center_m", [0.0] * 3)))
             self.add_mass(body, compose(at, center), load["mass_kg"], option(load, "inertia_kg_m2", [0.0] * 6))
-        # Per shape the body, the link, the placement, the kind and the lengths.
-        self.parts, self.is_known, self.meshes = [], True, set()
+        # Per shape the body, the link, the placement, the kind and the lengths: of a piece of a mesh the radius of a
+        # ball and the corners. Per mesh the name and the scale.
+        self.parts, self.is_known, self.meshes = [], True, []
         is_shaped = any(link.find("collision") is not None for link in links.values())
         shape = option(scenario, "robot_shape", {"collision": {}} if is_shaped else "joint_frames")
         self.has_links = option(shape, "collision") is not None
         if self.has_links:
-            self.add_shapes(links)
+            self.add_shapes(links, pieces)
         elif shape == "joint_frames":
             self.parts += [(body, "", IDENTITY, "sphere", [0.0]) for body in range(len(self.joints))]
         else:
@@ -484,6 +573,7 @@ class Robot:
             self.is_known &= self.has_links or kind == "sphere"
             at = compose(placed[load["link"]][1], pose_of(option(load, "shape_pose", default)))
             self.parts.append((body, load["link"], at, kind, size))
+        require(len(self.meshes) == len(pieces), "there are pieces of other meshes than those of the robot")
         self.has_balls = self.is_known and all(kind == "sphere" for _, _, _, kind, _ in self.parts)
 
     def add_joints(self, root, links, scenario, names):
@@ -548,14 +638,21 @@ class Robot:
         joint.mass, joint.first = joint.mass + mass, joint.first + c * mass
         joint.inertia = joint.inertia + product(product(at[0], own), transpose(at[0])) + square * mass
 
-    def add_shapes(self, links):
-        """Adds the collision elements, by the names of their links."""
+    def add_shapes(self, links, pieces):
+        """Adds the collision elements, by the names of their links, meshes as their pieces."""
         for link, (body, at) in sorted(self.links.items()):
             for collision in links[link].findall("collision"):
                 (own,) = collision.find("geometry")
                 if own.tag == "mesh":
-                    self.is_known = False
-                    self.meshes.add(own.get("filename"))
+                    known = pieces[len(self.meshes) : len(self.meshes) + 1] or [[]]
+                    require(known[0], f"a mesh of link '{link}' has no pieces")
+                    for corners, _ in known[0]:
+                        middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+                        centre = compose(compose(at, pose(collision.find("origin"))), (IDENTITY[0], vector(middle)))
+                        corners = corners - middle
+                        radius = np.sqrt((corners**2).sum(axis=1).max()) * (1.0 + 8.0 * UNIT) + RADIUS
+                        self.parts.append((body, link, centre, "piece", [radius, corners]))
+                    self.meshes.append((own.get("filename"), attribute(own, "scale", (1.0, 1.0, 1.0))))
                     continue
                 size = [attribute(own, "radius")[0], 0.5 * attribute(own, "length")[0]]
                 if own.tag == "box":
@@ -1062,22 +1159,86 @@ def extent(at, kind, size, n):
     return half(squares[2], size[1]) + half(ball if kind == "capsule" else squares[0] + squares[1], size[0])
 
 
+def radius_about(kind, size):
+    """The radius of a ball about the centre of a shape that contains it."""
+    if kind == "half_space":
+        return math.inf
+    if kind in ("sphere", "piece"):
+        return size[0]
+    if kind == "capsule":
+        return size[0] + size[1]
+    return math.sqrt(sum(x * x for x in size[: 3 if kind == "box" else 2])) * (1.0 + 8.0 * UNIT)
+
+
+def least_of(gap, ways):
+    """Lower bounds on the least of the sums of gaps, a list of them, and ways, a list for each of several corners."""
+    x = ways + gap
+    low, high = x.c[0] - x.variation(), (x.c[0] + x.variation()).min(axis=0)
+    near = ~(low > high)
+    found = np.full(near.shape[1], np.inf)
+    np.minimum.at(found, np.nonzero(near)[1], lower(Model(x.c[:, near], x.r[near])))
+    return found
+
+
+def gap_along(a, b, n):
+    """Lower bounds on the gaps between two shapes along directions from one to the other."""
+    gap, ways = dot(n, b[0][1] - a[0][1]), []
+    for (at, kind, size), towards in ((a, -n), (b, n)):
+        if kind != "piece":
+            gap = gap - extent(at, kind, size, n)
+            continue
+        # The way of each corner from the centre of its piece towards the other shape.
+        along, corners = apply(transpose(at[0]), towards), size[1]
+        along = Model(along.c + np.zeros(n.c.shape), along.r + np.zeros(n.r.shape))
+        c = np.einsum("ci,oik->ock", corners, along.c)
+        r = (np.abs(corners) @ (along.r + 8.0 * UNIT * along.size())) * UP + TINY
+        ways.append(Model(c, r))
+        gap = gap - gap.like(RADIUS * np.sqrt(dot(n, n).most()) * (1.0 + 4.0 * UNIT))
+    gap = Model(gap.c + np.zeros((1, n.c.shape[2])), gap.r + np.zeros(n.c.shape[2]))
+    if not ways:
+        return lower(gap)
+    passing = 0.0
+    if len(ways) == 2:
+        # The corner that is nearest in the middle stands for those of a piece, less the way by which others pass it.
+        first, k = ways[0], np.arange(n.c.shape[2])
+        nearest = first[first.c[0].argmin(axis=0), k]
+        gap, passing = gap + nearest, least_of(-nearest, first)
+    return least_of(gap, ways[-1]) + passing
+
+
 def check_shapes(promise, pairs, claims, robot, obstacles, placed, directions, refuse):
-    """Checks that directions separate all pairs by their distances and the claims of the intervals beyond them."""
+    """Checks that balls or directions separate all pairs by their distances and the claims beyond them."""
+
+    def length(x):
+        return np.sqrt((x * x).sum(axis=0))
+
     for i, j, margin in pairs:
-        b, key = ((placed[j], *robot.parts[j][3:]), j) if promise != "obstacles" else (obstacles[j], len(placed) + j)
-        off = b[0][1] - placed[i][1]
+        a, is_part = (placed[i], *robot.parts[i][3:]), promise != "obstacles"
+        b, key = ((placed[j], *robot.parts[j][3:]), j) if is_part else (obstacles[j][:3], len(placed) + j)
+        still = Model.constant(np.zeros((3, len(claims))))
+        off = b[0][1] - a[0][1] + still
+        apart = length(off.c[0]) * (1.0 - 24.0 * UNIT) - length(off.variation()) * (1.0 + 8.0 * UNIT)
+        is_left = ~(apart - radius_about(*a[1:]) - radius_about(*b[1:]) >= claims + margin)
+        if not is_left.any():
+            continue
         if b[1] == "half_space":
-            n = -transpose(b[0][0])[2]
+            n = -transpose(b[0][0])[2] + still
         else:
-            n = Model.constant(off.c[0] + np.zeros((3, len(claims))))
+            n = Model.constant(off.c[0])
             for k, direction in directions.get((i, key), []):
                 n.c[0, :, k] = direction
-        gap = dot(n, off) - extent(placed[i], *robot.parts[i][3:], n) - extent(*b[:3], n)
+        (left,) = np.nonzero(is_left)
+        a, b = (((rotated[:, :, some], moved[:, some]), *rest) for (rotated, moved), *rest, some in chosen(a, b, left))
+        n = n[:, left]
         square = dot(n, n)
-        good = lower(gap) >= (claims + margin) * np.sqrt(square.most()) * (1.0 + 4.0 * UNIT)
+        good = gap_along(a, b, n) >= (claims[left] + margin) * np.sqrt(square.most()) * (1.0 + 4.0 * UNIT)
         good &= (square.c[0] > 1e-6) & np.isfinite(square.most())
-        refuse(promise, np.flatnonzero(~good))
+        refuse(promise, left[~good])
+
+
+def chosen(a, b, left):
+    """Two shapes, and which of the intervals are left of each: that does not move has one placement for all."""
+    return [(*shape, left if shape[0][1].c.shape[2] > 1 else slice(None)) for shape in (a, b)]
 
 
 def check_balls(promise, pairs, claims, robot, obstacles, placed, refuse):
@@ -1197,12 +1358,13 @@ def cover(intervals, segments, claims):
     return found, directions
 
 
-def check(robot, scenario, run, certificate):
+def check(robot, scenario, run, certificate, meshes=lambda name: None):
     """Checks a certificate, given the texts of the robot, of the scenario (or of the summary, which has it), of the
-    summary of the solve and of the certificate; returns a `Report`, or raises `Refused`."""
+    summary of the solve and of the certificate, and the bytes of meshes by their names in the URDF, `None` for those
+    that cannot be read; returns a `Report`, or raises `Refused`."""
     try:
         with np.errstate(all="ignore"):
-            return _check(robot, scenario, run, certificate)
+            return _check(robot, scenario, run, certificate, meshes)
     except (ArithmeticError, LookupError, MemoryError, RecursionError, TypeError, ValueError, SyntaxError) as error:
         raise Refused(f"unreadable: {error!r}") from error
 
@@ -1249,7 +1411,7 @@ def check_intervals(scenario, robot, motion, tube, limits, pairs, promises, inte
                 check_shapes(promise, own, claims[promise], robot, obstacles, placed, directions, refuse)
 
 
-def _check(robot_text, scenario_text, run_text, certificate_text):
+def _check(robot_text, scenario_text, run_text, certificate_text, meshes):
     run, certificate = read(run_text, "run"), read(certificate_text, "certificate")
     texts = robot_text, scenario_text, run_text
     robot_hash, scenario_hash, run_hash = (hashlib.sha256(text.encode()).hexdigest() for text in texts)
@@ -1267,8 +1429,9 @@ def _check(robot_text, scenario_text, run_text, certificate_text):
     least, most = (0.0, math.inf) if weighs_time(scenario) else (fixed, fixed)
     is_asked = option(free, "shortest_s", least) <= motion.horizon <= option(free, "longest_s", most)
     require(is_asked, "the horizon is not that of the scenario")
-    robot = Robot(robot_text, scenario, names)
-    require(set(certificate["meshes"]) == robot.meshes, "the meshes are not those of the robot")
+    pieces = [[read_piece(*piece) for piece in mesh] for mesh in certificate["pieces"]]
+    robot = Robot(robot_text, scenario, names, pieces)
+    unread = check_meshes(robot, pieces, certificate["meshes"], meshes)
     missing = left_out(scenario, robot, certificate["keys"])
     require(certificate["complete"] is (not missing), "'complete' is wrong")
     limits = limits_of(scenario, robot)
@@ -1283,6 +1446,7 @@ def _check(robot_text, scenario_text, run_text, certificate_text):
     check_intervals(scenario, robot, motion, tube, limits, pairs, promises, intervals, directions)
     proved = ", ".join(["horizon", "ends", *(k for k in ("goal", "waypoints") if entries(scenario, k)), *promises])
     within = f" for positions within {tube:g} of the motion" if tube else ""
+    missing += [f"that the pieces of '{name}' contain this mesh" for name in unread]
     tail = f"; not certified: {', '.join(missing)}" if missing else ""
     outcome = "certified in part" if missing else "certified"
     return Report(f"{outcome} at all times{within}, by {len(intervals)} intervals: {proved}{tail}", not missing)
@@ -1290,8 +1454,10 @@ def _check(robot_text, scenario_text, run_text, certificate_text):
 
 def main(files):
     try:
-        require(len(files) == 4, "usage: python -m aghf.check_certificate ROBOT.urdf SCENARIO SUMMARY CERTIFICATE")
-        report = check(*(Path(file).read_bytes().decode() for file in files))
+        usage = "usage: python -m aghf.check_certificate ROBOT.urdf SCENARIO SUMMARY CERTIFICATE [FOLDER ...]"
+        require(len(files) >= 4, usage)
+        texts = (Path(file).read_bytes().decode() for file in files[:4])
+        report = check(*texts, lambda name: find_mesh(name, files[0], files[4:]))
     except (OSError, UnicodeError, Refused) as fault:
         print(f"refused: {fault}", file=sys.stderr)
         return 1

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from aghf.check_certificate import Refused, check
+from aghf.check_certificate import Refused, check, find_mesh
 
 FOLDER = Path(__file__).resolve().parents[2] / "app/check/conformance"
 FILES = dict(robot="robot.urdf", scenario="scenario.json", summary="summary.json", certificate="certificate.json")
@@ -58,8 +58,9 @@ def texts_of(case):
 
 @pytest.mark.parametrize("case", CASES)
 def test_the_checker_gives_the_verdict_and_the_reason_of_each_case(case):
+    robot = FOLDER / "bases" / case["base"] / "robot.urdf"
     try:
-        report = check(*texts_of(case))
+        report = check(*texts_of(case), lambda name: None if "meshes" in case else find_mesh(name, robot))
         verdict, message = "all" if report.is_complete else "in part", report.text
     except Refused as reason:
         verdict, message = "refused", str(reason)

@@ -25,11 +25,14 @@
 mod ball_tree;
 mod cells;
 mod collision;
+mod convex;
 mod corner;
 mod cover;
 mod greedy;
+mod hull;
 mod mesh;
 mod scene;
+mod separation;
 mod shape;
 mod tree;
 
@@ -37,8 +40,10 @@ pub use ball_tree::{BallNode, BallTree};
 #[cfg(feature = "solvers")]
 pub(crate) use collision::SETS;
 pub use collision::{Capsule, CollisionGeometry, CollisionSphere};
+pub use convex::{ConvexPiece, PIECE_RADIUS, convex_pieces, excess};
 pub use corner::FLAT;
 pub use cover::Cover;
 pub use mesh::{Triangle, cover_triangles};
 pub use scene::{ClosestPair, Collider, Obstacle, Part, Scene};
+pub use separation::{Support, closest_points};
 pub use shape::{Distance, Shape, Solid, Sphere};

@@ -29,7 +29,10 @@ mod xml;
 #[path = "../geometry"]
 mod geometry {
     mod ball_tree;
+    mod convex;
     mod cover;
+    mod hull;
+    mod separation;
 }
 
 #[path = "../model"]

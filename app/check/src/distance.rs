@@ -1,9 +1,10 @@
 //! Lower bounds on distances.
 
 use crate::arithmetic::{Bernstein, Tm, UNIT, Vector, apply, dot, sub, transpose, vector};
+use crate::mesh::RADIUS;
 use crate::robot::{Pose, Robot};
 use crate::scenario::{Obstacle, Pair};
-use crate::shape::{Solid, extent};
+use crate::shape::{Solid, extent, radius_about};
 use std::collections::BTreeMap;
 
 /// Lower bounds on distances.
@@ -117,22 +118,69 @@ impl Clearances<'_> {
         surface - radius(i) - pair.margin >= claim
     }
 
-    /// True if a direction separates two shapes by their distance and the claim.
+    /// True if balls about two shapes, or a direction, separate them by their distance and the claim.
     fn keeps(&self, claim: f64, pair: &Pair) -> bool {
         let (i, parts) = (pair.part, &self.robot.parts);
-        let solid = |j: usize| Solid { at: self.placed[j], ..parts[j].solid };
+        let part = |j: usize| (Solid { at: self.placed[j], ..parts[j].solid }, parts[j].corners.as_slice());
         let (a, b, j) = match pair.other {
-            Ok(j) => (solid(i), solid(j), j),
-            Err(o) => (solid(i), self.obstacles[o].solid, parts.len() + o),
+            Ok(j) => (part(i), part(j), j),
+            Err(o) => (part(i), (self.obstacles[o].solid, &[][..]), parts.len() + o),
         };
-        let off = sub(b.at.1, a.at.1);
-        let n = match (b.kind, self.directions.get(&[i, j])) {
-            ("half_space", _) => transpose(b.at.0)[2].map(|x| -x),
+        let off = sub(b.0.at.1, a.0.at.1);
+        let (middle, way) = (off.map(|x| x.c[0]), off.map(|x| x.turn().1.most()));
+        let length = |x: [f64; 3]| x[0].hypot(x[1]).hypot(x[2]);
+        let apart = length(middle) * (1.0 - 8.0 * UNIT) - length(way) * (1.0 + 8.0 * UNIT);
+        let kept = claim + pair.margin;
+        if apart - radius_about(&a.0) - radius_about(&b.0) - 16.0 * UNIT * length(middle) >= kept {
+            return true;
+        }
+        let n = match (b.0.kind, self.directions.get(&[i, j])) {
+            ("half_space", _) => transpose(b.0.at.0)[2].map(|x| -x),
             (_, Some(n)) => vector(*n),
-            (_, None) => off.map(|x| Tm::new(x.c[0])),
+            (_, None) => middle.map(Tm::new),
         };
-        let gap = dot(n, off) - extent(&a, n) - extent(&b, n);
-        let kept = (claim + pair.margin) * dot(n, n).most().sqrt() * (1.0 + 4.0 * UNIT);
-        dot(n, n).c[0] > 1e-6 && kept.is_finite() && self.by.lower(gap) >= kept
+        let kept = kept * dot(n, n).most().sqrt() * (1.0 + 4.0 * UNIT);
+        dot(n, n).c[0] > 1e-6 && kept.is_finite() && self.gap(a, b, n) >= kept
+    }
+
+    /// A lower bound on the gap between two shapes, with corners if they are pieces, along a direction from one to the
+    /// other, in units of the length of the direction.
+    fn gap(&self, a: (Solid, &[[f64; 3]]), b: (Solid, &[[f64; 3]]), n: Vector) -> f64 {
+        let mut gap = dot(n, sub(b.0.at.1, a.0.at.1));
+        // The way along the direction, from the centre of a shape towards the other one, of each of its corners.
+        let mut ways = Vec::new();
+        for ((solid, corners), towards) in [(a, n.map(|x| -x)), (b, n)] {
+            if solid.kind == "piece" {
+                let along = apply(transpose(solid.at.0), towards);
+                ways.push(corners.iter().map(|c| dot(along, vector(*c))).collect::<Vec<Tm>>());
+                gap = gap - Tm::new(RADIUS * dot(n, n).most().sqrt() * (1.0 + 4.0 * UNIT));
+            } else {
+                gap = gap - extent(&solid, n);
+            }
+        }
+        let Some(last) = ways.pop() else { return self.by.lower(gap) };
+        let Some(first) = ways.pop() else { return self.least(last.into_iter().map(|way| gap + way)) };
+        // The corner that is nearest in the middle stands for those of a piece, less the way by which others pass it.
+        let nearest = first.iter().copied().reduce(|p, q| if q.c[0] < p.c[0] { q } else { p });
+        let nearest = nearest.unwrap_or(Tm::new(f64::NAN));
+        let passing = self.least(first.into_iter().map(|way| way - nearest));
+        self.least(last.into_iter().map(|way| gap + nearest + way)) + passing
+    }
+
+    /// A lower bound on the least of several values.
+    fn least(&self, values: impl Iterator<Item = Tm>) -> f64 {
+        let rough = |x: &Tm| x.c[0] - x.turn().1.most() - 4.0 * UNIT * x.c[0].abs();
+        let mut all: Vec<(f64, Tm)> = values.map(|x| (rough(&x), x)).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut least = f64::INFINITY;
+        for (rough, x) in all {
+            if rough >= least {
+                break;
+            }
+            let fine = self.by.lower(x);
+            // NaN stays.
+            least = if fine >= least { least } else { fine };
+        }
+        least
     }
 }

@@ -5,6 +5,7 @@ use crate::arithmetic::{Matrix, Tm, Vector, about, add, apply, cross, dot, produ
 use crate::grammar::{Grammar, Item};
 use crate::joint::Joint;
 use crate::json::{list, number, number_or, option, require, text, three};
+use crate::mesh::Piece;
 use crate::shape::{Solid, shape_of, solid_of};
 use roxmltree::{Document, Node};
 use serde_json::Value;
@@ -32,6 +33,8 @@ pub(crate) struct Part {
     pub(crate) body: Option<usize>,
     pub(crate) link: String,
     pub(crate) solid: Solid,
+    /// Those of a piece of a mesh, about its centre.
+    pub(crate) corners: Vec<[f64; 3]>,
 }
 
 /// The body that carries a link, and the placement of the link in it.
@@ -51,12 +54,12 @@ pub(crate) struct Robot {
     pub(crate) parts: Vec<Part>,
     /// True if all shapes are balls.
     pub(crate) has_balls: bool,
-    /// False if a shape is a mesh: then no clearance is certified.
+    /// False if the robot consists of balls and its load does not: then no clearance is certified.
     pub(crate) is_known: bool,
     /// True if the shapes are those of links, which keep clear of each other.
     pub(crate) has_links: bool,
-    /// The files of meshes.
-    pub(crate) meshes: BTreeSet<String>,
+    /// The names of the files of meshes, and the scales of their axes, in the order of the shapes.
+    pub(crate) meshes: Vec<(String, [f64; 3])>,
 }
 
 /// Decimal numbers between white space.
@@ -127,7 +130,12 @@ fn place_of<'a>(load: &'a Value, placed: &'a Links) -> Checked<(&'a str, &'a Pla
 }
 
 impl Robot {
-    pub(crate) fn read(urdf: &str, grammar: &Grammar, scenario: &Value, names: &[String]) -> Checked<Self> {
+    pub(crate) fn read(
+        urdf: &str,
+        grammar: &Grammar,
+        (scenario, pieces): (&Value, &[Vec<Piece>]),
+        names: &[String],
+    ) -> Checked<Self> {
         let declared = urdf.strip_prefix("<?xml ").and_then(|text| text.split_once("?>"));
         let urdf = declared.map_or(urdf, |(_, text)| text);
         require(!urdf.contains("&#"), "the robot has a reference to a number")?;
@@ -196,14 +204,14 @@ impl Robot {
         let joints: Option<Vec<Joint>> = joints.into_iter().collect();
         let (joints, base) = (joints.ok_or_else(missing)?, (Tm::new(0.0), vector([0.0; 3])));
         let (links_of, parts) = (BTreeMap::new(), Vec::new());
-        let (has_links, meshes) = (false, BTreeSet::new());
+        let (has_links, meshes) = (false, Vec::new());
         let gravity = option(scenario, "gravity").map_or([0.0, 0.0, -9.81], three);
         let (has_balls, is_known) = (true, true);
         let mut robot = Self { joints, base, gravity, links: links_of, parts, has_balls, is_known, has_links, meshes };
         let early = |(i, j): (usize, &Joint)| j.parent.is_none_or(|p| p < i);
         require(robot.joints.iter().enumerate().all(early), "a joint is before its parent")?;
         robot.add_masses(scenario, &links, &placed)?;
-        robot.add_parts(scenario, &links, &placed)?;
+        robot.add_parts((scenario, pieces), &links, &placed)?;
         robot.links = placed;
         Ok(robot)
     }
@@ -244,8 +252,13 @@ impl Robot {
         }
     }
 
-    /// Adds the balls of the shape of the robot.
-    fn add_parts(&mut self, scenario: &Value, links: &BTreeMap<String, Node>, placed: &Links) -> Checked<()> {
+    /// Adds the shapes of the robot, those of meshes as their pieces.
+    fn add_parts(
+        &mut self,
+        (scenario, pieces): (&Value, &[Vec<Piece>]),
+        links: &BTreeMap<String, Node>,
+        placed: &Links,
+    ) -> Checked<()> {
         let is_shaped = links.values().any(|n| child(*n, "collision").is_some());
         let default = Value::from(if is_shaped { "collision" } else { "joint_frames" });
         let shape = option(scenario, "robot_shape").unwrap_or(&default);
@@ -284,11 +297,18 @@ impl Robot {
                     let at = compose(at, &pose(child(collision, "origin"))?);
                     if let Some((kind, size)) = shape_of(collision)? {
                         self.add_part(*body, link, Solid { at, kind, size });
-                    } else {
-                        let mesh = child(collision, "geometry").and_then(|g| child(g, "mesh"));
-                        self.meshes.extend(mesh.and_then(|mesh| mesh.attribute("filename")).map(str::to_owned));
-                        self.is_known = false;
+                        continue;
                     }
+                    let mesh = child(collision, "geometry").and_then(|g| child(g, "mesh"));
+                    let own = pieces.get(self.meshes.len()).filter(|own| !own.is_empty());
+                    for piece in own.ok_or_else(|| format!("a mesh of link '{link}' has no pieces"))? {
+                        let middle = piece.middle();
+                        let at = compose(&at, &(identity().0, vector(middle)));
+                        self.add_part(*body, link, Solid { at, kind: "piece", size: [piece.radius(middle), 0.0, 0.0] });
+                        self.parts.last_mut().into_iter().for_each(|part| part.corners = piece.about(middle));
+                    }
+                    let name = mesh.and_then(|mesh| mesh.attribute("filename")).unwrap_or_default();
+                    self.meshes.push((name.to_owned(), triple(mesh, "scale", [1.0; 3])?));
                 }
             }
         }
@@ -300,6 +320,7 @@ impl Robot {
             self.is_known &= by_shapes || kind == "sphere";
             self.add_part(*body, link, Solid { at: compose(at, &own), kind, size });
         }
+        require(self.meshes.len() == pieces.len(), "there are pieces of more meshes than the robot has")?;
         self.has_balls = self.is_known && self.parts.iter().all(|part| part.solid.kind == "sphere");
         Ok(())
     }
@@ -309,7 +330,7 @@ impl Robot {
     }
 
     fn add_part(&mut self, body: Option<usize>, link: &str, solid: Solid) {
-        self.parts.push(Part { body, link: link.to_owned(), solid });
+        self.parts.push(Part { body, link: link.to_owned(), solid, corners: Vec::new() });
     }
 
     /// The weight, N.

@@ -7,8 +7,8 @@ use crate::robot::{Pose, child, scalar, triple};
 use roxmltree::Node;
 use serde_json::Value;
 
-/// A sphere, a box, a cylinder, a capsule or a half-space: its placement and its radius, half lengths of edges, or
-/// radius and half length.
+/// A sphere, a box, a cylinder, a capsule, a half-space or a piece of a mesh: its placement and its radius, half
+/// lengths of edges, or radius and half length; of a piece the radius of a ball about its centre.
 #[derive(Clone, Copy)]
 pub(crate) struct Solid {
     pub(crate) at: Pose,
@@ -38,6 +38,18 @@ pub(crate) fn solid_of(shape: &Value) -> Checked<(&'static str, [f64; 3])> {
         _ => [number_or(&shape[kind], "radius_m", 0.0), 0.5 * number_or(&shape[kind], "length_m", 0.0), 0.0],
     };
     Ok((kind, size))
+}
+
+/// The radius of a ball about the centre of a shape that contains it.
+pub(crate) fn radius_about(of: &Solid) -> f64 {
+    let [r, h, w] = of.size;
+    match of.kind {
+        "half_space" => f64::INFINITY,
+        "sphere" | "piece" => r,
+        "capsule" => r + h,
+        "cylinder" => r.hypot(h) * (1.0 + 4.0 * UNIT),
+        _ => r.hypot(h).hypot(w) * (1.0 + 8.0 * UNIT),
+    }
 }
 
 /// An upper bound on the extent of a shape from its centre in a direction and against it: that of a ball, of edges, or

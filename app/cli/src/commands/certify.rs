@@ -4,7 +4,8 @@ use super::compare::summary_at;
 use super::{CHECK_FAILED, IN_PART, RobotArgs, print};
 use crate::output::{certification_text, refuse_existing, table_difference_text, write_json, write_text};
 use aghf::error::{Error, Result};
-use aghf::input::read_text;
+use aghf::input::{read_bytes, read_text};
+use aghf::urdf::mesh_path;
 use aghf_scenario::certify::{Certificate, NAME, TOLERANCE, Texts, certify, named_run, table_differences};
 use aghf_scenario::judge::Trajectory;
 use aghf_scenario::{Details, Solved};
@@ -68,14 +69,22 @@ impl Certify {
             return Ok(ExitCode::from(CHECK_FAILED));
         };
         let text = json(&certificate)?;
-        let checked = aghf_check::check(&scenario.source.text, &full, &run, &text);
-        if let Err(fault) = checked {
-            print(&format!("not certified: the checker refuses the certificate: {fault}"))?;
-            return Ok(ExitCode::from(CHECK_FAILED));
+        let packages = &scenario.file.packages;
+        let mesh = |name: &str| read_bytes(&mesh_path(name, scenario.source.folder(), packages).ok()?).ok();
+        let checked = aghf_check::check([&scenario.source.text, &full, &run, &text], &mesh);
+        let report = match checked {
+            Ok(report) => report,
+            Err(fault) => {
+                print(&format!("not certified: the checker refuses the certificate: {fault}"))?;
+                return Ok(ExitCode::from(CHECK_FAILED));
+            }
+        };
+        if certificate.complete && !report.is_complete {
+            print(&report.text)?;
         }
         write_text(&text, &self.out)?;
         print(&format!("wrote {}", self.out.display()))?;
-        Ok(if certificate.complete { ExitCode::SUCCESS } else { ExitCode::from(IN_PART) })
+        Ok(if report.is_complete { ExitCode::SUCCESS } else { ExitCode::from(IN_PART) })
     }
 
     /// The text of the scenario as it was given, if it is a file.
@@ -94,8 +103,8 @@ fn json(value: &impl Serialize) -> Result<String> {
 
 /// Checks a certificate with code that shares nothing with the planner, as the program `aghf-check` does.
 ///
-/// Exit code 1 and the reason if the certificate is refused, 4 if it leaves a part of the scenario out, which is
-/// printed.
+/// Exit code 1 and the reason if the certificate is refused, 4 if it leaves a part of the scenario out or a mesh is not
+/// read, which is printed. Meshes in STL and OBJ are read.
 #[derive(Debug, Args)]
 pub(super) struct CheckCertificate {
     /// The URDF file of the robot.
@@ -106,6 +115,9 @@ pub(super) struct CheckCertificate {
     run: PathBuf,
     /// The certificate.
     certificate: PathBuf,
+    /// A folder of packages with meshes, which are also looked up in the folder of the URDF and in those above it.
+    #[arg(long, value_name = "FOLDER")]
+    packages: Vec<PathBuf>,
     /// A table or a message with the motion, as `aghf sample` and `aghf export` write them: the difference from the
     /// certified motion is bounded at all times, for straight lines between the samples, and for cubics and quintics if
     /// there are velocities and accelerations. Exit code 4 if each is beyond the tracking error of the certificate; a
@@ -145,7 +157,8 @@ impl CheckCertificate {
     pub(super) fn run(self) -> Result<ExitCode> {
         let files = [&self.robot, &self.scenario, &self.run, &self.certificate];
         let [robot, scenario, run, certificate] = files.map(|file| read_text(file));
-        match aghf_check::check(&robot?, &scenario?, &run?, &certificate?) {
+        let mesh = |name: &str| aghf_check::find_mesh(name, &self.robot, &self.packages);
+        match aghf_check::check([&robot?, &scenario?, &run?, &certificate?], &mesh) {
             Ok(report) => {
                 let table = self.table.as_ref().map(|table| self.check_table(table));
                 let (lines, is_kept) = table.unwrap_or_else(|| Ok((Vec::new(), true)))?;

@@ -67,7 +67,7 @@ fn of_shapes(shapes: &Shapes) -> String {
         return String::new();
     }
     let mut table = table();
-    table.set_header(["link", "shapes", "balls", "excess, mm"]);
+    table.set_header(["link", "shapes", "pieces", "corners", "balls", "excess, mm"]);
     for of_link in shapes.shapes.chunk_by(|a, b| a.link == b.link) {
         table.add_row(row(of_link));
     }
@@ -94,7 +94,7 @@ fn of_shapes(shapes: &Shapes) -> String {
 }
 
 /// The row of a link: the kinds of its shapes, and the names of its meshes without their folders.
-fn row(shapes: &[LinkShape]) -> [String; 4] {
+fn row(shapes: &[LinkShape]) -> [String; 6] {
     let mut kinds: Vec<(String, usize)> = Vec::new();
     for shape in shapes {
         let name = if shape.mesh {
@@ -117,6 +117,8 @@ fn row(shapes: &[LinkShape]) -> [String; 4] {
     [
         shapes[0].link.clone(),
         kinds.collect::<Vec<_>>().join(", "),
+        shapes.iter().map(|shape| shape.pieces).sum::<usize>().to_string(),
+        shapes.iter().map(|shape| shape.corners).sum::<usize>().to_string(),
         match unread {
             0 => balls.to_string(),
             unread => format!("{balls}, {unread} not read"),

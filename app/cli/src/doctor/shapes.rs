@@ -1,13 +1,17 @@
 //! The collision shapes of a robot: which are read, and how far their covers extend beyond them.
 
 use super::{Finding, Severity};
-use aghf::error::Error;
-use aghf::geometry::{CollisionGeometry, CollisionSphere};
+use aghf::error::{Error, Result};
+use aghf::geometry::{CollisionGeometry, CollisionSphere, ConvexPiece, excess};
 use aghf::model::{CollisionShape, Model};
-use aghf_scenario::{cover_each, too_many_balls};
+use aghf::urdf::load_mesh;
+use aghf_scenario::{CoveredShape, cover_each, too_many_balls};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
+
+/// The accuracy of the excess of pieces, m.
+const EXCESS_ACCURACY: f64 = 5e-4;
 
 /// The collision shapes of a robot.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -29,6 +33,10 @@ pub struct LinkShape {
     pub shape: String,
     /// Whether it is a mesh.
     pub mesh: bool,
+    /// The number of convex pieces of a mesh, and that of their corners.
+    pub pieces: usize,
+    /// See [`pieces`](Self::pieces).
+    pub corners: usize,
     /// The number of balls that cover it.
     pub balls: usize,
     /// The largest distance of a ball's point from it, m.
@@ -51,23 +59,27 @@ impl Shapes {
 
 /// Covers the shapes that can be read by balls, as a scenario does, and names the others. A cover that a scenario
 /// refuses is a finding too.
-pub(super) fn covered(model: &Model, folder: &Path, excess: Option<f64>) -> (Shapes, CollisionGeometry, Vec<Finding>) {
-    let covers = cover_each(model, folder, excess);
+pub(super) fn covered(model: &Model, folder: &Path, most: Option<f64>) -> (Shapes, CollisionGeometry, Vec<Finding>) {
+    let covers = cover_each(model, folder, most);
     let (mut shapes, mut geometry) = (Shapes::default(), CollisionGeometry::default());
     for (collision, cover) in model.collisions().iter().zip(covers) {
         let (shape, mesh) = match &collision.shape {
             CollisionShape::Solid(solid) => (solid.name().to_owned(), false),
             CollisionShape::Mesh { file, .. } => (file.clone(), true),
         };
-        let mut item = LinkShape { link: collision.link.clone(), shape, mesh, balls: 0, excess_m: 0.0, unread: None };
-        match cover {
+        let (link, unread) = (collision.link.clone(), None);
+        let mut item = LinkShape { link, shape, mesh, pieces: 0, corners: 0, balls: 0, excess_m: 0.0, unread };
+        let own = cover.and_then(|of| Ok((excess_of(&of.pieces, &collision.shape, folder)?, of)));
+        match own {
             Err(Error::Input { condition, .. }) => item.unread = Some(condition),
             Err(error) => item.unread = Some(error.to_string()),
-            Ok(cover) => {
+            Ok((excess, CoveredShape { pieces, cover })) => {
+                item.pieces = pieces.len();
+                item.corners = pieces.iter().map(|piece| piece.corners.len()).sum();
                 item.balls = cover.balls.len();
-                item.excess_m = cover.excess;
+                item.excess_m = cover.excess + excess;
                 shapes.balls += item.balls;
-                shapes.excess_m = shapes.excess_m.max(cover.excess);
+                shapes.excess_m = shapes.excess_m.max(item.excess_m);
                 for ball in cover.balls {
                     let at = &collision.placement;
                     geometry.links.push(collision.link.clone());
@@ -95,10 +107,18 @@ pub(super) fn covered(model: &Model, folder: &Path, excess: Option<f64>) -> (Sha
              file otherwise",
         ],
     );
-    let refused = too_many_balls((model, None), shapes.balls, folder, excess);
+    let refused = too_many_balls((model, None), shapes.balls, folder, most);
     let too_many = refused.and_then(|[condition, remedy]| {
         let robot = [model.name().to_owned()];
         Finding::about(Severity::NeedsKey, "robot", robot, [&condition, &remedy])
     });
     (shapes, geometry, found.into_iter().chain(too_many).collect())
+}
+
+/// The largest distance of the points of the pieces of a mesh from it, m; zero for another shape.
+fn excess_of(pieces: &[ConvexPiece], shape: &CollisionShape, folder: &Path) -> Result<f64> {
+    match shape {
+        CollisionShape::Solid(_) => Ok(0.0),
+        CollisionShape::Mesh { file, scale } => excess(pieces, &load_mesh(file, folder, scale)?, EXCESS_ACCURACY),
+    }
 }

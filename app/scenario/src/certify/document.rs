@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 
 /// The name and version of the format, which `proofs/certificate_format.md` in the repository defines.
-pub(super) const FORMAT: &str = "aghf-certificate-4";
+pub(super) const FORMAT: &str = "aghf-certificate-5";
 
 /// A proof that a motion keeps the promises of a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,6 +24,8 @@ pub struct Certificate {
     pub run_sha256: String,
     /// Those of the files of meshes, if these are the shape of the robot.
     pub meshes: BTreeMap<String, String>,
+    /// The convex pieces of each mesh in the order of the shapes, in the frame of the shape, m.
+    pub pieces: Vec<Vec<Piece>>,
     /// True if every promise of the scenario is certified.
     pub complete: bool,
     /// The keys of the scenario, each with its outcome: `proved`, `assumed` of the robot, `no promise`, or
@@ -75,6 +77,10 @@ fn by_names<'d, D: Deserializer<'d>>(from: D) -> Result<Vec<Quantity>, D::Error>
     };
     Vec::deserialize(from)?.into_iter().map(named).collect()
 }
+
+/// A convex piece of a mesh: its corners, m, and the triangles of its surface as indices of corners.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Piece(pub Vec<[f64; 3]>, pub Vec<[usize; 3]>);
 
 /// An interval of a segment, on which `x` goes from -1 to 1, the reserve of each promise there, and directions that
 /// separate shapes of the robot from others.

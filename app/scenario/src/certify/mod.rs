@@ -20,7 +20,7 @@ mod search;
 mod shapes;
 mod table;
 
-pub use document::{Certificate, Certification, Direction, Failure, Interval, LEFT_OUT, Passage};
+pub use document::{Certificate, Certification, Direction, Failure, Interval, LEFT_OUT, Passage, Piece};
 
 pub use table::{NAME, TableDifference, named_run, table_differences};
 

@@ -1,7 +1,6 @@
 //! The parts of a scenario that a certificate covers.
 
 use super::LEFT_OUT;
-use super::shapes::parts;
 use crate::promise::{Role, roles};
 use crate::{ObstacleShape, Quantity, RobotShape, Scenario, sha256};
 use aghf::error::{Error, Result};
@@ -17,13 +16,12 @@ const ASSUMED: &str = "assumed";
 const NO_PROMISE: &str = "no promise";
 
 /// The reason why clearances are left out.
-const MESHES: &str = "a shape of the robot is a mesh, or it consists of balls and its load does not; the clearance of \
-                      the robot_shape swept_links or joint_frames, with a ball for a load, can be certified";
+const LOAD: &str = "the robot consists of balls and its load does not; that of a load that is a ball can be certified";
 
 /// The keys of a scenario and those that promise something by default, each with its outcome, and constraints that were
-/// added in code.
-pub(super) fn keys(scenario: &Scenario) -> Result<BTreeMap<String, String>> {
-    let is_known = has_balls(scenario) || parts(scenario)?.is_some();
+/// added in code. Clearances are known of a robot of `shapes`, or one of balls.
+pub(super) fn keys(scenario: &Scenario, shapes: bool) -> Result<BTreeMap<String, String>> {
+    let is_known = shapes || has_balls(scenario);
     let own = scenario.added_constraints();
     let written = serde_json::to_value(&scenario.file);
     let written = written.map_err(|e| Error::input("certify", "scenario", e.to_string()))?;
@@ -61,7 +59,7 @@ fn missing_proof(quantity: Quantity, is_known: bool) -> Option<&'static str> {
         Q::Passive => {
             Some("a polynomial keeps the torque of a joint without a motor at zero at finitely many times only")
         }
-        Q::Obstacles | Q::SelfCollision => (!is_known).then_some(MESHES),
+        Q::Obstacles | Q::SelfCollision => (!is_known).then_some(LOAD),
         Q::Other => Some("no key of the scenario has these"),
     }
 }

@@ -5,12 +5,13 @@ use super::document::FORMAT;
 use super::points::{Points, broken_ends};
 use super::rows::{Nearest, OTHER_ERRORS, Row, Rows};
 use super::scope::{has_balls, keys, meshes};
-use super::shapes::{self, Part as ShapePart, Shapes};
-use super::{Certificate, Certification, Direction, Failure, Interval, LEFT_OUT, Passage, TOLERANCE, Texts};
+use super::shapes::{self, Parts, Shapes};
+use super::{Certificate, Certification, Direction, Failure, Interval, LEFT_OUT, Passage, Piece, TOLERANCE, Texts};
 use crate::{CurveFile, Quantity, Scenario, promise_in_words, sha256};
-use aghf::certify::{Bernstein, Motion, ORDER, Part, Piece};
+use aghf::certify::{self, Bernstein, Motion, ORDER, Part};
 use aghf::dynamics::forward_kinematics;
 use aghf::error::Result;
+use aghf::geometry::ConvexPiece;
 use aghf::spatial::Placement;
 
 /// The fewest intervals of a motion.
@@ -49,7 +50,7 @@ struct Search<'a> {
     promises: Vec<Quantity>,
     pairs: Vec<Vec<Pair>>,
     /// The shapes of the robot, unless it consists of balls.
-    shapes: Option<Vec<ShapePart>>,
+    shapes: Option<Parts>,
     failures: Vec<Failure>,
 }
 
@@ -75,11 +76,11 @@ pub(super) fn certification(
     }
     let (goal, waypoints) = search.points(times)?;
     let intervals = search.intervals()?;
-    let (promises, failures) = (search.promises, search.failures);
+    let (promises, failures, shapes) = (search.promises, search.failures, search.shapes);
     if !failures.is_empty() {
         return Ok(Certification { certificate: None, failures });
     }
-    let keys = keys(scenario)?;
+    let keys = keys(scenario, shapes.is_some())?;
     let hash = |text: &&str| sha256(text.as_bytes());
     let certificate = Certificate {
         format: FORMAT.to_owned(),
@@ -88,6 +89,7 @@ pub(super) fn certification(
         scenario_sha256: texts.scenario.iter().map(hash).collect(),
         run_sha256: hash(&texts.run),
         meshes: meshes(scenario)?,
+        pieces: shapes.map(|shapes| shapes.pieces).unwrap_or_default().iter().map(|all| of_mesh(all)).collect(),
         complete: !keys.values().any(|outcome| outcome.starts_with(LEFT_OUT)),
         keys,
         tracking_error,
@@ -97,6 +99,12 @@ pub(super) fn certification(
         intervals,
     };
     Ok(Certification { certificate: Some(certificate), failures })
+}
+
+/// The pieces of a mesh as they are written.
+fn of_mesh(pieces: &[ConvexPiece]) -> Vec<Piece> {
+    let corners = |piece: &ConvexPiece| piece.corners.iter().map(|corner| (*corner).into()).collect();
+    pieces.iter().map(|piece| Piece(corners(piece), piece.faces.clone())).collect()
 }
 
 /// A claim rounded down to [`DECIMALS`].
@@ -125,7 +133,7 @@ impl<'a> Search<'a> {
         let (shapes, mut all) = (shapes::parts(scenario)?, Vec::new());
         for promise in [Quantity::Obstacles, Quantity::SelfCollision] {
             let own = match &shapes {
-                Some(parts) => shapes::pairs(scenario, parts, promise)?,
+                Some(parts) => shapes::pairs(scenario, &parts.all, promise)?,
                 None if has_balls(scenario) => pairs(scenario, promise)?,
                 None => Vec::new(),
             };
@@ -301,8 +309,8 @@ impl<'a> Search<'a> {
     /// halved.
     fn clearances(
         &self,
-        alone: &Piece,
-        tube: Option<&Piece>,
+        alone: &certify::Piece,
+        tube: Option<&certify::Piece>,
         basis: &Bernstein,
         can_halve: bool,
     ) -> Result<Option<Vec<Reserve>>> {
@@ -321,7 +329,7 @@ impl<'a> Search<'a> {
         let pairs = self.pairs.iter();
         Ok(Some(match &self.shapes {
             Some(parts) => {
-                let shapes = Shapes::new(self.scenario, parts, basis, &bodies, left);
+                let shapes = Shapes::new(self.scenario, &parts.all, basis, &bodies, left);
                 pairs.map(|pairs| shapes.least(pairs)).collect()
             }
             None => {
@@ -332,7 +340,7 @@ impl<'a> Search<'a> {
     }
 
     /// The placements of the bodies on a piece, and the largest bound on the errors of their entries.
-    fn bodies(&self, piece: &Piece) -> Result<(Vec<Placement<Model>>, f64)> {
+    fn bodies(&self, piece: &certify::Piece) -> Result<(Vec<Placement<Model>>, f64)> {
         let [q, _, _] = piece.models();
         let mut bodies = vec![Placement::identity(); q.len()];
         forward_kinematics(&self.scenario.model, &q, &mut bodies)?;

@@ -2,46 +2,73 @@
 
 use super::Direction;
 use super::clearance::{ALLOWANCE, Beside, Least, MAX_CLAIM, Model, Pair, lower};
-use crate::{Quantity, RobotShape, Scenario};
+use crate::{Quantity, RobotShape, Scenario, mesh_pieces};
 use aghf::certify::Bernstein;
 use aghf::error::Result;
-use aghf::geometry::{Shape, Solid};
-use aghf::model::Collision;
+use aghf::geometry::{ConvexPiece, PIECE_RADIUS, Shape, Support, closest_points};
+use aghf::model::{Collision, CollisionShape};
 use aghf::scalar::AlgebraOver;
 use aghf::spatial::Placement;
 use nalgebra::Vector3;
-
-/// The number of projections from one shape onto the other.
-const PROJECTIONS: usize = 200;
 
 /// The steps from zero to one of the coordinates of a direction: an error of one step changes the gap beside a long
 /// edge by a small share of the gaps of motions.
 const DECIMALS: f64 = 1e7;
 
-/// A shape of a link.
+/// A shape of a link: a solid, or the corners of a convex piece of a mesh.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     link: String,
     body: Option<usize>,
-    solid: Solid<f64>,
+    /// The placement in the body; that of a piece is about the middle of the box of its corners.
+    placement: Placement<f64>,
+    solid: Option<Shape<f64>>,
+    corners: Vec<Vector3<f64>>,
 }
 
-/// The shapes of a robot, by the names of their links, and that of its load; `None` if it is represented by balls or
-/// one is a mesh.
-pub(super) fn parts(scenario: &Scenario) -> Result<Option<Vec<Part>>> {
-    if !matches!(scenario.robot_shape(), RobotShape::Collision { .. }) {
+/// The shapes of a robot.
+pub(super) struct Parts {
+    pub(super) all: Vec<Part>,
+    /// The pieces of each mesh, in the frame of its shape.
+    pub(super) pieces: Vec<Vec<ConvexPiece>>,
+}
+
+/// The shapes of a robot, by the names of their links, and that of its load; `None` if it is represented by balls.
+pub(super) fn parts(scenario: &Scenario) -> Result<Option<Parts>> {
+    let RobotShape::Collision { excess_m } = scenario.robot_shape() else {
         return Ok(None);
-    }
+    };
     let load = match &scenario.file.payload {
         Some(load) => load.collision(&scenario.model, &scenario.name)?,
         None => None,
     };
-    let part = |c: &Collision| Some(Part { link: c.link.clone(), body: c.body, solid: c.solid()? });
     let mut shapes: Vec<&Collision> = scenario.model.collisions().iter().collect();
     shapes.sort_by(|a, b| a.link.cmp(&b.link));
-    let parts: Option<Vec<Part>> = shapes.into_iter().chain(&load).map(part).collect();
-    let is_ball = |part: &Part| matches!(part.solid.shape, Shape::Sphere { .. });
-    Ok(parts.filter(|parts| !parts.iter().all(is_ball)))
+    let (mut all, mut pieces) = (Vec::new(), Vec::new());
+    for Collision { link, body, placement, shape } in shapes.into_iter().chain(&load) {
+        let part = |placement, solid, corners| Part { link: link.clone(), body: *body, placement, solid, corners };
+        match shape {
+            CollisionShape::Solid(solid) => all.push(part(*placement, Some(*solid), Vec::new())),
+            CollisionShape::Mesh { file, scale } => {
+                let own = mesh_pieces(file, scenario.source.folder(), scale, excess_m)?;
+                for ConvexPiece { corners, .. } in &own {
+                    let middle = middle(corners);
+                    let at = Placement::new(placement.rotation, placement.point(&middle));
+                    all.push(part(at, None, corners.iter().map(|corner| corner - middle).collect()));
+                }
+                pieces.push(own);
+            }
+        }
+    }
+    let is_ball = |part: &Part| matches!(part.solid, Some(Shape::Sphere { .. }));
+    Ok((!all.iter().all(is_ball)).then_some(Parts { all, pieces }))
+}
+
+/// The middle of the box of points along the axes.
+fn middle(points: &[Vector3<f64>]) -> Vector3<f64> {
+    let lower = points.iter().fold(points[0], |least, p| least.inf(p));
+    let upper = points.iter().fold(points[0], |most, p| most.sup(p));
+    (lower + upper) * 0.5
 }
 
 /// The pairs of the promise.
@@ -70,11 +97,61 @@ pub(super) fn pairs(scenario: &Scenario, parts: &[Part], promise: Quantity) -> R
     Ok(pairs)
 }
 
-/// A shape on a piece: its placement there, and in the middle.
-struct Placed {
-    shape: Shape<f64>,
+/// A shape on a piece of a motion: its placement there, and in the middle.
+struct Placed<'a> {
+    form: Form<'a>,
     at: Placement<Model>,
-    middle: Solid<f64>,
+    middle: Placement<f64>,
+    /// The radius of a ball about its centre that contains it, m.
+    radius: f64,
+    /// A bound on the way of its centre from the middle, m.
+    way: f64,
+}
+
+#[derive(Clone, Copy)]
+enum Form<'a> {
+    Solid(Shape<f64>),
+    /// The corners of a convex piece.
+    Piece(&'a [Vector3<f64>]),
+}
+
+impl Form<'_> {
+    fn radius(&self) -> f64 {
+        match *self {
+            Self::Solid(Shape::Sphere { radius }) => radius,
+            Self::Solid(Shape::Cuboid { half_extents }) => half_extents.norm(),
+            Self::Solid(Shape::Cylinder { radius, half_length }) => radius.hypot(half_length),
+            Self::Solid(Shape::Capsule { radius, half_length }) => radius + half_length,
+            Self::Solid(Shape::HalfSpace) => f64::INFINITY,
+            Self::Piece(corners) => corners.iter().fold(0.0, |most, c| c.norm().max(most)) + PIECE_RADIUS,
+        }
+    }
+}
+
+impl Support for Placed<'_> {
+    fn furthest(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        let Placement { rotation, .. } = &self.middle;
+        let along = rotation.transpose() * direction;
+        let side = |x: f64, half: f64| half.copysign(x);
+        let unit = |v: Vector3<f64>| v.try_normalize(0.0).unwrap_or_else(Vector3::x);
+        let point = match self.form {
+            Form::Solid(Shape::Sphere { radius }) => unit(along) * radius,
+            Form::Solid(Shape::Cuboid { half_extents }) => along.zip_map(&half_extents, side),
+            Form::Solid(Shape::Capsule { radius, half_length }) => {
+                unit(along) * radius + Vector3::z() * side(along.z, half_length)
+            }
+            Form::Solid(Shape::Cylinder { radius, half_length }) => {
+                unit(Vector3::new(along.x, along.y, 0.0)) * radius + Vector3::z() * side(along.z, half_length)
+            }
+            // Its direction is known, so that it is not searched.
+            Form::Solid(Shape::HalfSpace) => Vector3::zeros(),
+            Form::Piece(corners) => {
+                let most = corners.iter().max_by(|a, b| along.dot(a).total_cmp(&along.dot(b)));
+                most.copied().unwrap_or_default()
+            }
+        };
+        self.middle.point(&point)
+    }
 }
 
 /// The shapes of the robot and the obstacles on a piece.
@@ -82,7 +159,7 @@ pub(super) struct Shapes<'a> {
     basis: &'a Bernstein,
     left: f64,
     parts: &'a [Part],
-    placed: Vec<Placed>,
+    placed: Vec<Placed<'a>>,
     names: Vec<&'a str>,
 }
 
@@ -94,29 +171,29 @@ impl<'a> Shapes<'a> {
         bodies: &[Placement<Model>],
         left: f64,
     ) -> Self {
-        let place = |body: Option<usize>, solid: &Solid<f64>| {
-            let own = &solid.placement;
+        let place = |body: Option<usize>, own: &Placement<f64>, form: Form<'a>| {
             let at = match body {
                 Some(body) => bodies[body].compose_constant(own),
                 None => Placement::new(own.rotation.map(Model::constant), constant(&own.translation)),
             };
             let middle = |x: Model| x.coefficients()[0];
             Placed {
-                shape: solid.shape,
-                middle: Solid {
-                    placement: Placement::new(at.rotation.map(middle), at.translation.map(middle)),
-                    shape: solid.shape,
-                },
+                form,
+                middle: Placement::new(at.rotation.map(middle), at.translation.map(middle)),
+                radius: form.radius(),
+                way: at.translation.map(|x| x.variation() + (1.0 + left) * x.radius()).norm(),
                 at,
             }
         };
         let obstacles = scenario.scene.obstacles();
-        let of_robot = parts.iter().map(|part| place(part.body, &part.solid));
+        let form = |part: &'a Part| part.solid.map_or(Form::Piece(&part.corners), Form::Solid);
+        let of_robot = parts.iter().map(|part| place(part.body, &part.placement, form(part)));
+        let of_world = obstacles.iter().map(|o| place(None, &o.solid.placement, Form::Solid(o.solid.shape)));
         Self {
             basis,
             left,
             parts,
-            placed: of_robot.chain(obstacles.iter().map(|o| place(None, &o.solid))).collect(),
+            placed: of_robot.chain(of_world).collect(),
             names: obstacles.iter().map(|o| &*o.name).collect(),
         }
     }
@@ -129,20 +206,20 @@ impl<'a> Shapes<'a> {
         };
         let rough = |pair: &Pair| {
             let of = index(pair);
-            let b = &self.placed[of[1]];
-            let (n, is_bounded) = match b.shape {
-                Shape::HalfSpace => (-b.at.rotation.column(2), false),
-                _ => (constant(&(b.middle.placement.translation - self.centre(of[0]))), true),
-            };
-            (self.bound(of, &n, pair.margin), of, pair.margin, is_bounded)
+            (self.apart(of) - pair.margin - ALLOWANCE, of, pair.margin)
         };
         let mut all: Vec<_> = pairs.iter().map(rough).collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (mut claim, mut middle, mut place) = (MAX_CLAIM, MAX_CLAIM, String::new());
         let mut directions = Vec::new();
-        for (bound, of, margin, is_bounded) in all {
+        for (bound, of, margin) in all {
             if bound >= claim {
                 break;
+            }
+            let along = self.along_centres(of);
+            let bound = self.bound(of, &along, margin).max(bound);
+            if bound >= claim {
+                continue;
             }
             let off = self.towards(of);
             if off.norm() - margin < middle {
@@ -150,7 +227,7 @@ impl<'a> Shapes<'a> {
                 place = self.names_of(of);
             }
             let mut fine = bound;
-            if is_bounded {
+            if !self.is_half_space(of[1]) {
                 let n = off.normalize().map(|x| (x * DECIMALS).round() / DECIMALS);
                 let by_direction = self.bound(of, &constant(&n), margin);
                 if by_direction > bound {
@@ -175,35 +252,97 @@ impl<'a> Shapes<'a> {
         format!("{} and {}", name(of[0]), name(of[1]))
     }
 
-    /// The way from one shape to the other in the middle, by projections from each onto the other: not longer than
-    /// there is between two of their points.
-    fn towards(&self, of: [usize; 2]) -> Vector3<f64> {
-        let [a, b] = of.map(|i| &self.placed[i].middle);
-        let onto = |solid: &Solid<f64>, p: Vector3<f64>| {
-            let distance = solid.distance_derivatives(&p);
-            p - distance.normal * distance.value.max(0.0)
-        };
-        let mut p = a.placement.translation;
-        let mut q = onto(b, p);
-        for _ in 0..PROJECTIONS {
-            p = onto(a, q);
-            q = onto(b, p);
-        }
-        q - p
+    /// The distance between the balls about two shapes, at least, m.
+    fn apart(&self, of: [usize; 2]) -> f64 {
+        let [a, b] = of.map(|i| &self.placed[i]);
+        let off = (b.middle.translation - a.middle.translation).norm() - a.way - b.way;
+        (off - a.radius - b.radius) - 8.0 * f64::EPSILON * off.abs()
     }
 
-    fn centre(&self, of: usize) -> Vector3<f64> {
-        self.placed[of].middle.placement.translation
+    /// The direction of the centres in the middle, or against the normal of a half-space.
+    fn along_centres(&self, of: [usize; 2]) -> Vector3<Model> {
+        let [a, b] = of.map(|i| &self.placed[i]);
+        if self.is_half_space(of[1]) {
+            return -b.at.rotation.column(2);
+        }
+        constant(&(b.middle.translation - a.middle.translation))
+    }
+
+    /// The shortest way from one shape to the other in the middle; zero where they overlap.
+    fn towards(&self, of: [usize; 2]) -> Vector3<f64> {
+        let [a, b] = of.map(|i| &self.placed[i]);
+        if self.is_half_space(of[1]) {
+            let normal = b.middle.rotation.column(2).into_owned();
+            let distance = normal.dot(&(a.furthest(&-normal) - b.middle.translation));
+            return -normal * distance.max(0.0);
+        }
+        closest_points(a, b).map_or_else(Vector3::zeros, |[p, q]| q - p)
+    }
+
+    fn is_half_space(&self, of: usize) -> bool {
+        matches!(self.placed[of].form, Form::Solid(Shape::HalfSpace))
     }
 
     /// A lower bound on the distance between two shapes in a direction from one to the other, less the margin and the
     /// allowance for another arithmetic.
     fn bound(&self, of: [usize; 2], n: &Vector3<Model>, margin: f64) -> f64 {
         let [a, b] = of.map(|i| &self.placed[i]);
-        let off = b.at.translation - a.at.translation;
-        let gap = n.dot(&off) - extent(a, n) - extent(b, n);
-        lower(self.basis, self.left, gap) / n.dot(n).magnitude().sqrt() - margin - ALLOWANCE
+        let off = n.dot(&(b.at.translation - a.at.translation));
+        // Against the direction for the second shape: its nearest points.
+        let mut gap = off;
+        let (mut radius, mut turns) = (0.0, 0.0);
+        let sides = [(a, -*n), (b, *n)];
+        let mut corners = None;
+        for (shape, n) in &sides {
+            let Form::Piece(own) = shape.form else {
+                gap -= extent(shape, n);
+                continue;
+            };
+            radius += PIECE_RADIUS;
+            let along = shape.at.rotation.transpose() * n;
+            if let Some((before, own_before)) = corners.replace((along, own)) {
+                // The nearest corner of the first piece, and how far others of it come nearer.
+                let first = nearest(&before, own_before);
+                gap += along_of(&before, &first);
+                let others = own_before.iter().map(|c| along_of(&before, &(c - first)));
+                turns = self.least_of(others);
+            }
+        }
+        let least = match corners {
+            Some((along, own)) => self.least_of(own.iter().map(|c| gap + along_of(&along, c))),
+            None => lower(self.basis, self.left, gap),
+        };
+        (least + turns) / n.dot(n).magnitude().sqrt() - radius - margin - ALLOWANCE
     }
+
+    /// A lower bound on the least of several values.
+    fn least_of(&self, values: impl Iterator<Item = Model>) -> f64 {
+        let rough = |x: Model| x.coefficients()[0] - x.variation() - self.left * x.radius();
+        let mut all: Vec<_> = values.map(|x| (rough(x), x)).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut least = f64::INFINITY;
+        for (rough, x) in all {
+            if rough >= least {
+                break;
+            }
+            let fine = lower(self.basis, self.left, x);
+            // NaN stays.
+            least = if fine >= least { least } else { fine };
+        }
+        least
+    }
+}
+
+/// The corner that is nearest in the middle.
+fn nearest(along: &Vector3<Model>, corners: &[Vector3<f64>]) -> Vector3<f64> {
+    let along = along.map(|x| x.coefficients()[0]);
+    let least = corners.iter().min_by(|a, b| along.dot(a).total_cmp(&along.dot(b)));
+    least.copied().unwrap_or_default()
+}
+
+/// The product of a direction and a constant vector.
+fn along_of(along: &Vector3<Model>, c: &Vector3<f64>) -> Model {
+    along.x.scale(c.x) + along.y.scale(c.y) + along.z.scale(c.z)
 }
 
 fn constant(x: &Vector3<f64>) -> Vector3<Model> {
@@ -213,6 +352,7 @@ fn constant(x: &Vector3<f64>) -> Vector3<Model> {
 /// An upper bound on the extent of a shape from its centre in a direction and against it: that of a ball, of edges, or
 /// of an axis and a disc, with $\sqrt x \le (x + b) / (2 \sqrt b)$ for any $b > 0$.
 fn extent(of: &Placed, n: &Vector3<Model>) -> Model {
+    let Form::Solid(shape) = of.form else { return Model::constant(f64::NAN) };
     let along = of.at.rotation.transpose() * n;
     let squares = along.map(|x| x * x);
     let root = |square: Model| {
@@ -220,7 +360,7 @@ fn extent(of: &Placed, n: &Vector3<Model>) -> Model {
         (square + Model::constant(near)).divided_by(2.0 * near.sqrt())
     };
     let ball = |radius: f64| root(n.dot(n)).scale(radius);
-    match of.shape {
+    match shape {
         Shape::Sphere { radius } => ball(radius),
         Shape::Cuboid { half_extents: h } => {
             let edges = [0, 1, 2].map(|i| root(squares[i]).scale(h[i]));

@@ -3,7 +3,10 @@
 use crate::RobotShape;
 use crate::keys::obstacles::{MAX_LENGTH, default_spacing};
 use aghf::error::{Error, Result, plain};
-use aghf::geometry::{Capsule, CollisionGeometry, CollisionSphere, Cover, Shape, Sphere, cover_triangles};
+use aghf::geometry::{
+    Capsule, CollisionGeometry, CollisionSphere, ConvexPiece, Cover, PIECE_RADIUS, Shape, Sphere, convex_pieces,
+    cover_triangles,
+};
 use aghf::model::{Collision, CollisionShape, Model};
 use aghf::spatial::Placement;
 use aghf::urdf::load_mesh;
@@ -33,29 +36,59 @@ pub fn cover_links(model: &Model, folder: &Path, excess: impl Into<Option<f64>>)
     cover_with(model, None, folder, excess.into())
 }
 
-/// Covers a shape in its own frame by balls that stick out by `excess` at most, m, with
-/// [`Shape::cover`] or [`cover_triangles`]; by default by 5 mm, of a solid by a tenth of its smallest extent, from 5 to
-/// 20 mm. A mesh is looked up from `folder`, that of the URDF.
+/// The convex pieces that cover a mesh, in the frame of its shape, as [`convex_pieces`] finds them for an excess in m,
+/// by default 5 mm. The file is looked up from `folder`, that of the URDF.
+///
+/// # Errors
+/// The mesh cannot be read.
+pub fn mesh_pieces(
+    file: &str,
+    folder: &Path,
+    scale: &Vector3<f64>,
+    excess: impl Into<Option<f64>>,
+) -> Result<Vec<ConvexPiece>> {
+    convex_pieces(&load_mesh(file, folder, scale)?, excess.into().unwrap_or(EXCESS[0]))
+}
+
+/// A shape covered by balls.
+#[derive(Clone, Debug)]
+pub struct CoveredShape {
+    /// The convex pieces of a mesh, which the balls cover.
+    pub pieces: Vec<ConvexPiece>,
+    /// The balls, in the frame of the shape.
+    pub cover: Cover,
+}
+
+/// Covers a shape in its own frame by balls that stick out by `excess` at most, m, with [`Shape::cover`], or the
+/// [pieces](mesh_pieces) of a mesh, with [`cover_triangles`]; by default by 5 mm, of a solid by a tenth of its smallest
+/// extent, from 5 to 20 mm. A mesh is looked up from `folder`, that of the URDF.
 ///
 /// # Errors
 /// A mesh cannot be read, or too many balls are needed.
-pub fn cover_shape(shape: &CollisionShape, folder: &Path, excess: impl Into<Option<f64>>) -> Result<Cover> {
+pub fn cover_shape(shape: &CollisionShape, folder: &Path, excess: impl Into<Option<f64>>) -> Result<CoveredShape> {
     let [least, most] = EXCESS;
     let given = excess.into();
     match shape {
         CollisionShape::Solid(solid) => {
             let by_size = || (2.0 * SHARE * solid.half_lengths().min()).clamp(least, most);
-            solid.cover(given.unwrap_or_else(by_size))
+            Ok(CoveredShape { pieces: Vec::new(), cover: solid.cover(given.unwrap_or_else(by_size))? })
         }
         CollisionShape::Mesh { file, scale } => {
-            cover_triangles(&load_mesh(file, folder, scale)?, given.unwrap_or(least))
+            let pieces = mesh_pieces(file, folder, scale, given)?;
+            let surface: Vec<_> = pieces.iter().flat_map(ConvexPiece::triangles).collect();
+            let mut cover = cover_triangles(&surface, given.unwrap_or(least))?;
+            for ball in &mut cover.balls {
+                ball.radius += PIECE_RADIUS;
+            }
+            cover.excess += PIECE_RADIUS;
+            Ok(CoveredShape { pieces, cover })
         }
     }
 }
 
 /// The covers of the shapes of a robot by [`cover_shape`], in their order. Meshes are looked up from `folder`, that of
 /// the URDF.
-pub fn cover_each(model: &Model, folder: &Path, excess: impl Into<Option<f64>>) -> Vec<Result<Cover>> {
+pub fn cover_each(model: &Model, folder: &Path, excess: impl Into<Option<f64>>) -> Vec<Result<CoveredShape>> {
     let excess = excess.into();
     let shapes = model.collisions().par_iter();
     let covers = shapes.map(|collision| cover_shape(&collision.shape, folder, excess));
@@ -88,7 +121,7 @@ fn cover_with(
 }
 
 /// The balls that cover a shape of a link, in the frame of its body.
-fn placed(model: &Model, collision: &Collision, cover: Result<Cover>) -> Result<Vec<CollisionSphere>> {
+fn placed(model: &Model, collision: &Collision, cover: Result<CoveredShape>) -> Result<Vec<CollisionSphere>> {
     let Collision { link, body, placement, .. } = collision;
     let named = |error: Error| Error::input(model.name(), format!("link '{link}'"), error.to_string());
     let placed = |ball: Sphere| CollisionSphere {
@@ -96,7 +129,7 @@ fn placed(model: &Model, collision: &Collision, cover: Result<Cover>) -> Result<
         centre: placement.rotation * ball.centre + placement.translation,
         radius: ball.radius,
     };
-    Ok(cover.map_err(named)?.balls.into_iter().map(placed).collect())
+    Ok(cover.map_err(named)?.cover.balls.into_iter().map(placed).collect())
 }
 
 /// The reason why a cover of a robot, and of a load that it carries, by this many balls is refused, and the remedy, in
@@ -117,7 +150,7 @@ pub fn too_many_balls(
         format!("excess_m is {given}, which takes {count} balls to cover the robot, at most {MAX_BALLS} are allowed");
     let mut larger = LARGER.into_iter().filter(|larger| {
         let all = model.collisions().par_iter().chain(load.into_par_iter());
-        let counts = all.map(|shape| Some(cover_shape(&shape.shape, folder, *larger).ok()?.balls.len()));
+        let counts = all.map(|shape| Some(cover_shape(&shape.shape, folder, *larger).ok()?.cover.balls.len()));
         let count: Option<usize> = counts.sum();
         excess.is_none_or(|excess| *larger > excess) && count.is_some_and(|count| count as f64 <= MAX_BALLS)
     });

@@ -332,7 +332,7 @@ fn motions_that_break_a_promise_are_not_certified() {
             writeln!(file, "{}", json!(texts)).expect("it is writable");
         }
         let [robot, scenario, run, certificate] = &texts;
-        let found = aghf_check::check(robot, scenario, run, certificate);
+        let found = aghf_check::check([robot, scenario, run, certificate], &|_| None);
         let Err(reason) = found else {
             panic!("attack {seed} is certified although {what}: {found:?}");
         };

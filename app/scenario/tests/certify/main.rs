@@ -7,6 +7,7 @@ mod attacks;
 mod checker;
 mod points;
 mod search;
+mod shapes;
 mod table;
 
 use aghf::curve::{Chebyshev, Curve};

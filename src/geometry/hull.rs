@@ -1,0 +1,170 @@
+//! Convex hulls of points.
+
+use nalgebra::Vector3;
+use std::collections::HashMap;
+
+/// The distance beyond a face within which a point counts as on it, relative to the size of the set: rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// The thickness relative to the size below which a set of points counts as flat.
+const FLAT: f64 = 1e-9;
+
+/// A triangle of a hull under construction.
+struct Face {
+    corners: [usize; 3],
+    normal: Vector3<f64>,
+    /// The faces across the edges from each corner to the next.
+    neighbours: [usize; 3],
+    /// The points beyond it that are assigned to it, and the furthest of them.
+    beyond: Vec<usize>,
+    furthest: Option<(usize, f64)>,
+    is_removed: bool,
+}
+
+/// The corners of the hull of points, as indices of these, and its faces as indices of the corners; `None` if the
+/// points are in a plane. By quickhull: of the points beyond a face the furthest one becomes a corner, and the faces
+/// that it sees are replaced by those between it and their horizon. A point for which rounding makes the horizon no
+/// single loop becomes a corner without faces. Cost about O(n log n).
+pub(super) fn quickhull(points: &[Vector3<f64>]) -> Option<(Vec<usize>, Vec<[usize; 3]>)> {
+    let mut hull = Hull::new(points)?;
+    let mut at = 0;
+    while at < hull.faces.len() {
+        let face = &hull.faces[at];
+        match face.furthest.filter(|_| !face.is_removed) {
+            Some((point, _)) => hull.add(at, point),
+            None => at += 1,
+        }
+    }
+    let kept: Vec<_> = hull.faces.iter().filter(|face| !face.is_removed).map(|face| face.corners).collect();
+    let mut corners: Vec<usize> = kept.iter().flatten().copied().chain(hull.alone).collect();
+    corners.sort_unstable();
+    corners.dedup();
+    let number: HashMap<usize, usize> = corners.iter().enumerate().map(|(k, i)| (*i, k)).collect();
+    let faces = kept.into_iter().map(|face| face.map(|i| number[&i])).collect();
+    Some((corners, faces))
+}
+
+struct Hull<'a> {
+    points: &'a [Vector3<f64>],
+    faces: Vec<Face>,
+    rounding: f64,
+    /// Corners without faces.
+    alone: Vec<usize>,
+}
+
+impl<'a> Hull<'a> {
+    /// A tetrahedron of extreme points.
+    fn new(points: &'a [Vector3<f64>]) -> Option<Self> {
+        let furthest = |height: &dyn Fn(&Vector3<f64>) -> f64| {
+            let all = points.iter().map(height).enumerate();
+            all.max_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        let (a, _) = furthest(&|p| p.x)?;
+        let (b, size) = furthest(&|p| (p - points[a]).norm())?;
+        let along = (points[b] - points[a]) / size;
+        let (c, width) = furthest(&|p| (p - points[a]).cross(&along).norm())?;
+        let normal = along.cross(&(points[c] - points[a])).normalize();
+        let (d, height) = furthest(&|p| (p - points[a]).dot(&normal).abs())?;
+        if !(size > 0.0 && width > FLAT * size && height > FLAT * size) {
+            return None;
+        }
+        // The first face is seen from outside in positive orientation if the fourth corner is below it.
+        let is_above = (points[d] - points[a]).dot(&normal) > 0.0;
+        let [b, c] = if is_above { [c, b] } else { [b, c] };
+        let mut hull = Self { points, faces: Vec::new(), rounding: ROUNDING * size, alone: Vec::new() };
+        for corners in [[a, b, c], [b, a, d], [c, b, d], [a, c, d]] {
+            hull.push(corners);
+        }
+        for (face, neighbours) in [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]].into_iter().enumerate() {
+            hull.faces[face].neighbours = neighbours;
+        }
+        hull.assign((0..points.len()).collect(), 0);
+        Some(hull)
+    }
+
+    fn push(&mut self, corners: [usize; 3]) {
+        let [a, b, c] = corners.map(|i| self.points[i]);
+        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
+        self.faces.push(Face {
+            corners,
+            normal,
+            neighbours: [0; 3],
+            beyond: Vec::new(),
+            furthest: None,
+            is_removed: false,
+        });
+    }
+
+    /// The distance of a point beyond a face.
+    fn height(&self, face: usize, point: usize) -> f64 {
+        let face = &self.faces[face];
+        face.normal.dot(&(self.points[point] - self.points[face.corners[0]]))
+    }
+
+    /// Assigns points to the face from `first` on that they are furthest beyond, if they are beyond one.
+    fn assign(&mut self, points: Vec<usize>, first: usize) {
+        for point in points {
+            let heights = (first..self.faces.len()).map(|face| (face, self.height(face, point)));
+            let best = heights.max_by(|a, b| a.1.total_cmp(&b.1));
+            if let Some((face, height)) = best.filter(|(_, height)| *height > self.rounding) {
+                let face = &mut self.faces[face];
+                face.beyond.push(point);
+                if face.furthest.is_none_or(|(_, known)| height > known) {
+                    face.furthest = Some((point, height));
+                }
+            }
+        }
+    }
+
+    /// Adds a corner that is beyond a face.
+    fn add(&mut self, face: usize, point: usize) {
+        let (mut seen, mut open, mut horizon) = (vec![face], vec![face], Vec::new());
+        self.faces[face].is_removed = true;
+        while let Some(at) = open.pop() {
+            for k in 0..3 {
+                let next = self.faces[at].neighbours[k];
+                if self.faces[next].is_removed {
+                    continue;
+                }
+                if self.height(next, point) > self.rounding {
+                    self.faces[next].is_removed = true;
+                    seen.push(next);
+                    open.push(next);
+                } else {
+                    let corners = self.faces[at].corners;
+                    horizon.push(([corners[k], corners[(k + 1) % 3]], next));
+                }
+            }
+        }
+        let first = self.faces.len();
+        let starts: HashMap<usize, usize> =
+            horizon.iter().enumerate().map(|(k, ([from, _], _))| (*from, first + k)).collect();
+        let is_loop = starts.len() == horizon.len() && horizon.iter().all(|([_, to], _)| starts.contains_key(to));
+        if !is_loop {
+            seen.into_iter().for_each(|face| self.faces[face].is_removed = false);
+            self.alone.push(point);
+            self.drop(face, point);
+            return;
+        }
+        let ends: HashMap<usize, usize> =
+            horizon.iter().enumerate().map(|(k, ([_, to], _))| (*to, first + k)).collect();
+        for (k, ([from, to], beyond)) in horizon.into_iter().enumerate() {
+            self.push([from, to, point]);
+            self.faces[first + k].neighbours = [beyond, starts[&to], ends[&from]];
+            let beyond = &mut self.faces[beyond];
+            let edge = (0..3).find(|e| beyond.corners[*e] == to && beyond.corners[(e + 1) % 3] == from);
+            edge.into_iter().for_each(|edge| beyond.neighbours[edge] = first + k);
+        }
+        let points = seen.into_iter().flat_map(|face| std::mem::take(&mut self.faces[face].beyond));
+        let points = points.filter(|other| *other != point).collect();
+        self.assign(points, first);
+    }
+
+    /// Removes a point from those beyond a face.
+    fn drop(&mut self, face: usize, point: usize) {
+        self.faces[face].beyond.retain(|other| *other != point);
+        let heights = self.faces[face].beyond.iter().map(|other| (*other, self.height(face, *other)));
+        let furthest = heights.max_by(|a, b| a.1.total_cmp(&b.1));
+        self.faces[face].furthest = furthest;
+    }
+}

@@ -1,0 +1,92 @@
+//! The closest points of convex bodies.
+
+use super::hull::{Point, beyond, points};
+use aghf::geometry::{ConvexPiece, Support, Triangle, closest_points};
+use proptest::prelude::*;
+
+pub fn distance_from_segment(p: &Point, a: &Point, b: &Point) -> f64 {
+    let along = b - a;
+    let share = ((p - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+    (p - (a + along * share)).norm()
+}
+
+/// The distance of a point from a triangle, by its face or its edges.
+pub fn distance_from_triangle(p: &Point, [a, b, c]: &Triangle) -> f64 {
+    let normal = (b - a).cross(&(c - a)).normalize();
+    let is_within =
+        [(a, b), (b, c), (c, a)].iter().all(|(from, to)| normal.cross(&(*to - *from)).dot(&(p - *from)) >= 0.0);
+    let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| distance_from_segment(p, from, to));
+    let nearest = edges.into_iter().fold(f64::INFINITY, f64::min);
+    if is_within { normal.dot(&(p - a)).abs() } else { nearest }
+}
+
+/// The distance between two segments by their ends and by their common normal.
+fn distance_of_segments([a, b]: [Point; 2], [c, d]: [Point; 2]) -> f64 {
+    let ends = [
+        distance_from_segment(&a, &c, &d),
+        distance_from_segment(&b, &c, &d),
+        distance_from_segment(&c, &a, &b),
+        distance_from_segment(&d, &a, &b),
+    ];
+    let least = ends.into_iter().fold(f64::INFINITY, f64::min);
+    let (u, v, w) = (b - a, d - c, a - c);
+    let (uu, uv, vv, uw, vw) = (u.dot(&u), u.dot(&v), v.dot(&v), u.dot(&w), v.dot(&w));
+    let det = uu * vv - uv * uv;
+    let [s, t] = [(uv * vw - vv * uw) / det, (uu * vw - uv * uw) / det];
+    let is_within = det > 0.0 && (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t);
+    if is_within { (w + u * s - v * t).norm().min(least) } else { least }
+}
+
+/// The distance between the surfaces of two pieces, by all pairs of a corner and a face and of two edges.
+fn distance_by_features(a: &ConvexPiece, b: &ConvexPiece) -> f64 {
+    let mut least = f64::INFINITY;
+    for (one, other) in [(a, b), (b, a)] {
+        for face in other.triangles() {
+            least = one.corners.iter().map(|p| distance_from_triangle(p, &face)).fold(least, f64::min);
+        }
+    }
+    let edges = |piece: &ConvexPiece| -> Vec<[Point; 2]> {
+        piece.triangles().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]).collect()
+    };
+    for one in edges(a) {
+        least = edges(b).into_iter().map(|other| distance_of_segments(one, other)).fold(least, f64::min);
+    }
+    least
+}
+
+/// The corners of a piece as a body.
+struct Body<'a>(&'a [Point]);
+
+impl Support for Body<'_> {
+    fn furthest(&self, direction: &Point) -> Point {
+        let furthest = self.0.iter().max_by(|a, b| direction.dot(a).total_cmp(&direction.dot(b)));
+        *furthest.expect("it has corners")
+    }
+}
+
+proptest! {
+    #[test]
+    fn closest_points_are_those_of_the_nearest_features(
+        a in points(4..12),
+        b in points(4..12),
+        off in prop::array::uniform3(-1.5..1.5),
+    ) {
+        let [a, b] = [a, b].map(|points| ConvexPiece::hull(&points).expect("finite"));
+        let moved = ConvexPiece { corners: b.corners.iter().map(|c| c + Point::from(off)).collect(), ..b };
+        let Some([p, q]) = closest_points(&Body(&a.corners), &Body(&moved.corners)) else {
+            // No plane of a face separates them by more than rounding.
+            let apart = |piece: &ConvexPiece, other: &ConvexPiece| {
+                let least = |[a, b, c]: Triangle| {
+                    let normal = (b - a).cross(&(c - a)).normalize();
+                    other.corners.iter().map(|p| normal.dot(&(p - a))).fold(f64::INFINITY, f64::min)
+                };
+                piece.triangles().map(least).fold(f64::NEG_INFINITY, f64::max)
+            };
+            prop_assert!(apart(&a, &moved).max(apart(&moved, &a)) < 1e-7);
+            return Ok(());
+        };
+        prop_assert!(beyond(&a, &p) < 1e-9 && beyond(&moved, &q) < 1e-9);
+        let by_features = distance_by_features(&a, &moved);
+        prop_assert!(((p - q).norm() - by_features).abs() < 1e-9, "{} and {by_features}", (p - q).norm());
+    }
+}
