@@ -53,9 +53,10 @@ RUN = {
 }
 OUTCOMES = dict.fromkeys([*SCENARIO, "continuity", "self_collision"], "proved")
 CERTIFICATE = {
-    "format": "aghf-certificate-4",
+    "format": "aghf-certificate-5",
     "scenario": "two",
     "meshes": {},
+    "pieces": [],
     "complete": True,
     "keys": OUTCOMES | {"robot": "assumed"},
     "tracking_error": 0.0,

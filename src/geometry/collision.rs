@@ -1,6 +1,6 @@
 //! The collision geometry of a robot: balls that the constraints act on, and the capsules that some of them cover.
 
-use super::{BallTree, Solid, Sphere};
+use super::{BallTree, ConvexPiece, Solid, Sphere};
 use crate::error::{Error, Result};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
@@ -110,6 +110,8 @@ pub struct CollisionGeometry {
     pub links: Vec<String>,
     /// The capsules that the balls cover; empty if the robot consists of the balls.
     pub capsules: Vec<Capsule>,
+    /// The convex pieces of each mesh that the balls cover, in the order of the shapes and in their frames.
+    pub pieces: Vec<Vec<ConvexPiece>>,
     /// The number of the [set](Self::with_sets) of each ball among those of its link; empty without sets.
     pub sets: Vec<usize>,
 }

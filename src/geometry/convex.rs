@@ -16,11 +16,11 @@ const MAX_PIECES: usize = 8;
 
 /// The planes between the ends of a piece across each axis that may divide it, and the least share of its volume that
 /// a division saves.
-const PLANES: usize = 7;
+const PLANES: usize = 5;
 const LEAST_SAVED: f64 = 0.03;
 
 /// The number of corners by which the volumes of hulls are compared.
-const SAMPLE: usize = 500;
+const SAMPLE: usize = 300;
 
 /// The size of the parts of a surface, relative to the excess, that are not divided to find whether they exceed it.
 const CLOSELY: f64 = 0.1;

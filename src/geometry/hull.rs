@@ -1,7 +1,6 @@
 //! Convex hulls of points.
 
 use nalgebra::Vector3;
-use std::collections::HashMap;
 
 /// The distance beyond a face within which a point counts as on it, relative to the size of the set: rounding.
 const ROUNDING: f64 = 1e-12;
@@ -39,8 +38,9 @@ pub(super) fn quickhull(points: &[Vector3<f64>]) -> Option<(Vec<usize>, Vec<[usi
     let mut corners: Vec<usize> = kept.iter().flatten().copied().chain(hull.alone).collect();
     corners.sort_unstable();
     corners.dedup();
-    let number: HashMap<usize, usize> = corners.iter().enumerate().map(|(k, i)| (*i, k)).collect();
-    let faces = kept.into_iter().map(|face| face.map(|i| number[&i])).collect();
+    let mut number = vec![0; points.len()];
+    corners.iter().enumerate().for_each(|(k, i)| number[*i] = k);
+    let faces = kept.into_iter().map(|face| face.map(|i| number[i])).collect();
     Some((corners, faces))
 }
 
@@ -50,6 +50,8 @@ struct Hull<'a> {
     rounding: f64,
     /// Corners without faces.
     alone: Vec<usize>,
+    /// Per point the new faces with an edge of the horizon from it, and to it.
+    along: Vec<[Option<usize>; 2]>,
 }
 
 impl<'a> Hull<'a> {
@@ -71,7 +73,8 @@ impl<'a> Hull<'a> {
         // The first face is seen from outside in positive orientation if the fourth corner is below it.
         let is_above = (points[d] - points[a]).dot(&normal) > 0.0;
         let [b, c] = if is_above { [c, b] } else { [b, c] };
-        let mut hull = Self { points, faces: Vec::new(), rounding: ROUNDING * size, alone: Vec::new() };
+        let along = vec![[None; 2]; points.len()];
+        let mut hull = Self { points, faces: Vec::new(), rounding: ROUNDING * size, alone: Vec::new(), along };
         for corners in [[a, b, c], [b, a, d], [c, b, d], [a, c, d]] {
             hull.push(corners);
         }
@@ -137,23 +140,28 @@ impl<'a> Hull<'a> {
             }
         }
         let first = self.faces.len();
-        let starts: HashMap<usize, usize> =
-            horizon.iter().enumerate().map(|(k, ([from, _], _))| (*from, first + k)).collect();
-        let is_loop = starts.len() == horizon.len() && horizon.iter().all(|([_, to], _)| starts.contains_key(to));
+        let mut is_loop = true;
+        for (k, ([from, to], _)) in horizon.iter().enumerate() {
+            is_loop &= self.along[*from][0].replace(first + k).is_none();
+            is_loop &= self.along[*to][1].replace(first + k).is_none();
+        }
+        is_loop &= horizon.iter().all(|([_, to], _)| self.along[*to][0].is_some());
+        for (k, ([from, to], beyond)) in horizon.iter().enumerate().filter(|_| is_loop) {
+            self.push([*from, *to, point]);
+            let [next, before] = [self.along[*to][0], self.along[*from][1]];
+            self.faces[first + k].neighbours = [*beyond, next.unwrap_or(first), before.unwrap_or(first)];
+            let beyond = &mut self.faces[*beyond];
+            let edge = (0..3).find(|e| beyond.corners[*e] == *to && beyond.corners[(e + 1) % 3] == *from);
+            edge.into_iter().for_each(|edge| beyond.neighbours[edge] = first + k);
+        }
+        for ([from, to], _) in &horizon {
+            (self.along[*from], self.along[*to]) = ([None; 2], [None; 2]);
+        }
         if !is_loop {
             seen.into_iter().for_each(|face| self.faces[face].is_removed = false);
             self.alone.push(point);
             self.drop(face, point);
             return;
-        }
-        let ends: HashMap<usize, usize> =
-            horizon.iter().enumerate().map(|(k, ([_, to], _))| (*to, first + k)).collect();
-        for (k, ([from, to], beyond)) in horizon.into_iter().enumerate() {
-            self.push([from, to, point]);
-            self.faces[first + k].neighbours = [beyond, starts[&to], ends[&from]];
-            let beyond = &mut self.faces[beyond];
-            let edge = (0..3).find(|e| beyond.corners[*e] == to && beyond.corners[(e + 1) % 3] == from);
-            edge.into_iter().for_each(|edge| beyond.neighbours[edge] = first + k);
         }
         let points = seen.into_iter().flat_map(|face| std::mem::take(&mut self.faces[face].beyond));
         let points = points.filter(|other| *other != point).collect();

@@ -2,7 +2,7 @@
 
 use super::Direction;
 use super::clearance::{ALLOWANCE, Beside, Least, MAX_CLAIM, Model, Pair, lower};
-use crate::{Quantity, RobotShape, Scenario, mesh_pieces};
+use crate::{Quantity, RobotShape, Scenario};
 use aghf::certify::Bernstein;
 use aghf::error::Result;
 use aghf::geometry::{ConvexPiece, PIECE_RADIUS, Shape, Support, closest_points};
@@ -35,30 +35,33 @@ pub(super) struct Parts {
 
 /// The shapes of a robot, by the names of their links, and that of its load; `None` if it is represented by balls.
 pub(super) fn parts(scenario: &Scenario) -> Result<Option<Parts>> {
-    let RobotShape::Collision { excess_m } = scenario.robot_shape() else {
+    if !matches!(scenario.robot_shape(), RobotShape::Collision { .. }) {
         return Ok(None);
-    };
+    }
     let load = match &scenario.file.payload {
         Some(load) => load.collision(&scenario.model, &scenario.name)?,
         None => None,
     };
-    let mut shapes: Vec<&Collision> = scenario.model.collisions().iter().collect();
-    shapes.sort_by(|a, b| a.link.cmp(&b.link));
+    let mut of_meshes = scenario.scene.robot().pieces.iter();
+    let with_pieces = |shape| match shape {
+        &Collision { shape: CollisionShape::Mesh { .. }, .. } => (shape, of_meshes.next()),
+        _ => (shape, None),
+    };
+    let mut shapes: Vec<(&Collision, _)> = scenario.model.collisions().iter().map(with_pieces).collect();
+    shapes.sort_by(|(a, _), (b, _)| a.link.cmp(&b.link));
     let (mut all, mut pieces) = (Vec::new(), Vec::new());
-    for Collision { link, body, placement, shape } in shapes.into_iter().chain(&load) {
+    for (Collision { link, body, placement, shape }, own) in shapes.into_iter().chain(load.iter().map(|of| (of, None)))
+    {
         let part = |placement, solid, corners| Part { link: link.clone(), body: *body, placement, solid, corners };
-        match shape {
-            CollisionShape::Solid(solid) => all.push(part(*placement, Some(*solid), Vec::new())),
-            CollisionShape::Mesh { file, scale } => {
-                let own = mesh_pieces(file, scenario.source.folder(), scale, excess_m)?;
-                for ConvexPiece { corners, .. } in &own {
-                    let middle = middle(corners);
-                    let at = Placement::new(placement.rotation, placement.point(&middle));
-                    all.push(part(at, None, corners.iter().map(|corner| corner - middle).collect()));
-                }
-                pieces.push(own);
-            }
+        if let CollisionShape::Solid(solid) = shape {
+            all.push(part(*placement, Some(*solid), Vec::new()));
         }
+        for ConvexPiece { corners, .. } in own.into_iter().flatten() {
+            let middle = middle(corners);
+            let at = Placement::new(placement.rotation, placement.point(&middle));
+            all.push(part(at, None, corners.iter().map(|corner| corner - middle).collect()));
+        }
+        pieces.extend(own.cloned());
     }
     let is_ball = |part: &Part| matches!(part.solid, Some(Shape::Sphere { .. }));
     Ok((!all.iter().all(is_ball)).then_some(Parts { all, pieces }))

@@ -36,20 +36,6 @@ pub fn cover_links(model: &Model, folder: &Path, excess: impl Into<Option<f64>>)
     cover_with(model, None, folder, excess.into())
 }
 
-/// The convex pieces that cover a mesh, in the frame of its shape, as [`convex_pieces`] finds them for an excess in m,
-/// by default 5 mm. The file is looked up from `folder`, that of the URDF.
-///
-/// # Errors
-/// The mesh cannot be read.
-pub fn mesh_pieces(
-    file: &str,
-    folder: &Path,
-    scale: &Vector3<f64>,
-    excess: impl Into<Option<f64>>,
-) -> Result<Vec<ConvexPiece>> {
-    convex_pieces(&load_mesh(file, folder, scale)?, excess.into().unwrap_or(EXCESS[0]))
-}
-
 /// A shape covered by balls.
 #[derive(Clone, Debug)]
 pub struct CoveredShape {
@@ -60,7 +46,7 @@ pub struct CoveredShape {
 }
 
 /// Covers a shape in its own frame by balls that stick out by `excess` at most, m, with [`Shape::cover`], or the
-/// [pieces](mesh_pieces) of a mesh, with [`cover_triangles`]; by default by 5 mm, of a solid by a tenth of its smallest
+/// [pieces](convex_pieces) of a mesh, with [`cover_triangles`]; by default by 5 mm, of a solid by a tenth of its smallest
 /// extent, from 5 to 20 mm. A mesh is looked up from `folder`, that of the URDF.
 ///
 /// # Errors
@@ -74,9 +60,10 @@ pub fn cover_shape(shape: &CollisionShape, folder: &Path, excess: impl Into<Opti
             Ok(CoveredShape { pieces: Vec::new(), cover: solid.cover(given.unwrap_or_else(by_size))? })
         }
         CollisionShape::Mesh { file, scale } => {
-            let pieces = mesh_pieces(file, folder, scale, given)?;
+            let excess = given.unwrap_or(least);
+            let pieces = convex_pieces(&load_mesh(file, folder, scale)?, excess)?;
             let surface: Vec<_> = pieces.iter().flat_map(ConvexPiece::triangles).collect();
-            let mut cover = cover_triangles(&surface, given.unwrap_or(least))?;
+            let mut cover = cover_triangles(&surface, excess)?;
             for ball in &mut cover.balls {
                 ball.radius += PIECE_RADIUS;
             }
@@ -111,9 +98,13 @@ fn cover_with(
     let covers = cover_each(model, folder, excess).into_iter();
     let of_load = load.map(|load| cover_shape(&load.shape, folder, excess));
     for (shape, cover) in all().zip(covers.chain(of_load)) {
-        let cover = placed(model, shape, cover)?;
-        geometry.links.extend(cover.iter().map(|_| shape.link.clone()));
-        geometry.balls.extend(cover);
+        let named = |error: Error| Error::input(model.name(), format!("link '{}'", shape.link), error.to_string());
+        let CoveredShape { pieces, cover } = cover.map_err(named)?;
+        geometry.links.extend(cover.balls.iter().map(|_| shape.link.clone()));
+        geometry.balls.extend(placed(shape, cover));
+        if matches!(shape.shape, CollisionShape::Mesh { .. }) {
+            geometry.pieces.push(pieces);
+        }
     }
     let is_sphere = |c: &Collision| matches!(c.shape, CollisionShape::Solid(Shape::Sphere { .. }));
     let are_spheres = all().all(is_sphere);
@@ -121,15 +112,14 @@ fn cover_with(
 }
 
 /// The balls that cover a shape of a link, in the frame of its body.
-fn placed(model: &Model, collision: &Collision, cover: Result<CoveredShape>) -> Result<Vec<CollisionSphere>> {
-    let Collision { link, body, placement, .. } = collision;
-    let named = |error: Error| Error::input(model.name(), format!("link '{link}'"), error.to_string());
+fn placed(collision: &Collision, cover: Cover) -> impl Iterator<Item = CollisionSphere> {
+    let Collision { body, placement, .. } = collision;
     let placed = |ball: Sphere| CollisionSphere {
         body: *body,
         centre: placement.rotation * ball.centre + placement.translation,
         radius: ball.radius,
     };
-    Ok(cover.map_err(named)?.cover.balls.into_iter().map(placed).collect())
+    cover.balls.into_iter().map(placed)
 }
 
 /// The reason why a cover of a robot, and of a load that it carries, by this many balls is refused, and the remedy, in
@@ -211,8 +201,8 @@ pub(crate) fn collision_geometry(
     };
     if let Some(load) = load {
         let cover = cover_shape(&load.shape, folder, spacing.min(default_spacing()));
-        let balls = placed(model, load, cover).map_err(|e| Error::input(path, "payload.shape", e.to_string()))?;
-        capsules.extend(balls.into_iter().map(|ball| Capsule {
+        let cover = cover.map_err(|e| Error::input(path, "payload.shape", e.to_string()))?.cover;
+        capsules.extend(placed(load, cover).map(|ball| Capsule {
             body: ball.body,
             ends: [ball.centre; 2],
             radius: ball.radius,
