@@ -16,7 +16,7 @@ const MAX_PIECES: usize = 8;
 
 /// The planes between the ends of a piece across each axis that may divide it, and the least share of its volume that
 /// a division saves.
-const PLANES: usize = 5;
+const PLANES: usize = 7;
 const LEAST_SAVED: f64 = 0.03;
 
 /// The number of corners by which the volumes of hulls are compared.

@@ -46,8 +46,8 @@ pub struct CoveredShape {
 }
 
 /// Covers a shape in its own frame by balls that stick out by `excess` at most, m, with [`Shape::cover`], or the
-/// [pieces](convex_pieces) of a mesh, with [`cover_triangles`]; by default by 5 mm, of a solid by a tenth of its smallest
-/// extent, from 5 to 20 mm. A mesh is looked up from `folder`, that of the URDF.
+/// [pieces](convex_pieces) of a mesh, with [`cover_triangles`]; by default by 5 mm, of a solid by a tenth of its
+/// smallest extent, from 5 to 20 mm. A mesh is looked up from `folder`, that of the URDF.
 ///
 /// # Errors
 /// A mesh cannot be read, or too many balls are needed.
