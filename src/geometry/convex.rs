@@ -3,7 +3,7 @@
 use super::Triangle;
 use super::cells::bounds;
 use super::cover::{check, refused};
-use super::hull::quickhull;
+use super::hull::ConvexPiece;
 use crate::error::Result;
 use nalgebra::Vector3;
 use parry3d_f64::math::Vector as Coordinates;
@@ -27,68 +27,6 @@ const CLOSELY: f64 = 0.1;
 
 /// The distance by which a point of a surface is moved outward to find whether another piece begins there, m.
 const BEYOND: f64 = 1e-6;
-
-/// The thickness of the hull of a plane set of points, relative to its size, and that of a single point, m.
-const THICKNESS: f64 = 1e-4;
-const POINT: f64 = 1e-6;
-
-/// The radius about the hulls of [`ConvexPiece`]s within which the corners of a mesh are, m: more than their rounding
-/// in the precision of its file.
-pub const PIECE_RADIUS: f64 = 1e-6;
-
-/// The hull of points: all of their averages.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ConvexPiece {
-    /// The corners, m.
-    pub corners: Vec<Vector3<f64>>,
-    /// The triangles of its surface, as indices of corners, in positive orientation seen from outside.
-    pub faces: Vec<[usize; 3]>,
-}
-
-impl ConvexPiece {
-    /// The hull of the given points; if they are in a plane, one of some thickness that contains them.
-    ///
-    /// # Errors
-    /// There is no point, or a coordinate is not finite.
-    pub fn hull(points: &[Vector3<f64>]) -> Result<Self> {
-        if points.is_empty() || !points.iter().all(|p| p.iter().all(|x| x.is_finite())) {
-            return refused("points", "there are none, or a coordinate is not a finite number".to_owned());
-        }
-        if let Some((corners, faces)) = quickhull(points) {
-            return Ok(Self { corners: corners.into_iter().map(|i| points[i]).collect(), faces });
-        }
-        let [lower, upper] = bounds(points.iter());
-        let thickness = THICKNESS * (upper - lower).norm() + POINT;
-        let about = |p: &Vector3<f64>| {
-            let p = *p;
-            (0..3).flat_map(move |i| [-thickness, thickness].map(|off| p + Vector3::ith(i, off)))
-        };
-        let thick: Vec<_> = points.iter().flat_map(about).collect();
-        match quickhull(&thick) {
-            Some((corners, faces)) => Ok(Self { corners: corners.into_iter().map(|i| thick[i]).collect(), faces }),
-            None => refused("points", "they are too large for a hull".to_owned()),
-        }
-    }
-
-    /// The triangles of the surface.
-    pub fn triangles(&self) -> impl Iterator<Item = Triangle> {
-        self.faces.iter().map(|face| face.map(|i| self.corners[i]))
-    }
-
-    /// True if a point is inside, or on the surface.
-    fn contains(&self, p: &Vector3<f64>) -> bool {
-        let is_below = |[a, b, c]: Triangle| (b - a).cross(&(c - a)).dot(&(p - a)) <= 0.0;
-        self.triangles().all(is_below)
-    }
-
-    /// The enclosed volume, m^3.
-    #[must_use]
-    pub fn volume(&self) -> f64 {
-        let from = self.corners[0];
-        let six = |[a, b, c]: Triangle| (a - from).dot(&(b - from).cross(&(c - from)));
-        self.triangles().map(six).sum::<f64>() / 6.0
-    }
-}
 
 /// Covers triangles by convex pieces, no point of which is further than `max_excess` in m from these and from the other
 /// pieces if a partition into at most eight saves enough of their volume.

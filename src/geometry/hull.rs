@@ -1,5 +1,9 @@
 //! Convex hulls of points.
 
+use super::Triangle;
+use super::cells::bounds;
+use super::cover::refused;
+use crate::error::Result;
 use nalgebra::Vector3;
 
 /// The distance beyond a face within which a point counts as on it, relative to the size of the set: rounding.
@@ -7,6 +11,69 @@ const ROUNDING: f64 = 1e-12;
 
 /// The thickness relative to the size below which a set of points counts as flat.
 const FLAT: f64 = 1e-9;
+
+/// The thickness of the hull of a plane set of points, relative to its size, and that of a single point, m.
+const THICKNESS: f64 = 1e-4;
+const POINT: f64 = 1e-6;
+
+/// The radius about the hulls of [`ConvexPiece`]s within which the corners of a mesh are, m: more than their rounding
+/// in the precision of its file.
+pub const PIECE_RADIUS: f64 = 1e-6;
+
+/// The hull of points: all of their averages.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConvexPiece {
+    /// The corners, m.
+    pub corners: Vec<Vector3<f64>>,
+    /// The triangles of its surface, as indices of corners, in positive orientation seen from outside.
+    pub faces: Vec<[usize; 3]>,
+}
+
+impl ConvexPiece {
+    /// The hull of the given points; if they are in a plane, one of some thickness that contains them.
+    ///
+    /// # Errors
+    /// There is no point, or a coordinate is not finite.
+    pub fn hull(points: &[Vector3<f64>]) -> Result<Self> {
+        if points.is_empty() || !points.iter().all(|p| p.iter().all(|x| x.is_finite())) {
+            return refused("points", "there are none, or a coordinate is not a finite number".to_owned());
+        }
+        if let Some((corners, faces)) = quickhull(points) {
+            return Ok(Self { corners: corners.into_iter().map(|i| points[i]).collect(), faces });
+        }
+        let [lower, upper] = bounds(points.iter());
+        let thickness = THICKNESS * (upper - lower).norm() + POINT;
+        let about = |p: &Vector3<f64>| {
+            let p = *p;
+            (0..3).flat_map(move |i| [-thickness, thickness].map(|off| p + Vector3::ith(i, off)))
+        };
+        let thick: Vec<_> = points.iter().flat_map(about).collect();
+        match quickhull(&thick) {
+            Some((corners, faces)) => Ok(Self { corners: corners.into_iter().map(|i| thick[i]).collect(), faces }),
+            None => refused("points", "they are too large for a hull".to_owned()),
+        }
+    }
+
+    /// The triangles of the surface.
+    pub fn triangles(&self) -> impl Iterator<Item = Triangle> {
+        self.faces.iter().map(|face| face.map(|i| self.corners[i]))
+    }
+
+    /// True if a point is inside, or on the surface.
+    #[cfg(feature = "solvers")]
+    pub(super) fn contains(&self, p: &Vector3<f64>) -> bool {
+        let is_below = |[a, b, c]: Triangle| (b - a).cross(&(c - a)).dot(&(p - a)) <= 0.0;
+        self.triangles().all(is_below)
+    }
+
+    /// The enclosed volume, m^3.
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        let from = self.corners[0];
+        let six = |[a, b, c]: Triangle| (a - from).dot(&(b - from).cross(&(c - from)));
+        self.triangles().map(six).sum::<f64>() / 6.0
+    }
+}
 
 /// A triangle of a hull under construction.
 struct Face {
@@ -24,7 +91,7 @@ struct Face {
 /// points are in a plane. By quickhull: of the points beyond a face the furthest one becomes a corner, and the faces
 /// that it sees are replaced by those between it and their horizon. A point for which rounding makes the horizon no
 /// single loop becomes a corner without faces. Cost about O(n log n).
-pub(super) fn quickhull(points: &[Vector3<f64>]) -> Option<(Vec<usize>, Vec<[usize; 3]>)> {
+fn quickhull(points: &[Vector3<f64>]) -> Option<(Vec<usize>, Vec<[usize; 3]>)> {
     let mut hull = Hull::new(points)?;
     let mut at = 0;
     while at < hull.faces.len() {

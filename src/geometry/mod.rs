@@ -18,6 +18,7 @@
 //! and answers questions about their distances.
 //!
 //! [`Shape::cover`] and [`cover_triangles`] cover shapes and meshes by balls that stick out by a given excess at most.
+//! The hulls of parts of a mesh cover it too, as [`ConvexPiece`]s.
 //!
 //! The derivatives are defined everywhere: within [`FLAT`] of a surface, and of a centre or an axis, the distance is
 //! that from the tangent plane of a face, which differs by at most twice `FLAT`.
@@ -25,6 +26,7 @@
 mod ball_tree;
 mod cells;
 mod collision;
+#[cfg(feature = "solvers")]
 mod convex;
 mod corner;
 mod cover;
@@ -32,6 +34,7 @@ mod greedy;
 mod hull;
 mod mesh;
 mod scene;
+#[cfg(feature = "solvers")]
 mod separation;
 mod shape;
 mod tree;
@@ -40,10 +43,13 @@ pub use ball_tree::{BallNode, BallTree};
 #[cfg(feature = "solvers")]
 pub(crate) use collision::SETS;
 pub use collision::{Capsule, CollisionGeometry, CollisionSphere};
-pub use convex::{ConvexPiece, PIECE_RADIUS, convex_pieces, excess};
+#[cfg(feature = "solvers")]
+pub use convex::{convex_pieces, excess};
 pub use corner::FLAT;
 pub use cover::Cover;
+pub use hull::{ConvexPiece, PIECE_RADIUS};
 pub use mesh::{Triangle, cover_triangles};
 pub use scene::{ClosestPair, Collider, Obstacle, Part, Scene};
+#[cfg(feature = "solvers")]
 pub use separation::{Support, closest_points};
 pub use shape::{Distance, Shape, Solid, Sphere};
