@@ -42,7 +42,7 @@ SCENARIO = {
     "waypoints": [{"q": [0.0, 0.0], "stop": True, "time_s": 1.0}],
     "stand": {"frame": "base", "half_length_m": 0.5, "half_width_m": 0.5, "friction": 0.5},
     "obstacles": [{"shape": {"sphere": {"radius_m": 0.5}}, "pose": {"position_m": [3, 0, 0]}, "clearance_m": 0.1}],
-    "clearance_m": {"obstacles": 0.1, "pairs": [{"links": ["base", "tip"], "clearance_m": 0.2}]},
+    "clearance_m": {"obstacles": 0.1, "pairs": [{"links": ["base", "tip"], "clearance_m": 1.78}]},
     "enforced_limits": {"position": 0.9, "torque": {"share": 0.5, "joints": ["j1"]}, "jerk": [1.0, None]},
 }
 PROMISES = ["position", "velocity", "jerk", "torque", "keep", "stand", "obstacles", "self_collision"]

@@ -50,6 +50,11 @@ impl<const N: usize> Enclosure<N> {
         self.r /= x.abs();
         self.widened(UNIT * self.size())
     }
+    pub(crate) fn scaled(mut self, x: f64) -> Self {
+        self.c = self.c.map(|c| c * x);
+        self.r *= x.abs();
+        self.widened(UNIT * self.size())
+    }
     pub(crate) fn turn(mut self) -> (f64, Self) {
         let first = self.c[0];
         self.c[0] = 0.0;

@@ -152,7 +152,8 @@ impl Clearances<'_> {
         for ((solid, corners), towards) in [(a, n.map(|x| -x)), (b, n)] {
             if solid.kind == "piece" {
                 let along = apply(transpose(solid.at.0), towards);
-                ways.push(corners.iter().map(|c| dot(along, vector(*c))).collect::<Vec<Tm>>());
+                let way = |c: &[f64; 3]| along[0].scaled(c[0]) + along[1].scaled(c[1]) + along[2].scaled(c[2]);
+                ways.push(corners.iter().map(way).collect::<Vec<Tm>>());
                 gap = gap - Tm::new(RADIUS * dot(n, n).most().sqrt() * (1.0 + 4.0 * UNIT));
             } else {
                 gap = gap - extent(&solid, n);

@@ -12,6 +12,9 @@ use std::path::{Path, PathBuf};
 pub(crate) const RADIUS: f64 = 1e-6;
 const ACCEPTED: f64 = 0.9e-6;
 
+/// The weight of a corner below which a point is not examined further.
+const FAR: f64 = -1e-3;
+
 type Point = [f64; 3];
 
 /// A convex piece: its corners, and triangles of its surface as indices of them.
@@ -177,7 +180,12 @@ impl Inside {
         }
         let way = sub(p, self.middle);
         let is_within = |face: &Tetrahedron| {
-            let weights = face.weights.map(|w| dot(w, way).max(0.0));
+            let weights = face.weights.map(|w| dot(w, way));
+            // Far from this tetrahedron, as the point is from most.
+            if weights.iter().any(|weight| *weight < FAR) {
+                return false;
+            }
+            let weights = weights.map(|weight| weight.max(0.0));
             let scale = weights.iter().sum::<f64>().max(1.0);
             let average: Point = std::array::from_fn(|i| (0..3).map(|k| weights[k] / scale * face.ways[k][i]).sum());
             let off = sub(way, average);

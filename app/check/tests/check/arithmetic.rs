@@ -60,6 +60,7 @@ fn sums_products_and_quotients_enclose() {
         encloses("product", &(a * b), &s, &(&x * &y));
         let by = rng.random_range(0.1..9.0);
         encloses("quotient", &a.over(by), &s, &(&x / exact(by)));
+        encloses("multiple", &a.scaled(by), &s, &(&x * exact(by)));
         assert!(exact(a.most()) >= x.abs());
     }
 }
