@@ -2,6 +2,7 @@
 
 use super::hull::{Point, beyond};
 use super::separation::distance_from_triangle;
+use crate::common::config;
 use aghf::geometry::{ConvexPiece, Triangle, convex_pieces, excess};
 use proptest::prelude::*;
 
@@ -14,6 +15,8 @@ fn cuboid(lower: [f64; 3], upper: [f64; 3]) -> Vec<Triangle> {
 }
 
 proptest! {
+    #![proptest_config(config(128))]
+
     /// Each triangle is in one piece, and the surfaces of the pieces are within the excess that is stated.
     #[test]
     fn pieces_contain_the_triangles_and_keep_their_excess(

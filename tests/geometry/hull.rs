@@ -1,5 +1,6 @@
 //! Convex hulls of points.
 
+use crate::common::config;
 use aghf::geometry::{ConvexPiece, Triangle};
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -21,6 +22,8 @@ pub fn beyond(piece: &ConvexPiece, p: &Point) -> f64 {
 }
 
 proptest! {
+    #![proptest_config(config(256))]
+
     #[test]
     fn a_hull_contains_its_points_and_has_corners_among_them(points in points(4..60)) {
         let hull = ConvexPiece::hull(&points).expect("finite");

@@ -1,6 +1,7 @@
 //! The closest points of convex bodies.
 
 use super::hull::{Point, beyond, points};
+use crate::common::config;
 use aghf::geometry::{ConvexPiece, Support, Triangle, closest_points};
 use proptest::prelude::*;
 
@@ -65,6 +66,8 @@ impl Support for Body<'_> {
 }
 
 proptest! {
+    #![proptest_config(config(256))]
+
     #[test]
     fn closest_points_are_those_of_the_nearest_features(
         a in points(4..12),

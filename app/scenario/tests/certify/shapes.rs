@@ -197,3 +197,30 @@ fn certified_motions_keep_their_meshes_clear() {
     }
     assert!(found.iter().all(|count| *count >= 3), "{found:?}");
 }
+
+/// The largest clearance that is certified is one that the checker proves: both have the radius of the pieces.
+#[test]
+fn the_checker_proves_the_largest_clearance_that_is_certified() {
+    let (position, radius, test) = ([0.3, -0.4, 0.0], 0.05, "largest");
+    let mut obstacles = ball(position, radius);
+    let urdf = folder(test).join("gantry.urdf");
+    let scale = Vector3::new(0.001, 0.001, -0.001);
+    let meshed_with = |obstacles: &Value| meshed(test, obstacles.clone());
+    let scenario = meshed_with(&obstacles);
+    let meshes = [(1, "rod.stl"), (2, "angle.obj")];
+    let meshes = meshes.map(|(body, file)| (body, load_mesh(file, &folder(test), &scale).expect("it is there")));
+    let least = least_distance(&scenario, &meshes, &position.into()) - radius;
+    let mut range = [least - 2e-3, least];
+    for _ in 0..14 {
+        let clearance = 0.5 * (range[0] + range[1]);
+        obstacles[0]["clearance_m"] = json!(clearance);
+        let scenario = meshed_with(&obstacles);
+        let found = certificate(&scenario);
+        range[usize::from(found.is_none())] = clearance;
+        if let Some(found) = found {
+            let checked = checked(&scenario, &found, &|name| aghf_check::find_mesh(name, &urdf, &[]));
+            assert!(checked.is_ok(), "{clearance}: {checked:?}");
+        }
+    }
+    assert!(range[1] - range[0] < 1e-6 && range[0] > least - 2e-3, "{range:?}");
+}
