@@ -153,6 +153,12 @@ pub(crate) fn dot(a: Vector, b: Vector) -> Tm {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// The direction of an axis, with the length one.
+pub(crate) fn unit(axis: [f64; 3]) -> Vector {
+    let axis = vector(axis);
+    times(axis, dot(axis, axis).inverse_sqrt())
+}
+
 pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
     std::array::from_fn(|i| {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);

@@ -1,7 +1,7 @@
 //! The moving bodies of a URDF and the balls that keep clear, inverse dynamics and kinematics.
 
 use crate::Checked;
-use crate::arithmetic::{Matrix, Tm, Vector, about, add, apply, cross, dot, product, times, transpose, vector};
+use crate::arithmetic::{Matrix, Tm, Vector, about, add, apply, cross, dot, product, times, transpose, unit, vector};
 use crate::grammar::{Grammar, Item};
 use crate::joint::Joint;
 use crate::json::{list, number, number_or, option, require, text, three};
@@ -89,11 +89,6 @@ pub(crate) fn pose(node: Option<Node>) -> Checked<Pose> {
     let axes = identity().0;
     let [x, y, z] = [0, 1, 2].map(|i| about(axes[i], Tm::new(angles[i]).sin_cos()));
     Ok((product(z, product(y, x)), vector(triple(node, "xyz", [0.0; 3])?)))
-}
-
-pub(crate) fn unit(axis: [f64; 3]) -> Vector {
-    let axis = vector(axis);
-    times(axis, dot(axis, axis).inverse_sqrt())
 }
 
 /// The placement of a pose.

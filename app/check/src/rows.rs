@@ -1,10 +1,10 @@
 //! Rows: quantities with their bounds.
 
 use crate::Checked;
-use crate::arithmetic::{Matrix, Tm, Vector, add, apply, cross, dot, product, sub, transpose, vector};
+use crate::arithmetic::{Matrix, Tm, Vector, add, apply, cross, dot, product, sub, transpose, unit, vector};
 use crate::json::{entries, is_true, list, number, number_or, option, require, text, three};
 use crate::motion::Polynomial;
-use crate::robot::{Pose, Robot, compose, pose_of, quaternion, unit};
+use crate::robot::{Pose, Robot, compose, pose_of, quaternion};
 use serde_json::Value;
 use std::f64::consts::FRAC_PI_3;
 

@@ -290,16 +290,18 @@ impl<'a> Shapes<'a> {
     /// allowance for another arithmetic.
     fn bound(&self, of: [usize; 2], n: &Vector3<Model>, margin: f64) -> f64 {
         let [a, b] = of.map(|i| &self.placed[i]);
-        let off = n.dot(&(b.at.translation - a.at.translation));
-        // Against the direction for the second shape: its nearest points.
-        let mut gap = off;
+        let mut gap = n.dot(&(b.at.translation - a.at.translation));
         let (mut radius, mut turns) = (0.0, 0.0);
+        // Each shape with the direction away from the other one.
         let sides = [(a, -*n), (b, *n)];
         let mut corners = None;
         for (shape, n) in &sides {
-            let Form::Piece(own) = shape.form else {
-                gap -= extent(shape, n);
-                continue;
+            let own = match shape.form {
+                Form::Piece(own) => own,
+                Form::Solid(solid) => {
+                    gap -= extent(&solid, &shape.at, n);
+                    continue;
+                }
             };
             radius += PIECE_RADIUS;
             let along = shape.at.rotation.transpose() * n;
@@ -354,16 +356,15 @@ fn constant(x: &Vector3<f64>) -> Vector3<Model> {
 
 /// An upper bound on the extent of a shape from its centre in a direction and against it: that of a ball, of edges, or
 /// of an axis and a disc, with $\sqrt x \le (x + b) / (2 \sqrt b)$ for any $b > 0$.
-fn extent(of: &Placed, n: &Vector3<Model>) -> Model {
-    let Form::Solid(shape) = of.form else { return Model::constant(f64::NAN) };
-    let along = of.at.rotation.transpose() * n;
+fn extent(shape: &Shape<f64>, at: &Placement<Model>, n: &Vector3<Model>) -> Model {
+    let along = at.rotation.transpose() * n;
     let squares = along.map(|x| x * x);
     let root = |square: Model| {
         let near = square.coefficients()[0].max(0.3 * square.variation()).max(1e-12);
         (square + Model::constant(near)).divided_by(2.0 * near.sqrt())
     };
     let ball = |radius: f64| root(n.dot(n)).scale(radius);
-    match shape {
+    match *shape {
         Shape::Sphere { radius } => ball(radius),
         Shape::Cuboid { half_extents: h } => {
             let edges = [0, 1, 2].map(|i| root(squares[i]).scale(h[i]));
