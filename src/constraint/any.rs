@@ -1,7 +1,7 @@
 //! The built-in constraints and a variant for any other.
 
 use super::{
-    ActivePair, Bounds, Constraint, CoverClearance, DynConstraint, FrameRows, PlacedState, PointSpeedLimit, RowLabel,
+    ActivePair, Bounds, Constraint, ConvexClearance, DynConstraint, FrameRows, PlacedState, PointSpeedLimit, RowLabel,
     RowList, RowSet, SelfClearance, SolidClearance, SphereClearance, WeightedDerivatives, Weights,
 };
 use crate::error::Result;
@@ -19,8 +19,8 @@ pub enum AnyConstraint<C: Scalar = f64> {
     Solids(SolidClearance<C>),
     /// Balls of the robot outside each other.
     SelfCollision(SelfClearance<C>),
-    /// Sets of balls outside solids and each other.
-    Cover(CoverClearance<C>),
+    /// Convex bodies outside solids and each other.
+    Convex(ConvexClearance<C>),
     /// Bounds on positions and velocities.
     Bounds(Bounds<C>),
     /// The placement of a frame.
@@ -38,7 +38,7 @@ macro_rules! each {
             AnyConstraint::Spheres($it) => $what,
             AnyConstraint::Solids($it) => $what,
             AnyConstraint::SelfCollision($it) => $what,
-            AnyConstraint::Cover($it) => $what,
+            AnyConstraint::Convex($it) => $what,
             AnyConstraint::Bounds($it) => $what,
             AnyConstraint::Frame($it) => $what,
             AnyConstraint::Speed($it) => $what,
@@ -50,16 +50,15 @@ macro_rules! each {
 impl AnyConstraint {
     /// The constraints that keep the balls of a robot clear of obstacles and of each other: for each
     /// [margin](Scene::obstacle_margins) spheres by the squares of (A3), then all other obstacles; then for each margin
-    /// the pairs of balls; or, if the balls are in sets, all by these. Balls fixed to the base count for the pairs
+    /// the pairs of balls; or, if the robot has convex parts, all by these. Balls fixed to the base count for the pairs
     /// alone, because they never move. The balls are larger by the margins.
     #[must_use]
     pub fn of_scene(scene: &Scene) -> Vec<Self> {
         if scene.is_empty() {
             return Vec::new();
         }
-        if !scene.robot().sets.is_empty() {
-            let covers = CoverClearance::of_scene(scene);
-            return covers.into_iter().map(Self::Cover).collect();
+        if !scene.robot().parts.is_empty() {
+            return vec![Self::Convex(ConvexClearance::of_scene(scene))];
         }
         let larger = |by: f64| {
             let all = scene.robot().balls.iter();
@@ -130,7 +129,7 @@ impl<C: Scalar> Constraint<C> for AnyConstraint<C> {
         at: &PlacedState<'_, C, S>,
         rows: Option<RowList<'_>>,
         g: &mut [S],
-        active_pairs: Option<&mut Vec<ActivePair>>,
+        active_pairs: Option<&mut Vec<ActivePair<S>>>,
     ) -> Result<()> {
         each!(self, it => it.value_of(at, rows, g, active_pairs))
     }

@@ -58,8 +58,7 @@ impl<T: Scalar> Moving<T> {
         T: AlgebraOver<C>,
     {
         forward_kinematics(at.model, &self.x[..self.x.len() / 2], &mut self.placements)?;
-        let moved =
-            PlacedState { model: at.model, x: &self.x, placements: &self.placements, active_pairs: at.active_pairs };
+        let moved = PlacedState { model: at.model, x: &self.x, placements: &self.placements, active_pairs: None };
         constraint.value(&moved, &mut self.g)?;
         Ok(&self.g)
     }

@@ -50,7 +50,7 @@ impl<C: Scalar, A: Constraint<C>, B: Constraint<C>> Constraint<C> for (A, B) {
         at: &PlacedState<'_, C, S>,
         rows: Option<RowList<'_>>,
         g: &mut [S],
-        mut active_pairs: Option<&mut Vec<ActivePair>>,
+        mut active_pairs: Option<&mut Vec<ActivePair<S>>>,
     ) -> Result<()> {
         let (a, b) = g.split_at_mut(self.0.dim());
         let (at_a, at_b) = at.split_at(a.len());
@@ -110,7 +110,7 @@ impl<C: Scalar, K: Constraint<C>> Constraint<C> for [K] {
         at: &PlacedState<'_, C, S>,
         mut rows: Option<RowList<'_>>,
         mut g: &mut [S],
-        mut active_pairs: Option<&mut Vec<ActivePair>>,
+        mut active_pairs: Option<&mut Vec<ActivePair<S>>>,
     ) -> Result<()> {
         let (mut at, mut first) = (*at, 0);
         for constraint in self {
@@ -150,7 +150,7 @@ fn append<C: Scalar, S: AlgebraOver<C>, K: Constraint<C>>(
     constraint: &K,
     (at, rows): (&PlacedState<'_, C, S>, Option<RowList<'_>>),
     (g, first): (&mut [S], usize),
-    mut active_pairs: Option<&mut Vec<ActivePair>>,
+    mut active_pairs: Option<&mut Vec<ActivePair<S>>>,
 ) -> Result<()> {
     let before = active_pairs.as_ref().map_or(0, |pairs| pairs.len());
     constraint.value_of(at, rows, g, active_pairs.as_deref_mut())?;
@@ -202,7 +202,7 @@ macro_rules! delegate {
                 at: &PlacedState<'_, C, S>,
                 rows: Option<RowList<'_>>,
                 g: &mut [S],
-                active_pairs: Option<&mut Vec<ActivePair>>,
+                active_pairs: Option<&mut Vec<ActivePair<S>>>,
             ) -> Result<()> {
                 let $it = self;
                 $inner.value_of(at, rows, g, active_pairs)

@@ -55,7 +55,7 @@ impl<C: Scalar, S: AlgebraOver<C>> Evaluator<'_, C, S> {
     pub(crate) fn weighted_derivatives_at<K: Constraint<C> + ?Sized>(
         &mut self,
         x: &[S],
-        (constraint, active_pairs): (&K, Option<&[ActivePair]>),
+        (constraint, active_pairs): (&K, Option<&[ActivePair<S>]>),
         weights: Weights<'_, S>,
     ) -> Result<&WeightedDerivatives<S>> {
         let mut placed = self.at(x)?.with_active_pairs(active_pairs);
@@ -75,7 +75,7 @@ pub struct Placed<'a, C: Scalar, S: Scalar> {
 impl<'a, C: Scalar, S: AlgebraOver<C>> Placed<'a, C, S> {
     /// The same with the active pairs of the constraint that is evaluated, if they are known.
     #[must_use]
-    pub fn with_active_pairs(mut self, active_pairs: Option<&'a [ActivePair]>) -> Self {
+    pub fn with_active_pairs(mut self, active_pairs: Option<&'a [ActivePair<S>]>) -> Self {
         self.state.active_pairs = active_pairs.map(ActivePairs::new);
         self
     }

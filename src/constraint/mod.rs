@@ -16,8 +16,7 @@ mod autodiff;
 mod bounds;
 mod clearance;
 mod composition;
-mod cover_clearance;
-mod cover_search;
+mod convex_clearance;
 mod dynamic;
 mod evaluator;
 mod frame_rows;
@@ -36,13 +35,11 @@ mod time_window;
 mod torque_limits;
 mod weighted_derivatives;
 
-pub(crate) use active_pair::searched_from;
 pub use active_pair::{ActivePair, ActivePairs};
 pub use any::AnyConstraint;
 pub use bounds::{Bound, Bounds, MAX_ORDER, RateLimit, Side};
 pub use clearance::SphereClearance;
-pub use cover_clearance::CoverClearance;
-pub(crate) use cover_search::place;
+pub use convex_clearance::{ConvexClearance, ConvexPair, ConvexPart, Other};
 pub use dynamic::{DynConstraint, Functions};
 pub use evaluator::{Evaluator, Placed};
 pub use frame_rows::{FrameRow, FrameRows};
@@ -105,9 +102,9 @@ pub trait Constraint<C: Scalar = f64> {
         RowLabel::numbered(row)
     }
 
-    /// Computes [`value`](Self::value), or at least the rows of a list, and appends the active [pairs](ActivePair) of
-    /// rows that are maxima of many functions, in ascending order of the rows, if they are asked for. By default all
-    /// rows, none of which has any.
+    /// Computes [`value`](Self::value), or at least the rows of a list, and appends the [pairs](ActivePair) of bodies
+    /// that are near each other, in ascending order of the rows, if they are asked for. By default all rows, none of
+    /// which has any.
     ///
     /// # Errors
     /// Those of [`value`](Self::value).
@@ -116,7 +113,7 @@ pub trait Constraint<C: Scalar = f64> {
         at: &PlacedState<'_, C, S>,
         rows: Option<RowList<'_>>,
         g: &mut [S],
-        active_pairs: Option<&mut Vec<ActivePair>>,
+        active_pairs: Option<&mut Vec<ActivePair<S>>>,
     ) -> Result<()> {
         let _ = (rows, active_pairs);
         self.value(at, g)
@@ -153,8 +150,8 @@ pub struct PlacedState<'a, C: Scalar, S: Scalar> {
     pub x: &'a [S],
     /// The placements of all bodies in the base frame.
     pub placements: &'a [Placement<S>],
-    /// The active pairs of the rows of the constraint, if they are known.
-    pub active_pairs: Option<ActivePairs<'a>>,
+    /// The pairs that were near each other at a state nearby, if they are known.
+    pub active_pairs: Option<ActivePairs<'a, S>>,
 }
 
 impl<'a, C: Scalar, S: AlgebraOver<C>> PlacedState<'a, C, S> {

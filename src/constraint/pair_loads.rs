@@ -135,6 +135,26 @@ impl<S: Scalar> PairLoads<S> {
         }
     }
 
+    /// Adds a row with this gradient in the motion of the first body as seen from the second one, and this coupling.
+    pub(super) fn add_coupling(
+        &mut self,
+        bodies: [Option<usize>; 2],
+        force: &Force<S>,
+        coupling: impl FnOnce() -> [[Matrix3<S>; 2]; 2],
+        w: S,
+        c: Option<S>,
+    ) {
+        let load = self.load(bodies);
+        load.force += *force * w;
+        let Some(c) = c else { return };
+        let lines = [force.angular, force.linear];
+        for (i, row) in coupling().iter().enumerate() {
+            for (j, block) in row.iter().enumerate() {
+                load.coupling[i][j] += block * w + outer(&(lines[i] * c), &lines[j]);
+            }
+        }
+    }
+
     /// The sums of two bodies, which are usually those of the previous pair.
     #[inline]
     fn load(&mut self, bodies: [Option<usize>; 2]) -> &mut PairLoad<S> {

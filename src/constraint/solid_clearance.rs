@@ -58,7 +58,7 @@ impl<C: Scalar> Constraint<C> for SolidClearance<C> {
         at: &PlacedState<'_, C, S>,
         rows: Option<RowList<'_>>,
         g: &mut [S],
-        _: Option<&mut Vec<ActivePair>>,
+        _: Option<&mut Vec<ActivePair<S>>>,
     ) -> Result<()> {
         let Some(rows) = rows else {
             return self.value(at, g);

@@ -147,6 +147,29 @@ impl<S: Scalar> WeightedDerivatives<S> {
         Ok(())
     }
 
+    /// Adds a row that depends on the placement of the first body as seen from the second one: `force` is its gradient
+    /// in the motion of the first one, and `coupling` the blocks of `K`, angular before linear, of its second
+    /// derivative $S_i \cdot (K S_j + S_j \times^* F)$ in the joints `i` before `j` that carry the first body alone. `w`
+    /// is the weight of the row, `c` that of the product of its gradients, `None` if only the gradient is needed.
+    /// Without a body the points of it are fixed.
+    ///
+    /// # Errors
+    /// The robot has no such body.
+    pub fn add_coupling(
+        &mut self,
+        bodies: [Option<usize>; 2],
+        force: &Force<S>,
+        coupling: impl FnOnce() -> [[Matrix3<S>; 2]; 2],
+        w: S,
+        c: Option<S>,
+    ) -> Result<()> {
+        for body in bodies.into_iter().flatten() {
+            self.check_body(body)?;
+        }
+        self.pairs.add_coupling(bodies, force, coupling, w, c);
+        Ok(())
+    }
+
     /// Adds a row that is linear in the positions `p` of points of the first body as seen from the second one: `force`
     /// is the sum of its gradients `f` in them, in the base frame, and `virial` the sum of $p f^T$. `w` is the weight
     /// of the row, `c` that of the product of its gradients, `None` if only the gradient is needed. Without a body the

@@ -1,10 +1,7 @@
 //! Balls of a link in a tree, so that those near something are found among many.
 
-use super::collision::placement_of;
 use super::{CollisionSphere, Sphere};
-use crate::error::Result;
 use crate::scalar::Scalar;
-use crate::spatial::Placement;
 use nalgebra::Vector3;
 
 /// Balls on one body in a binary tree of balls that contain those below them.
@@ -61,34 +58,6 @@ impl BallTree {
         self.add(balls, first);
         self.add(balls, second);
         self.nodes[at].next = self.nodes.len();
-    }
-}
-
-impl BallTree {
-    /// The least gap of balls of two trees with the bodies at `placements`, m; infinite without balls.
-    ///
-    /// # Errors
-    /// `placements` has no entry for a body.
-    pub fn gap(&self, other: &Self, placements: &[Placement<f64>]) -> Result<f64> {
-        let place = placement_of(self.body, placements)?;
-        let beside = placement_of(other.body, placements)?;
-        let placed = |place: &Placement<f64>, ball: &Sphere| Sphere {
-            centre: place.rotation * ball.centre + place.translation,
-            radius: ball.radius,
-        };
-        let gap = |[i, j]: [usize; 2]| {
-            let near = placed(&place, &self.nodes[i].bound);
-            near.gap(&placed(&beside, &other.nodes[j].bound))
-        };
-        let mut least = f64::INFINITY;
-        self.search_pairs(other, gap, f64::lt, |pair, gap| {
-            let is_near = *gap < least;
-            if is_near && self.below_pair(other, pair).is_none() {
-                least = *gap;
-            }
-            is_near
-        });
-        Ok(least)
     }
 }
 

@@ -1,16 +1,14 @@
-//! The collision geometry of a robot: balls that the constraints act on, and the capsules that some of them cover.
+//! The collision geometry of a robot: balls that the constraints act on, and the capsules that they cover, or convex
+//! bodies within them.
 
-use super::{BallTree, ConvexPiece, Solid, Sphere};
+#[cfg(feature = "solvers")]
+use super::Placed;
+use super::{BallTree, Convex, ConvexPiece, Solid, Sphere};
 use crate::error::{Error, Result};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
 use nalgebra::Vector3;
 use std::collections::{HashMap, HashSet};
-
-/// The largest number of sets of the balls of a link. With fewer, balls that are neighbours get into one set, and the
-/// search takes more iterations at the kinks of its rows: 35 motions of a Panda with its meshes take 7562, 6644, 5371
-/// and 4150 with 8, 16, 24 and 32, as spheres 5214. An iteration takes longer, with 32 half as long again as with 16.
-pub(crate) const SETS: usize = 32;
 
 /// A ball on a body, in m; with radius zero it is a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,8 +110,8 @@ pub struct CollisionGeometry {
     pub capsules: Vec<Capsule>,
     /// The convex pieces of each mesh that the balls cover, in the order of the shapes and in their frames.
     pub pieces: Vec<Vec<ConvexPiece>>,
-    /// The number of the [set](Self::with_sets) of each ball among those of its link; empty without sets.
-    pub sets: Vec<usize>,
+    /// The convex body that each ball contains, in the frame of its body; empty if the balls are the robot.
+    pub parts: Vec<Convex>,
 }
 
 impl CollisionGeometry {
@@ -149,6 +147,7 @@ impl CollisionGeometry {
 
     /// The [nearest ball](Capsule::nearest_ball) of each capsule; `None` without capsules, and for a shape without a
     /// closed form.
+    #[cfg(feature = "solvers")]
     pub(super) fn nearest_balls(&self, placements: &[Placement<f64>], solid: &Solid) -> Result<Option<Vec<Sphere>>> {
         if self.capsules.is_empty() {
             return Ok(None);
@@ -158,33 +157,12 @@ impl CollisionGeometry {
         nearest.collect::<Option<Result<_>>>().transpose()
     }
 
-    /// Divides the balls of each link into at most 32 sets, those of a set far from each other: a constraint then
-    /// needs few rows, each for the nearest balls of some sets. The next ball, from the largest on, goes to the set
-    /// whose nearest ball is furthest. Cost O(the square of the number of balls of a link).
-    #[must_use]
-    pub fn with_sets(mut self) -> Self {
-        let mut all = vec![0; self.balls.len()];
-        let sphere = |i: usize| Sphere { centre: self.balls[i].centre, radius: self.balls[i].radius };
-        for mut own in self.by_links() {
-            own.sort_by(|i, j| self.balls[*j].radius.total_cmp(&self.balls[*i].radius));
-            let mut sets = vec![Vec::new(); own.len().min(SETS)];
-            for i in own {
-                let nearest = |set: &Vec<usize>| {
-                    let gaps = set.iter().map(|j| sphere(i).gap(&sphere(*j)));
-                    gaps.fold(f64::INFINITY, f64::min)
-                };
-                // The first of equals.
-                let best = sets.iter().rev().enumerate();
-                let best = best.max_by(|(_, a), (_, b)| nearest(a).total_cmp(&nearest(b)));
-                let last = sets.len() - 1;
-                if let Some(best) = best.map(|(back, _)| last - back) {
-                    sets[best].push(i);
-                    all[i] = best;
-                }
-            }
-        }
-        self.sets = all;
-        self
+    /// Adds a convex body in the frame of a body of the robot, with the name of its link and a ball about it.
+    pub fn add(&mut self, link: &str, body: Option<usize>, part: Convex) {
+        let Sphere { centre, radius } = part.ball();
+        self.balls.push(CollisionSphere { body, centre, radius });
+        self.links.push(link.to_owned());
+        self.parts.push(part);
     }
 
     /// The balls of each link as a tree; of each body if the balls belong to no links.
@@ -192,6 +170,50 @@ impl CollisionGeometry {
     pub fn trees(&self) -> Vec<BallTree> {
         let all = self.by_links().into_iter();
         all.map(|own| BallTree::new(&self.balls, own)).collect()
+    }
+
+    /// The least gap of two links, m, by their trees, with the bodies at `placements`, if it is less than `most`;
+    /// infinite otherwise.
+    ///
+    /// # Errors
+    /// `placements` has no entry for a body.
+    #[cfg(feature = "solvers")]
+    pub fn gap_within(&self, trees: [&BallTree; 2], placements: &[Placement<f64>], most: f64) -> Result<f64> {
+        let [tree, other] = trees;
+        let places = [placement_of(tree.body, placements)?, placement_of(other.body, placements)?];
+        let ball = |side: usize, node: usize| {
+            let Sphere { centre, radius } = trees[side].nodes[node].bound;
+            Sphere { centre: places[side].point(&centre), radius }
+        };
+        let part = |side: usize, node: usize| {
+            let convex = self.parts.get(trees[side].nodes[node].leaf?)?;
+            Some(Placed { convex, placement: Some(&places[side]) })
+        };
+        let gap = |[i, j]: [usize; 2]| ball(0, i).gap(&ball(1, j));
+        let (mut least, mut found) = (most, f64::INFINITY);
+        tree.search_pairs(other, gap, f64::lt, |[i, j], gap| {
+            let is_near = *gap < least;
+            if is_near && tree.below_pair(other, [i, j]).is_none() {
+                let exact = match [part(0, i), part(1, j)] {
+                    [Some(a), Some(b)] => super::gap(&[a, b]).distance,
+                    _ => *gap,
+                };
+                if exact < least {
+                    (least, found) = (exact, exact);
+                }
+            }
+            is_near
+        });
+        Ok(found)
+    }
+
+    /// Returns true if two links overlap or touch, by their trees, with the bodies at `placements`.
+    ///
+    /// # Errors
+    /// `placements` has no entry for a body.
+    #[cfg(feature = "solvers")]
+    pub fn overlap(&self, trees: [&BallTree; 2], placements: &[Placement<f64>]) -> Result<bool> {
+        Ok(self.gap_within(trees, placements, f64::MIN_POSITIVE)? <= 0.0)
     }
 
     /// The link of a tree; `None` if the balls belong to no links.

@@ -1,234 +1,385 @@
-//! Convex pieces that cover a mesh.
+//! Convex bodies with a radius, and their support functions, smoothed.
 
-use super::Triangle;
-use super::cells::bounds;
-use super::cover::{check, refused};
-use super::hull::ConvexPiece;
-use crate::error::Result;
-use nalgebra::Vector3;
-use parry3d_f64::math::Vector as Coordinates;
-use parry3d_f64::query::{PointQuery, PointQueryWithLocation};
-use parry3d_f64::shape::TriMesh;
-use std::collections::HashMap;
+use super::hull::bounds;
+use super::{ConvexPiece, PIECE_RADIUS, Shape, Solid};
+use crate::scalar::{AlgebraOver, Scalar};
+use crate::spatial::{Placement, dot, outer};
+use nalgebra::{Matrix3, Vector3};
+use std::ops::Range;
 
-/// The largest number of pieces of a mesh, beyond which a finer partition is not sought.
-const MAX_PIECES: usize = 8;
-
-/// The planes between the ends of a piece across each axis that may divide it, and the least share of its volume that
-/// a division saves.
-const PLANES: usize = 7;
-const LEAST_SAVED: f64 = 0.03;
-
-/// The number of corners by which the volumes of hulls are compared.
-const SAMPLE: usize = 300;
-
-/// The size of the parts of a surface, relative to the excess, that are not divided to find whether they exceed it.
-const CLOSELY: f64 = 0.1;
-
-/// The distance by which a point of a surface is moved outward to find whether another piece begins there, m.
-const BEYOND: f64 = 1e-6;
-
-/// Covers triangles by convex pieces, no point of which is further than `max_excess` in m from these and from the other
-/// pieces if a partition into at most eight saves enough of their volume.
-///
-/// The hull of a set of triangles contains them, so the hulls of any partition of a mesh cover it. One piece is divided
-/// after the other, by the plane across an axis that leaves the least volume, if a point of its surface is too far from
-/// the triangles and at least 3 % of its volume are saved: the inside of an open tube stays part of a piece.
-///
-/// # Errors
-/// There is no triangle, `max_excess` is not positive and finite, or a coordinate is not finite.
-pub fn convex_pieces(triangles: &[Triangle], max_excess: f64) -> Result<Vec<ConvexPiece>> {
-    check(&[("excess", max_excess)])?;
-    let mesh = Mesh::new(triangles)?;
-    let all: Vec<usize> = (0..triangles.len()).collect();
-    let (mut pieces, mut of_pieces, mut closed) = (vec![mesh.hull(&all)?], vec![all], vec![false]);
-    while pieces.len() < MAX_PIECES {
-        let exceeding = (0..pieces.len()).find(|i| !closed[*i] && mesh.exceeds(&pieces, *i, max_excess));
-        let Some(i) = exceeding else { break };
-        match mesh.divided(&pieces[i], &of_pieces[i])? {
-            None => closed[i] = true,
-            Some([(first, below), (second, above)]) => {
-                (pieces[i], of_pieces[i]) = (first, below);
-                pieces.push(second);
-                of_pieces.push(above);
-                closed.push(false);
-            }
-        }
-    }
-    Ok(pieces)
+/// A convex body: the points within a radius of the hull of corners and, about each of these, a disc.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Convex<C: Scalar = f64> {
+    /// The corners, m, those near each other one after the other.
+    corners: Vec<Vector3<C>>,
+    /// Blocks of them, each followed by those within it.
+    blocks: Vec<Block<C>>,
+    /// The radius, m.
+    pub radius: C,
+    /// The unit normal of the disc and its radius, m, if there is one: a cylinder has two corners.
+    disc: Option<(Vector3<C>, C)>,
 }
 
-/// A bound on the distance of the surfaces of pieces from triangles, where they are outside of the other pieces, m, to
-/// within `accuracy`, m. Cost O(length of all edges / accuracy).
-///
-/// # Errors
-/// There is no triangle, or a coordinate is not finite.
-pub fn excess(pieces: &[ConvexPiece], triangles: &[Triangle], accuracy: f64) -> Result<f64> {
-    let mesh = Mesh::new(triangles)?;
-    let mut least = 0.0;
-    for i in 0..pieces.len() {
-        mesh.visit_surface(pieces, i, |part| {
-            if part.is_outside || part.size <= accuracy {
-                least = f64::max(least, part.distance);
+/// Corners that are near each other.
+#[derive(Clone, Debug, PartialEq)]
+struct Block<C: Scalar> {
+    /// The centre and the radius of a ball that contains them, m.
+    centre: Vector3<C>,
+    radius: C,
+    corners: Range<usize>,
+    /// The index of the first block that is not within this one.
+    next: usize,
+}
+
+/// A smoothed support function at a direction, with its derivatives there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent<S: Scalar> {
+    /// The extent in the direction, m, at least that of the body without its radius.
+    pub value: S,
+    /// The gradient: an average of the points that are furthest, m.
+    pub point: Vector3<S>,
+    /// The Hessian, m.
+    pub curvature: Matrix3<S>,
+}
+
+impl Convex {
+    /// A piece of a mesh with this placement.
+    #[must_use]
+    pub fn of_piece(piece: &ConvexPiece, placement: &Placement<f64>) -> Self {
+        Self::of_corners(piece.corners.iter().map(|corner| placement.point(corner)).collect(), PIECE_RADIUS)
+    }
+
+    /// A solid; `None` for a half-space, which has no end.
+    #[must_use]
+    pub fn of_solid(solid: &Solid) -> Option<Self> {
+        let at = |x: f64, y: f64, z: f64| solid.placement.point(&Vector3::new(x, y, z));
+        let ends = |half: f64| vec![at(0.0, 0.0, half), at(0.0, 0.0, -half)];
+        Some(match solid.shape {
+            Shape::Sphere { radius } => Self::of_corners(vec![solid.placement.translation], radius),
+            Shape::Capsule { radius, half_length } => Self::of_corners(ends(half_length), radius),
+            Shape::Cylinder { radius, half_length } => {
+                let axis = solid.placement.rotation.column(2).into_owned();
+                Self { disc: Some((axis, radius)), ..Self::of_corners(ends(half_length), 0.0) }
             }
-            part.most <= least + accuracy || part.size <= accuracy
+            Shape::Cuboid { half_extents: h } => {
+                let sides = [-1.0, 1.0];
+                let corners = sides.iter().flat_map(|x| sides.iter().map(move |y| (x, y)));
+                let corners = corners.flat_map(|(x, y)| sides.iter().map(move |z| (x, y, z)));
+                Self::of_corners(corners.map(|(x, y, z)| at(x * h.x, y * h.y, z * h.z)).collect(), 0.0)
+            }
+            Shape::HalfSpace => return None,
+        })
+    }
+
+    /// The points within a radius of the hull of corners, m.
+    #[must_use]
+    pub fn of_corners(mut corners: Vec<Vector3<f64>>, radius: f64) -> Self {
+        sort(&mut corners);
+        let mut blocks = Vec::new();
+        add_blocks(&corners, 0, 0, &mut blocks);
+        Self { blocks, corners, radius, disc: None }
+    }
+
+    /// The same moved by a placement.
+    #[must_use]
+    pub fn moved(&self, placement: &Placement<f64>) -> Self {
+        Self {
+            corners: self.corners.iter().map(|corner| placement.point(corner)).collect(),
+            blocks: self.blocks.iter().map(|of| Block { centre: placement.point(&of.centre), ..of.clone() }).collect(),
+            disc: self.disc.map(|(axis, radius)| (placement.rotation * axis, radius)),
+            ..*self
+        }
+    }
+
+    /// A ball that contains the body.
+    #[must_use]
+    pub fn ball(&self) -> super::Sphere {
+        let [lower, upper] = bounds(self.corners.iter());
+        let centre = (lower + upper) * 0.5;
+        let furthest = self.corners.iter().fold(0.0_f64, |most, corner| most.max((corner - centre).norm()));
+        let disc = self.disc.map_or(0.0, |(_, radius)| radius);
+        // The axis of a disc is along the line of its two corners.
+        super::Sphere { centre, radius: furthest.hypot(disc) + self.radius }
+    }
+
+    /// The extent in a unit direction from the origin, m.
+    #[must_use]
+    pub fn extent(&self, direction: &Vector3<f64>) -> f64 {
+        direction.dot(&self.furthest(direction)) + self.radius
+    }
+
+    /// A point of the body without its radius that is furthest in a direction.
+    #[must_use]
+    pub fn furthest(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        let (mut most, mut furthest) = (f64::NEG_INFINITY, Vector3::zeros());
+        let length = direction.norm();
+        let mut at = 0;
+        while let Some(block) = self.blocks.get(at) {
+            let is_below = along(direction, &block.centre) + block.radius * length < most;
+            if is_below {
+                at = block.next;
+                continue;
+            }
+            at += 1;
+            for corner in self.leaf(block, at) {
+                let extent = along(direction, corner);
+                if extent > most {
+                    (most, furthest) = (extent, *corner);
+                }
+            }
+        }
+        let off = self.disc.map_or_else(Vector3::zeros, |(axis, radius)| {
+            let across = direction - axis * axis.dot(direction);
+            across.try_normalize(0.0).unwrap_or_default() * radius
         });
+        furthest + off
     }
-    Ok(least + accuracy)
-}
 
-fn coordinates(p: &Vector3<f64>) -> Coordinates {
-    Coordinates::new(p.x, p.y, p.z)
-}
+    /// The corners, m, those near each other one after the other.
+    #[must_use]
+    pub fn corners(&self) -> &[Vector3<f64>] {
+        &self.corners
+    }
 
-/// A piece and the indices of its triangles.
-type Own = (ConvexPiece, Vec<usize>);
-
-/// A triangle of the surface of a piece.
-struct SurfacePart {
-    /// The distance of its middle from the mesh, and a bound on that of all of its points, m.
-    distance: f64,
-    most: f64,
-    /// The distance of its furthest point from the middle, m.
-    size: f64,
-    /// True if the middle is outside of the other pieces.
-    is_outside: bool,
-}
-
-/// Triangles and the distances from them.
-struct Mesh {
-    /// Their corners, each once, and the triangles as indices of these.
-    corners: Vec<Vector3<f64>>,
-    triangles: Vec<[usize; 3]>,
-    shape: TriMesh,
-}
-
-impl Mesh {
-    fn new(triangles: &[Triangle]) -> Result<Self> {
-        if !triangles.iter().flatten().all(|p| p.iter().all(|x| x.is_finite())) {
-            return refused("triangles", "a coordinate is not a finite number".to_owned());
-        }
-        let (mut corners, mut known) = (Vec::new(), HashMap::new());
-        let mut number = |p: &Vector3<f64>| {
-            *known.entry(<[f64; 3]>::from(*p).map(f64::to_bits)).or_insert_with(|| {
-                corners.push(*p);
-                corners.len() - 1
-            })
+    /// Converts the lengths to another type.
+    #[must_use]
+    pub fn cast<C: Scalar>(&self) -> Convex<C> {
+        let of = |v: &Vector3<f64>| v.map(C::from_f64);
+        let block = |block: &Block<f64>| Block {
+            centre: of(&block.centre),
+            radius: C::from_f64(block.radius),
+            corners: block.corners.clone(),
+            next: block.next,
         };
-        let triangles: Vec<_> = triangles.iter().map(|t| t.each_ref().map(&mut number)).collect();
-        let indices = triangles.iter().map(|t| t.map(|i| i as u32)).collect();
-        match TriMesh::new(corners.iter().map(coordinates).collect(), indices) {
-            Ok(shape) => Ok(Self { corners, triangles, shape }),
-            Err(e) => refused("triangles", e.to_string()),
+        Convex {
+            corners: self.corners.iter().map(of).collect(),
+            blocks: self.blocks.iter().map(block).collect(),
+            radius: C::from_f64(self.radius),
+            disc: self.disc.as_ref().map(|(axis, radius)| (of(axis), C::from_f64(*radius))),
         }
     }
+}
 
-    fn corners_of(&self, triangle: usize) -> Triangle {
-        self.triangles[triangle].map(|i| self.corners[i])
+/// The largest difference of a smoothed maximum of two numbers and their maximum, relative to the width.
+const MOST_ADDED: f64 = 3.0 / 16.0;
+
+/// That of the smoothed extent of a disc.
+const DISC: f64 = 0.25;
+
+/// Sorts points so that those of each half, quarter and so on are near each other.
+fn sort(points: &mut [Vector3<f64>]) {
+    if points.len() <= 2 {
+        return;
+    }
+    let [lower, upper] = bounds(points.iter());
+    let axis = (upper - lower).imax();
+    points.sort_by(|a, b| a[axis].total_cmp(&b[axis]));
+    let (first, second) = points.split_at_mut(half(points.len()));
+    sort(first);
+    sort(second);
+}
+
+/// The number of corners in the first half of several ones: a power of two.
+fn half(count: usize) -> usize {
+    count.next_power_of_two() / 2
+}
+
+/// The largest number of levels of the tree of corners, of which there are fewer than a million, and one more.
+const LEVELS: usize = 21;
+
+/// The number of corners of a block.
+const BLOCK: usize = 8;
+
+/// The depth below the furthest corner beyond which corners are left out, in widths: they act on the maximum by way of
+/// others alone, each within a width of the next, with weights whose product is below rounding.
+const DEPTH: f64 = 3.0;
+
+/// The width of the smoothing and its inverse.
+struct Smoothing<S> {
+    width: S,
+    inverse: S,
+}
+
+/// The smoothed maximum of the extents of some corners.
+#[derive(Clone, Copy)]
+struct Node<S> {
+    /// The index of the last corner.
+    last: usize,
+    value: S,
+    point: [S; 3],
+    /// The Hessian: its entries `xx`, `xy`, `xz`, `yy`, `yz` and `zz`.
+    curvature: [S; 6],
+}
+
+impl<C: Scalar> Convex<C> {
+    /// A bound on the difference of the smoothed extent and the extent, relative to the width of the smoothing.
+    #[must_use]
+    pub fn excess(&self) -> f64 {
+        let levels = f64::from(self.corners.len().next_power_of_two().trailing_zeros());
+        levels * MOST_ADDED + self.disc.map_or(0.0, |_| DISC)
     }
 
-    /// The corners of some triangles, each once.
-    fn points(&self, own: &[usize]) -> Vec<Vector3<f64>> {
-        let mut is_own = vec![false; self.corners.len()];
-        for i in own.iter().flat_map(|i| self.triangles[*i]) {
-            is_own[i] = true;
-        }
-        let corners = self.corners.iter().zip(is_own).filter(|(_, is_own)| *is_own);
-        corners.map(|(corner, _)| *corner).collect()
+    /// The corners of a block without others within, `next` being the index of the following one; none of another.
+    #[inline(always)]
+    fn leaf(&self, block: &Block<C>, next: usize) -> &[Vector3<C>] {
+        if block.next == next { &self.corners[block.corners.clone()] } else { &[] }
     }
 
-    fn hull(&self, own: &[usize]) -> Result<ConvexPiece> {
-        ConvexPiece::hull(&self.points(own))
-    }
-
-    /// The volume of the hull of some triangles, nearly: by some of their corners if there are many.
-    fn volume(&self, own: &[usize]) -> Result<f64> {
-        let mut points = self.points(own);
-        let every = points.len().div_ceil(SAMPLE);
-        points = points.into_iter().step_by(every).collect();
-        Ok(ConvexPiece::hull(&points)?.volume())
-    }
-
-    /// True if a point of the surface of a piece that is outside of the others is further than `most` from the
-    /// triangles, m, or closely so.
-    fn exceeds(&self, pieces: &[ConvexPiece], own: usize, most: f64) -> bool {
-        let mut beyond = false;
-        self.visit_surface(pieces, own, |part| {
-            let is_within = part.most <= most;
-            let is_decided = part.distance > most || part.size <= CLOSELY * most;
-            beyond |= part.is_outside && !is_within && is_decided;
-            beyond || is_within || part.size <= CLOSELY * most
-        });
-        beyond
-    }
-
-    /// Calls `is_done` with the triangles of the surface of a piece, and if it is not, with their quarters; without
-    /// those within another piece.
-    fn visit_surface(&self, pieces: &[ConvexPiece], own: usize, mut is_done: impl FnMut(&SurfacePart) -> bool) {
-        let others = || pieces.iter().enumerate().filter(|(i, _)| *i != own).map(|(_, piece)| piece);
-        for triangle in pieces[own].triangles() {
-            let [a, b, c] = triangle;
-            let outward = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default() * BEYOND;
-            let mut open = vec![triangle];
-            while let Some(triangle) = open.pop() {
-                let mut part = self.part(&triangle);
-                if part.most > 0.0 {
-                    let corners = triangle.map(|p| p + outward);
-                    if others().any(|other| corners.iter().all(|p| other.contains(p))) {
-                        continue;
-                    }
-                    let middle = corners.iter().sum::<Vector3<f64>>() / 3.0;
-                    part.is_outside = !others().any(|other| other.contains(&middle));
-                }
-                if !is_done(&part) {
-                    let [a, b, c] = triangle;
-                    let [ab, bc, ca] = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
-                    open.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
-                }
+    /// The smoothed extent in a direction of length one: the maximum of the extents of corners by halves, where that of
+    /// two numbers with the difference `d`, in widths `u`, is $y + w d + \frac{3}{16} (1 - u^2)^2$ with
+    /// $w = \frac{1}{2} + \frac{3}{4} u - \frac{1}{4} u^3$ for $|u| < 1$, and their maximum beyond. It is convex, twice
+    /// continuously differentiable, and at least the extent.
+    pub(super) fn smoothed<S: AlgebraOver<C>>(&self, direction: &Vector3<S>, width: f64) -> Extent<S> {
+        let larger = |a: S, b: S| (b - a).if_negative(a, b);
+        let mut most = along(direction, &self.corners[0]);
+        let mut at = 0;
+        while let Some(block) = self.blocks.get(at) {
+            let middle = along(direction, &block.centre);
+            if is_nowhere_negative(most - middle - S::lift(block.radius)) {
+                at = block.next;
+                continue;
+            }
+            at += 1;
+            // The centre is within the body.
+            most = larger(most, middle);
+            for corner in self.leaf(block, at) {
+                most = larger(most, along(direction, corner));
             }
         }
-    }
-
-    /// The distances of a triangle of a surface. The distance from the triangle of the mesh that is nearest to the
-    /// middle is a convex function, so that it is largest at a corner.
-    fn part(&self, triangle: &Triangle) -> SurfacePart {
-        let middle = triangle.iter().sum::<Vector3<f64>>() / 3.0;
-        let size = triangle.iter().fold(0.0_f64, |most, p| most.max((p - middle).norm()));
-        let (projection, (nearest, _)) = self.shape.project_local_point_and_get_location(coordinates(&middle), false);
-        let distance = (projection.point - coordinates(&middle)).length();
-        let nearest = self.shape.triangle(nearest);
-        let at_corners = triangle.iter().map(|p| nearest.distance_to_local_point(coordinates(p), false));
-        let most = at_corners.fold(0.0, f64::max).min(distance + size);
-        SurfacePart { distance, most, size, is_outside: true }
-    }
-
-    /// The two parts of a piece with the least volume; `None` if they save too little.
-    fn divided(&self, piece: &ConvexPiece, own: &[usize]) -> Result<Option<[Own; 2]>> {
-        let [lower, upper] = bounds(piece.corners.iter());
-        let mut best: Option<(f64, [Vec<usize>; 2])> = None;
-        for (axis, k) in (0..3).flat_map(|axis| (1..=PLANES).map(move |k| (axis, k))) {
-            let share = k as f64 / (PLANES + 1) as f64;
-            let at = lower[axis] + share * (upper[axis] - lower[axis]);
-            // A triangle across the plane is below it, or above.
-            let heights = |i: usize| self.corners_of(i).map(|p| p[axis] - at);
-            let rules: [fn([f64; 3]) -> bool; 2] =
-                [|heights| heights.into_iter().any(|h| h < 0.0), |heights| heights.into_iter().all(|h| h < 0.0)];
-            for is_below in rules {
-                let (below, above): (Vec<usize>, Vec<usize>) = own.iter().partition(|i| is_below(heights(**i)));
-                if below.is_empty() || above.is_empty() {
+        let floor = most - S::from_f64(DEPTH * width);
+        let with = Smoothing { width: S::from_f64(width), inverse: S::from_f64(1.0 / width) };
+        let none = Node { last: 0, value: most, point: [S::zero(); 3], curvature: [S::zero(); 6] };
+        let (mut nodes, mut count) = ([none; LEVELS], 0);
+        let mut at = 0;
+        while let Some(block) = self.blocks.get(at) {
+            if is_nowhere_negative(floor - along(direction, &block.centre) - S::lift(block.radius)) {
+                at = block.next;
+                continue;
+            }
+            at += 1;
+            for (i, corner) in (block.corners.start..).zip(self.leaf(block, at)) {
+                let value = along(direction, corner);
+                if is_nowhere_negative(floor - value) {
                     continue;
                 }
-                let volume = self.volume(&below)? + self.volume(&above)?;
-                if best.as_ref().is_none_or(|(least, _)| volume < *least) {
-                    best = Some((volume, [below, above]));
+                // Two nodes are joined once the next corner is in another part of the tree.
+                while count > 1 && (nodes[count - 2].last ^ nodes[count - 1].last) < (nodes[count - 1].last ^ i) {
+                    let (first, second) = nodes.split_at_mut(count - 1);
+                    first[count - 2].join(&second[0], &with);
+                    count -= 1;
                 }
+                let node = &mut nodes[count];
+                (node.last, node.value) = (i, value);
+                node.point = [0, 1, 2].map(|k| S::lift(corner[k]));
+                node.curvature = [S::zero(); 6];
+                count += 1;
             }
         }
-        let Some((_, [below, above])) = best else {
-            return Ok(None);
-        };
-        let halves = [(self.hull(&below)?, below), (self.hull(&above)?, above)];
-        let volume: f64 = halves.iter().map(|(half, _)| half.volume()).sum();
-        Ok((volume < (1.0 - LEAST_SAVED) * piece.volume()).then_some(halves))
+        while count > 1 {
+            let (first, second) = nodes.split_at_mut(count - 1);
+            first[count - 2].join(&second[0], &with);
+            count -= 1;
+        }
+        let Node { value, point, curvature: [xx, xy, xz, yy, yz, zz], .. } = nodes[0];
+        let curvature = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        let mut found = Extent { value, point: point.into(), curvature };
+        if let Some((axis, radius)) = &self.disc {
+            found.add_disc(direction, (axis, *radius), &with);
+        }
+        found
+    }
+}
+
+/// Adds the block of some corners, from `first` on, and those within it: of a quarter of them each.
+fn add_blocks(corners: &[Vector3<f64>], first: usize, depth: usize, blocks: &mut Vec<Block<f64>>) {
+    let count = corners.len();
+    let is_node = depth.is_multiple_of(2) || count <= BLOCK;
+    let at = blocks.len();
+    if is_node {
+        let [lower, upper] = bounds(corners.iter());
+        let centre = (lower + upper) * 0.5;
+        let radius = corners.iter().fold(0.0_f64, |most, corner| most.max((corner - centre).norm()));
+        blocks.push(Block { centre, radius, corners: first..first + count, next: at + 1 });
+    }
+    if count > BLOCK {
+        let half = half(count);
+        add_blocks(&corners[..half], first, depth + 1, blocks);
+        add_blocks(&corners[half..], first + half, depth + 1, blocks);
+    }
+    if is_node {
+        blocks[at].next = blocks.len();
+    }
+}
+
+/// The extent of a corner.
+#[inline(always)]
+fn along<C: Scalar, S: AlgebraOver<C>>(direction: &Vector3<S>, corner: &Vector3<C>) -> S {
+    direction.x.scale(corner.x) + direction.y.scale(corner.y) + direction.z.scale(corner.z)
+}
+
+/// Returns true if a number is negative nowhere.
+#[inline(always)]
+pub(crate) fn is_nowhere_negative<S: Scalar>(x: S) -> bool {
+    x.if_negative(S::one(), S::zero()).vanishes()
+}
+
+impl<S: Scalar> Node<S> {
+    /// The smoothed maximum of this and the next node.
+    #[inline(always)]
+    fn join(&mut self, next: &Self, with: &Smoothing<S>) {
+        let [one, half, quarter] = [1.0, 0.5, 0.25].map(S::from_f64);
+        let d = self.value - next.value;
+        self.last = next.last;
+        if is_nowhere_negative(d - with.width) {
+            return;
+        }
+        if is_nowhere_negative(-d - with.width) {
+            *self = *next;
+            return;
+        }
+        let u = d * with.inverse;
+        let u = (one - u).if_negative(one, u);
+        let u = (u + one).if_negative(-one, u);
+        let square = u * u;
+        let left = one - square;
+        let weight = half + u * (half + quarter - quarter * square);
+        let bend = S::from_f64(0.75) * left * with.inverse;
+        self.value = next.value + weight * d + S::from_f64(MOST_ADDED) * with.width * left * left;
+        let mut off = [S::zero(); 3];
+        for k in 0..3 {
+            off[k] = self.point[k] - next.point[k];
+            self.point[k] = next.point[k] + off[k] * weight;
+        }
+        let mut entry = 0;
+        for i in 0..3 {
+            let bent = off[i] * bend;
+            for j in i..3 {
+                let (own, other) = (&mut self.curvature[entry], next.curvature[entry]);
+                *own = other + (*own - other) * weight + bent * off[j];
+                entry += 1;
+            }
+        }
+    }
+}
+
+impl<S: Scalar> Extent<S> {
+    /// Adds a disc: $\rho \sqrt{|n_\perp|^2 + \epsilon^2}$.
+    fn add_disc<C: Scalar>(&mut self, n: &Vector3<S>, (axis, radius): (&Vector3<C>, C), with: &Smoothing<S>)
+    where
+        S: AlgebraOver<C>,
+    {
+        let (axis, radius) = (axis.map(S::lift), S::lift(radius));
+        let across = n - axis * dot(&axis, n);
+        let least = S::from_f64(DISC) * with.width / radius;
+        let length = (dot(&across, &across) + least * least).sqrt();
+        let inverse = S::one() / length;
+        let unit = across * inverse;
+        let bend = radius * inverse;
+        self.value += radius * length;
+        self.point += unit * radius;
+        self.curvature -= (outer(&unit, &unit) + outer(&axis, &axis)) * bend;
+        for i in 0..3 {
+            self.curvature[(i, i)] += bend;
+        }
     }
 }

@@ -1,9 +1,6 @@
 //! Convex hulls of points.
 
-use super::Triangle;
-use super::cells::bounds;
-use super::cover::refused;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use nalgebra::Vector3;
 
 /// The distance beyond a face within which a point counts as on it, relative to the size of the set: rounding.
@@ -19,6 +16,9 @@ const POINT: f64 = 1e-6;
 /// The radius about the hulls of [`ConvexPiece`]s within which the corners of a mesh are, m: more than their rounding
 /// in the precision of its file.
 pub const PIECE_RADIUS: f64 = 1e-6;
+
+/// The corners of a triangle, m.
+pub type Triangle = [Vector3<f64>; 3];
 
 /// The hull of points: all of their averages.
 #[derive(Clone, Debug, PartialEq)]
@@ -242,4 +242,15 @@ impl<'a> Hull<'a> {
         let furthest = heights.max_by(|a, b| a.1.total_cmp(&b.1));
         self.faces[face].furthest = furthest;
     }
+}
+
+/// The smallest and the largest coordinates of points.
+pub(super) fn bounds<'a>(points: impl Iterator<Item = &'a Vector3<f64>>) -> [Vector3<f64>; 2] {
+    let none = [f64::INFINITY, f64::NEG_INFINITY].map(Vector3::repeat);
+    points.fold(none, |[lower, upper], p| [lower.inf(p), upper.sup(p)])
+}
+
+/// The error of input without a file.
+pub(super) fn refused<T>(element: &str, condition: String) -> Result<T> {
+    Err(Error::input("convex hull", element, condition))
 }

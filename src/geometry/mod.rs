@@ -17,39 +17,38 @@
 //! A [`Scene`] has the obstacles, the [`CollisionGeometry`] of the robot and the pairs that keep clear of each other,
 //! and answers questions about their distances.
 //!
-//! [`Shape::cover`] and [`cover_triangles`] cover shapes and meshes by balls that stick out by a given excess at most.
-//! The hulls of parts of a mesh cover it too, as [`ConvexPiece`]s.
+//! A robot consists of balls, or of [`Convex`] bodies: solids, and the hulls of parts of its meshes, [`ConvexPiece`]s,
+//! which contain these. The distance of two such bodies is the largest gap of a [`Plane`] between them.
 //!
 //! The derivatives are defined everywhere: within [`FLAT`] of a surface, and of a centre or an axis, the distance is
 //! that from the tangent plane of a face, which differs by at most twice `FLAT`.
 
 mod ball_tree;
-mod cells;
 mod collision;
-#[cfg(feature = "solvers")]
 mod convex;
 mod corner;
-mod cover;
-mod greedy;
 mod hull;
-mod mesh;
+#[cfg(feature = "solvers")]
+mod partition;
+mod plane;
+#[cfg(feature = "solvers")]
 mod scene;
 #[cfg(feature = "solvers")]
 mod separation;
 mod shape;
-mod tree;
 
 pub use ball_tree::{BallNode, BallTree};
-#[cfg(feature = "solvers")]
-pub(crate) use collision::SETS;
 pub use collision::{Capsule, CollisionGeometry, CollisionSphere};
+pub use convex::Convex;
 #[cfg(feature = "solvers")]
-pub use convex::{convex_pieces, excess};
+pub(crate) use convex::is_nowhere_negative;
 pub use corner::FLAT;
-pub use cover::Cover;
-pub use hull::{ConvexPiece, PIECE_RADIUS};
-pub use mesh::{Triangle, cover_triangles};
+pub use hull::{ConvexPiece, PIECE_RADIUS, Triangle};
+#[cfg(feature = "solvers")]
+pub use partition::{convex_pieces, excess};
+pub use plane::{Placed, Plane, Until};
+#[cfg(feature = "solvers")]
 pub use scene::{ClosestPair, Collider, Obstacle, Part, Scene};
 #[cfg(feature = "solvers")]
-pub use separation::{Support, closest_points};
+pub use separation::{Gap, Support, closest_points, gap, gap_to};
 pub use shape::{Distance, Shape, Solid, Sphere};

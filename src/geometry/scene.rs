@@ -1,7 +1,7 @@
 //! A robot among obstacles: the pairs that keep clear of each other, and their distances.
 
 use super::collision::{CollisionGeometry, placement_of};
-use super::{BallTree, Solid, Sphere};
+use super::{BallTree, Convex, Gap, Placed, Solid, Sphere, gap_to};
 use crate::error::Result;
 use crate::spatial::Placement;
 use nalgebra::Vector3;
@@ -25,6 +25,8 @@ pub struct Scene {
     trees: Vec<BallTree>,
     tree_pairs: Vec<[usize; 2]>,
     pairs: Vec<[usize; 2]>,
+    /// The placements of the bodies at the given ends of a motion.
+    ends: Vec<Vec<Placement<f64>>>,
     /// The distances that are kept: from each obstacle, and of each pair of trees, m.
     obstacle_margins: Vec<f64>,
     pair_margins: Vec<f64>,
@@ -68,13 +70,14 @@ impl Scene {
     /// with `None` they may overlap.
     #[must_use]
     pub fn new(robot: CollisionGeometry, obstacles: Vec<Obstacle>, ignored_pairs: Option<&[[String; 2]]>) -> Self {
-        let by_balls = ignored_pairs.filter(|_| robot.sets.is_empty());
+        let by_balls = ignored_pairs.filter(|_| robot.parts.is_empty());
         let tree_pairs = ignored_pairs.map_or_else(Vec::new, |ignored| robot.tree_pairs(ignored));
         Self {
             trees: robot.trees(),
             obstacle_margins: vec![0.0; obstacles.len()],
             pair_margins: vec![0.0; tree_pairs.len()],
             tree_pairs,
+            ends: Vec::new(),
             pairs: by_balls.map_or_else(Vec::new, |ignored| robot.pairs(ignored)),
             robot,
             obstacles,
@@ -98,6 +101,25 @@ impl Scene {
         self.obstacle_margins = vec![0.0; obstacles.len()];
         self.obstacles = obstacles;
         self
+    }
+
+    /// The same with the placements of the bodies at the given ends of a motion, where rows are smoothed no more than
+    /// the distances there allow.
+    ///
+    /// # Errors
+    /// An end has no entry for a body.
+    pub fn with_ends(mut self, ends: Vec<Vec<Placement<f64>>>) -> Result<Self> {
+        for (placements, ball) in ends.iter().flat_map(|end| self.robot.balls.iter().map(move |ball| (end, ball))) {
+            placement_of(ball.body, placements)?;
+        }
+        self.ends = ends;
+        Ok(self)
+    }
+
+    /// The placements of the bodies at the given ends of a motion.
+    #[must_use]
+    pub fn ends(&self) -> &[Vec<Placement<f64>>] {
+        &self.ends
     }
 
     /// The distances that the robot keeps from each obstacle, m.
@@ -125,7 +147,7 @@ impl Scene {
     }
 
     /// The pairs of balls of the robot that keep clear of each other, as [`CollisionGeometry::pairs`] sorts them; none
-    /// if the balls are in [sets](CollisionGeometry::with_sets).
+    /// if they contain convex [parts](CollisionGeometry::parts).
     #[must_use]
     pub fn pairs(&self) -> &[[usize; 2]] {
         &self.pairs
@@ -170,7 +192,8 @@ impl Scene {
     }
 
     /// Finds the closest pair with the bodies at `placements`; `None` if the scene is [empty](Self::is_empty). The
-    /// distances of capsules from spheres and half-spaces are exact; all others are those of the balls. Cost: one
+    /// distances of capsules from spheres and half-spaces and those of convex bodies are exact; all others are those of
+    /// the balls. Cost: one
     /// distance per pair of a link and an obstacle or another link, and those of balls that may be closer than all
     /// before.
     ///
@@ -188,7 +211,7 @@ impl Scene {
         self.closest(placements, true, most)
     }
 
-    /// Finds the [closest pair](Self::closest_pair) by the balls alone, with their distances less the
+    /// Finds the [closest pair](Self::closest_pair) by the balls or convex bodies alone, with their distances less the
     /// [margins](Self::with_margins), as the constraints do.
     ///
     /// # Errors
@@ -266,7 +289,18 @@ impl<'a> Search<'a> {
                 |at, distance| {
                     let is_near = self.is_closer(*distance, &found);
                     if let Some(i) = tree.nodes[at].leaf.filter(|_| is_near) {
-                        found = Some(pair(&self.placed(t, at), self.part(i, t), *distance));
+                        let part = self.part(i, t);
+                        let new = match self.robot.parts.get(i) {
+                            None => pair(&self.placed(t, at), part, *distance),
+                            Some(convex) => {
+                                let Gap { distance, points } = gap_to(&self.convex(t, convex), solid);
+                                let other = Collider::Obstacle(name);
+                                ClosestPair { distance: distance - margin, part, other, points, margin }
+                            }
+                        };
+                        if self.is_closer(new.distance, &found) {
+                            found = Some(new);
+                        }
                     }
                     is_near
                 },
@@ -288,16 +322,25 @@ impl<'a> Search<'a> {
             let is_near = self.is_closer(*gap, &found);
             let leaves = (tree.nodes[i].leaf, other.nodes[j].leaf);
             if let (true, (Some(a), Some(b))) = (is_near, leaves) {
-                let [ball, beside] = balls([i, j]);
-                let between = ball.centre - beside.centre;
-                let normal = between.try_normalize(0.0).unwrap_or_else(Vector3::z);
-                found = Some(ClosestPair {
-                    distance: *gap,
-                    part: self.part(a, t),
-                    other: Collider::Robot(self.part(b, u)),
-                    points: along(&ball, &normal, *gap),
-                    margin,
-                });
+                let (distance, points) = if self.robot.parts.is_empty() {
+                    let [ball, beside] = balls([i, j]);
+                    let between = ball.centre - beside.centre;
+                    let normal = between.try_normalize(0.0).unwrap_or_else(Vector3::z);
+                    (*gap, along(&ball, &normal, *gap))
+                } else {
+                    let convex = |tree: usize, part: usize| self.convex(tree, &self.robot.parts[part]);
+                    let Gap { distance, points } = super::gap(&[convex(t, a), convex(u, b)]);
+                    (distance - margin, points)
+                };
+                if self.is_closer(distance, &found) {
+                    found = Some(ClosestPair {
+                        distance,
+                        part: self.part(a, t),
+                        other: Collider::Robot(self.part(b, u)),
+                        points,
+                        margin,
+                    });
+                }
             }
             is_near
         });
@@ -312,6 +355,11 @@ impl<'a> Search<'a> {
     fn placed(&self, tree: usize, node: usize) -> Sphere {
         let (place, bound) = (&self.places[tree], &self.trees[tree].nodes[node].bound);
         Sphere { centre: place.rotation * bound.centre + place.translation, radius: bound.radius }
+    }
+
+    /// A convex body of a tree in the base frame.
+    fn convex<'c>(&'c self, tree: usize, convex: &'c Convex) -> Placed<'c, f64, f64> {
+        Placed { convex, placement: Some(&self.places[tree]) }
     }
 
     /// The part of the robot with this ball.

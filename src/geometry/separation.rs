@@ -1,5 +1,6 @@
 //! The closest points of convex bodies.
 
+use super::{Convex, Placed, Plane, Solid, Until};
 use nalgebra::Vector3;
 use parry3d_f64::math::{Pose, Vector as Coordinates};
 use parry3d_f64::query::gjk::{CsoPoint, GJKResult, VoronoiSimplex, closest_points as gjk};
@@ -33,4 +34,65 @@ pub fn closest_points<A: Support, B: Support>(a: &A, b: &B) -> Option<[Vector3<f
         GJKResult::ClosestPoints(p, q, _) => Some([p, q].map(|p| Vector3::new(p.x, p.y, p.z))),
         _ => None,
     }
+}
+
+impl Support for Placed<'_, f64, f64> {
+    fn furthest(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        match self.placement {
+            None => self.convex.furthest(direction),
+            Some(placement) => placement.point(&self.convex.furthest(&(placement.rotation.transpose() * direction))),
+        }
+    }
+}
+
+/// The distance of two bodies.
+#[derive(Clone, Copy, Debug)]
+pub struct Gap {
+    /// The distance, m; where they overlap, the negative depth or less.
+    pub distance: f64,
+    /// The nearest points of both.
+    pub points: [Vector3<f64>; 2],
+}
+
+/// The widths of the smoothings by which the depth of an overlap is found.
+const WIDTHS: [f64; 2] = [0.03, 0.002];
+
+/// The distance of two convex bodies.
+#[must_use]
+pub fn gap(bodies: &[Placed<'_, f64, f64>; 2]) -> Gap {
+    let [a, b] = bodies;
+    let radii = [a, b].map(|body| body.convex.radius);
+    let along = |n: Vector3<f64>, distance: f64, [p, q]: [Vector3<f64>; 2]| Gap {
+        distance: distance - radii[0] - radii[1],
+        points: [p - n * radii[0], q + n * radii[1]],
+    };
+    if let Some([p, q]) = closest_points(a, b) {
+        let off = p - q;
+        let distance = off.norm();
+        if distance > 0.0 {
+            return along(off / distance, distance, [p, q]);
+        }
+    }
+    let centre = |body: &Placed<'_, f64, f64>| {
+        let centre = body.convex.ball().centre;
+        body.placement.map_or(centre, |placement| placement.point(&centre))
+    };
+    let off = centre(a) - centre(b);
+    let start = if off.norm() > 0.0 { off } else { Vector3::z() };
+    let normal = Plane::between(bodies, (&start, None), WIDTHS, Until::Value).normal;
+    let point = a.furthest(&-normal);
+    let distance = normal.dot(&(point - b.furthest(&normal)));
+    along(normal, distance, [point, point - normal * distance])
+}
+
+/// The distance of a convex body from a solid, placed in the base frame.
+#[must_use]
+pub fn gap_to(body: &Placed<'_, f64, f64>, solid: &Solid) -> Gap {
+    if let Some(convex) = Convex::of_solid(solid) {
+        return gap(&[*body, Placed { convex: &convex, placement: None }]);
+    }
+    let normal = solid.placement.rotation.column(2).into_owned();
+    let point = body.furthest(&-normal) - normal * body.convex.radius;
+    let distance = normal.dot(&(point - solid.placement.translation));
+    Gap { distance, points: [point, point - normal * distance] }
 }

@@ -1,8 +1,6 @@
 //! The rows of constraints at times of a motion.
 
-use crate::constraint::{
-    ActivePair, ActivePairs, Constraint, Constraints, Evaluator, PlacedState, StageInput, searched_from,
-};
+use crate::constraint::{ActivePair, ActivePairs, Constraint, Constraints, Evaluator, PlacedState, StageInput};
 use crate::dynamics::{Data, rnea};
 use crate::error::Result;
 use crate::model::Model;
@@ -20,12 +18,9 @@ pub(super) struct Rows<'a, K> {
     z: Vec<Wide>,
     u: Vec<Wide>,
     g: Vec<Wide>,
-    /// The active pairs at the last times if they are known, memory for others, and the value of a row above which
-    /// active pairs are searched.
-    active_pairs: Vec<ActivePair>,
-    pub are_known: bool,
-    active: Vec<ActivePair>,
-    searched_from: f64,
+    /// The pairs that were near each other at the last times, and memory for others.
+    active_pairs: Vec<ActivePair<Wide>>,
+    active: Vec<ActivePair<Wide>>,
     /// The least value of each row: minus its cutoff divided by its scale.
     pub least: Vec<f64>,
     /// The rows without a cutoff, then those that were above their least value at one of the last times, and the number
@@ -61,9 +56,7 @@ impl<'a, K: Constraint> Rows<'a, K> {
             data: Data::new(model),
             z: vec![zero; 4 * n],
             active_pairs: Vec::new(),
-            are_known: false,
             active: Vec::new(),
-            searched_from: searched_from(&constraints.state),
             u: vec![zero; n],
             g: vec![zero; count],
             values: Vec::new(),
@@ -88,12 +81,13 @@ impl<'a, K: Constraint> Rows<'a, K> {
             let (of_torque, of_stage) = others.split_at_mut(torque.dim());
             Lanes::gather(states, first, &mut self.z);
             let placed = self.evaluator.at(&self.z[..2 * n])?;
-            let known = ActivePairs::new(&self.active_pairs).and_above(self.searched_from);
-            let at = PlacedState { active_pairs: self.are_known.then_some(known), ..*placed.state() };
+            let at = PlacedState {
+                active_pairs: Some(ActivePairs::new(&self.active_pairs).near_bounds()),
+                ..*placed.state()
+            };
             self.active.clear();
             state.value_of(&at, None, of_state, Some(&mut self.active))?;
             std::mem::swap(&mut self.active_pairs, &mut self.active);
-            self.are_known = true;
             if !(of_torque.is_empty() && stage.custom.is_empty()) {
                 let [q, v, a] = [0, 1, 2].map(|part| &self.z[part * n..(part + 1) * n]);
                 rnea(self.model, &mut self.data, q, v, a, &mut self.u)?;

@@ -146,7 +146,6 @@ impl<'a, K: Constraint> LargestRows<'a, K> {
         self.largest.clear();
         let least = self.rows.least.iter().enumerate();
         self.largest.extend(least.map(|(row, by)| Violation { row, by: *by, at_s: 0.0 }));
-        self.rows.are_known = false;
         self.uncertain.clear();
         for segment in 0..motion.segments() {
             let (begin, length) = (motion.begin(segment), motion.length(segment));

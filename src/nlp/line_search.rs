@@ -135,7 +135,7 @@ impl Trial {
         let part = (options.tangent / state.progress.step).min(1.0);
         assign(&mut self.x, &state.x);
         self.x.axpy(part, &step.x, 1.0);
-        problem.value_at_trial(&self.x, &mut self.h)?;
+        problem.value(&self.x, &mut self.h)?;
         self.tangent.clear();
         let rows = working.iter().map(|of| of.row.at);
         let rows = rows.chain(held.iter().map(|of| of.row.at));

@@ -55,15 +55,6 @@ pub trait Nlp {
     /// Those of the functions of the user.
     fn value(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64>;
 
-    /// Evaluates like [`value`](Self::value), but so close to the last evaluated point that rows which are maxima of
-    /// many functions may be computed from the active ones alone.
-    ///
-    /// # Errors
-    /// Those of [`value`](Self::value).
-    fn value_at_trial(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
-        self.value(x, h)
-    }
-
     /// Computes gradient and Hessian of the objective plus the weighted rows at `x`, the last evaluated point, with the
     /// [terms](Iterate::term) of `iterate`.
     ///

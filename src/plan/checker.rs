@@ -25,7 +25,7 @@ pub struct Checker<'a, K: ?Sized> {
     /// The motion of a joint below which a line is not divided further.
     resolution: f64,
     /// The rows that are distances or bounds of positions.
-    distances: Distances,
+    distances: Distances<'a>,
     /// True if there are others; then the rows of all are computed.
     has_others: bool,
     /// The pairs of distances, those first that were not free last.

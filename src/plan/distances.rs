@@ -1,7 +1,9 @@
 //! The distances that links keep from obstacles and from each other, and bounds on how much a motion changes them.
 
-use crate::constraint::{AnyConstraint, Bound, CollisionSphere, SelfClearance, place};
-use crate::geometry::{BallTree, Shape, Solid};
+use crate::constraint::{
+    AnyConstraint, Bound, CollisionSphere, ConvexClearance, ConvexPart, Other as Beside, SelfClearance,
+};
+use crate::geometry::{BallTree, Shape, Solid, Sphere, Until};
 use crate::model::{JointKind, Model};
 use crate::scalar::{LANES, Scalar, Wide};
 use crate::spatial::{Placement, dot};
@@ -13,20 +15,22 @@ const ROUNDING: f64 = 1e-9;
 
 /// The pairs of constraints, and their bounds of positions.
 #[derive(Debug, Default)]
-pub(super) struct Distances {
+pub(super) struct Distances<'a> {
     links: Vec<BallTree>,
     /// The centres of balls around them at several configurations.
     centres: Vec<Vector3<Wide>>,
-    pairs: Vec<Pair>,
+    pairs: Vec<Pair<'a>>,
     /// With the largest value of each row that counts as free.
     bounds: Vec<(Bound, f64)>,
 }
 
 /// A link and an obstacle or another link.
 #[derive(Debug)]
-struct Pair {
+struct Pair<'a> {
     link: usize,
     other: Other,
+    /// The row of the pair if it is one of convex bodies, which the balls of the links contain.
+    row: Option<(&'a ConvexClearance, usize)>,
     /// The distance that counts as free, m, and by how much more than the constraint requires.
     kept: f64,
     margin: f64,
@@ -72,9 +76,9 @@ impl Look {
     }
 }
 
-impl Distances {
+impl<'a> Distances<'a> {
     /// Collects the pairs of constraints for a robot that has all their bodies; returns true if other rows remain.
-    pub fn new(model: &Model, parts: &[&AnyConstraint]) -> (Self, bool) {
+    pub fn new(model: &Model, parts: &[&'a AnyConstraint]) -> (Self, bool) {
         let (mut own, mut others) = (Self::default(), false);
         for part in parts {
             match part {
@@ -87,16 +91,19 @@ impl Distances {
                 }
                 AnyConstraint::Solids(rows) => own.add_solids(&rows.balls, &rows.solids),
                 AnyConstraint::SelfCollision(rows) => own.add_pairs(rows),
-                AnyConstraint::Cover(rows) => {
+                AnyConstraint::Convex(rows) => {
                     let first = own.links.len();
-                    own.links.extend(rows.links.iter().cloned());
-                    let has_balls = |i: &usize| !rows.links[*i].nodes.is_empty();
-                    let [beside, between] = rows.margins;
-                    for [i, j] in rows.solid_pairs.iter().filter(|[i, _]| has_balls(i)) {
-                        own.add(first + i, Other::Solid(rows.solids[*j]), beside);
-                    }
-                    for [i, j] in rows.pairs.iter().filter(|pair| pair.iter().all(has_balls)) {
-                        own.add(first + i, Other::Link(first + j), between);
+                    let ball = |part: &ConvexPart| {
+                        let Sphere { centre, radius } = part.ball;
+                        BallTree::new(&[CollisionSphere { body: part.body, centre, radius }], vec![0])
+                    };
+                    own.links.extend(rows.parts.iter().map(ball));
+                    for (row, pair) in rows.pairs.iter().enumerate() {
+                        let other = match pair.other {
+                            Beside::Solid(k) => Other::Solid(rows.solids[k].0),
+                            Beside::Part(j) => Other::Link(first + j),
+                        };
+                        own.add(first + pair.part, other, pair.margin, Some((rows, row)));
                     }
                 }
                 AnyConstraint::Bounds(rows) => {
@@ -134,8 +141,8 @@ impl Distances {
         (own, others)
     }
 
-    fn add(&mut self, link: usize, other: Other, kept: f64) {
-        self.pairs.push(Pair { link, other, kept, margin: 0.0, reaches: Vec::new(), speed: 0.0, radius: 0.0 });
+    fn add(&mut self, link: usize, other: Other, kept: f64, row: Option<(&'a ConvexClearance, usize)>) {
+        self.pairs.push(Pair { link, other, row, kept, margin: 0.0, reaches: Vec::new(), speed: 0.0, radius: 0.0 });
     }
 
     /// Adds the pairs of each body and each solid.
@@ -147,7 +154,7 @@ impl Distances {
         for own in bodies.into_values() {
             self.links.push(BallTree::new(balls, own));
             for solid in solids {
-                self.add(self.links.len() - 1, Other::Solid(*solid), 0.0);
+                self.add(self.links.len() - 1, Other::Solid(*solid), 0.0, None);
             }
         }
     }
@@ -176,7 +183,7 @@ impl Distances {
         pairs.sort_unstable();
         pairs.dedup();
         for [i, j] in pairs {
-            self.add(i, Other::Link(j), 0.0);
+            self.add(i, Other::Link(j), 0.0, None);
         }
     }
 
@@ -191,7 +198,7 @@ impl Distances {
         for k in 0..self.pairs.len() {
             self.pairs[k].margin = 0.0;
             let mut has = margin + ROUNDING;
-            self.search(k, placements, |distance, is_leaf| {
+            self.search(k, placements, f64::INFINITY, |distance, is_leaf| {
                 let distance = least(*distance);
                 let is_near = distance < has;
                 if is_near && is_leaf {
@@ -250,13 +257,29 @@ impl Distances {
         if dot(&d, &d).0.iter().all(|square| *square >= far * far) {
             return look;
         }
-        self.search(pair, placements, |distance, is_leaf| look.take(distance, reach, is_leaf));
+        self.search(pair, placements, reach, |distance, is_leaf| look.take(distance, reach, is_leaf));
         look
     }
 
-    /// Visits lower bounds of the distance of a pair, less that which is kept, and the distances of balls.
-    fn search(&self, pair: usize, placements: &[Placement<Wide>], mut visit: impl FnMut(&Wide, bool) -> bool) {
-        let Pair { link, other, kept, margin, .. } = &self.pairs[pair];
+    /// Visits lower bounds of the distance of a pair, less that which is kept, and the distances of balls; of convex
+    /// bodies those up to `enough`.
+    fn search(
+        &self,
+        pair: usize,
+        placements: &[Placement<Wide>],
+        enough: f64,
+        mut visit: impl FnMut(&Wide, bool) -> bool,
+    ) {
+        let Pair { link, other, kept, margin, row, .. } = &self.pairs[pair];
+        if let Some((rows, row)) = row {
+            let margin = Wide::splat(*margin);
+            let (bound, off) = rows.bound(*row, placements);
+            if visit(&(bound - margin), false) {
+                let (_, gap) = rows.plane(*row, placements, (&off, None), Until::Gap(margin + Wide::splat(enough)));
+                visit(&(gap - margin), true);
+            }
+            return;
+        }
         let kept = kept + margin;
         let link = &self.links[*link];
         let place = |tree: &BallTree, centre| place(tree.body.map(|body| &placements[body]), centre);
@@ -310,4 +333,13 @@ fn reaches(model: &Model, link: &BallTree) -> Vec<f64> {
         body = joint.parent();
     }
     reaches
+}
+
+/// The position of a point of a body with this placement; `None` is the base.
+#[inline(always)]
+fn place(placement: Option<&Placement<Wide>>, point: &Vector3<f64>) -> Vector3<Wide> {
+    match placement {
+        None => point.map(Wide::splat),
+        Some(placement) => placement.point(point),
+    }
 }

@@ -14,11 +14,9 @@ pub use articulated::ArticulatedInertia;
 pub use coriolis::Coriolis;
 pub use inertia::Inertia;
 pub use placement::{Placement, rotation_of_z_to, unit_vector};
-#[cfg(feature = "solvers")]
-pub(crate) use product::outer;
 pub(crate) use product::{
     apply, apply_constant, apply_constant_transpose, apply_to_constant, apply_transpose, cross, dot, matrix, multiply,
-    symmetric,
+    outer, symmetric,
 };
 pub use vector::{Force, Motion};
 

@@ -17,7 +17,6 @@ pub(crate) fn dot<S: Scalar>(a: &Vector3<S>, b: &Vector3<S>) -> S {
 }
 
 /// Computes $a b^T$.
-#[cfg(feature = "solvers")]
 #[inline(always)]
 pub(crate) fn outer<S: Scalar>(a: &Vector3<S>, b: &Vector3<S>) -> Matrix3<S> {
     matrix(|i, j| a[i] * b[j])

@@ -22,10 +22,8 @@ pub(crate) struct ProximityCache {
     /// The times of the points of a segment, in parts of it.
     times: Vec<f64>,
     groups: Vec<Group>,
-    /// True if rows are computed from the active pairs that were active at the points before.
-    pub reuse_active_pairs: bool,
-    /// The active pairs at the last times between the points.
-    pub(super) beside: CachedPairs,
+    /// The pairs that were near each other at the last times between the points.
+    pub(super) between_points: Vec<ActivePair<Wide>>,
 }
 
 /// The rows of a group.
@@ -37,14 +35,8 @@ struct Group {
     /// Rows that are listed although they are far: those of the working set, and those between the points.
     working: Vec<usize>,
     between: Vec<usize>,
-    noted: CachedPairs,
-}
-
-/// The active pairs of all rows at the points of a group, if they are known.
-#[derive(Clone, Debug, Default)]
-pub(super) struct CachedPairs {
-    pub active_pairs: Vec<ActivePair>,
-    pub are_known: bool,
+    /// The pairs that were near each other at the last evaluation.
+    active_pairs: Vec<ActivePair<Wide>>,
 }
 
 impl ProximityCache {
@@ -78,7 +70,9 @@ impl ProximityCache {
             group.working.reserve(LANES * rows);
             group.between.reserve(rows);
             group.rows.reserve((LANES + 2) * rows);
+            group.active_pairs.reserve(rows);
         }
+        self.between_points.reserve(rows);
     }
 
     /// True if there are clearances to list.
@@ -92,39 +86,21 @@ impl ProximityCache {
         is_known.then(|| first / points * points.div_ceil(LANES) + start / LANES)
     }
 
-    /// The active pairs of the rows at the points of a group, if they are known.
-    pub fn active_pairs(&self, group: usize) -> Option<&[ActivePair]> {
-        let noted = &self.groups[group].noted;
-        noted.are_known.then_some(&noted.active_pairs)
+    /// The pairs that were near each other at the points of a group when it was evaluated last.
+    pub(super) fn active_pairs(&mut self, group: usize) -> &mut Vec<ActivePair<Wide>> {
+        &mut self.groups[group].active_pairs
     }
 
-    /// The memory of these.
-    pub(super) fn noted(&mut self, group: usize) -> &mut CachedPairs {
-        &mut self.groups[group].noted
-    }
-
-    /// Memory for the active pairs beside the points. In the part of a group they are those at its points for the
-    /// first times, and for others those at the times before; elsewhere they are not known.
-    pub(super) fn begin_beside(&mut self, group: Option<usize>, start: usize) -> CachedPairs {
-        let mut noted = std::mem::take(&mut self.beside);
+    /// Memory for the pairs between the points. In the part of a group they are those at its points for the first
+    /// times, and for others those at the times before; elsewhere there are none.
+    pub(super) fn begin_between(&mut self, group: Option<usize>, start: usize) -> Vec<ActivePair<Wide>> {
+        let mut pairs = std::mem::take(&mut self.between_points);
         match group {
-            Some(group) if start == 0 => {
-                let of_points = &self.groups[group].noted;
-                noted.active_pairs.clone_from(&of_points.active_pairs);
-                noted.are_known = of_points.are_known;
-            }
+            Some(group) if start == 0 => pairs.clone_from(&self.groups[group].active_pairs),
             Some(_) => {}
-            None => noted.are_known = false,
+            None => pairs.clear(),
         }
-        noted
-    }
-
-    /// Forgets the active pairs.
-    pub fn forget_active_pairs(&mut self) {
-        for group in &mut self.groups {
-            group.noted.are_known = false;
-            group.noted.active_pairs.clear();
-        }
+        pairs
     }
 
     /// The group of a point.

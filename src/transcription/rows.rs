@@ -1,7 +1,7 @@
 //! The rows of constraints at the points of a curve.
 
 use super::{ProximityCache, RowSelection, Shared};
-use crate::constraint::{ActivePair, Constraint, Constraints, Evaluator, Phase, RowSet, StandingFoot, searched_from};
+use crate::constraint::{ActivePair, Constraint, Constraints, Evaluator, Phase, RowSet, StandingFoot};
 use crate::cost::{CostWithControl, Points};
 use crate::dynamics::Data;
 use crate::error::Result;
@@ -24,9 +24,8 @@ pub(crate) struct Rows<'a, K, P> {
     /// $[q; v; a]$ and the rows of the state at points that are evaluated side by side.
     pub(super) z: Vec<Wide<f64>>,
     pub(super) wide: Vec<Wide<f64>>,
-    /// Memory for active pairs, and the value of a row from which on they are searched between the points.
-    pub(super) active: Vec<ActivePair>,
-    pub(super) searched_from: f64,
+    /// Memory for the pairs that are near each other.
+    pub(super) active: Vec<ActivePair<Wide>>,
     /// The largest value at the last points of each row of the state that was evaluated there.
     pub highest: Vec<f64>,
     /// The rows of the state without a cutoff, and those that were not at it at any of the last points.
@@ -88,7 +87,6 @@ impl<K, P: Clone> Clone for Rows<'_, K, P> {
             z: self.z.clone(),
             wide: self.wide.clone(),
             active: Vec::new(),
-            searched_from: self.searched_from,
             highest: self.highest.clone(),
             dense: self.dense.clone(),
             touched: Vec::new(),
@@ -131,7 +129,6 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             z: vec![Wide::splat(0.0); 3 * n],
             wide: vec![Wide::splat(0.0); states],
             active: Vec::new(),
-            searched_from: searched_from(state),
             highest: vec![0.0; states],
             dense: (0..states).filter(|row| attributes.cutoffs[*row].is_infinite()).collect(),
             touched: Vec::new(),
@@ -141,6 +138,12 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
             near: ProximityCache::default(),
             constraints,
         })
+    }
+
+    /// Allocates memory for lists of all rows of the state.
+    pub fn allocate(&mut self) {
+        self.near.allocate();
+        self.active.reserve(self.states());
     }
 
     /// The number of rows.

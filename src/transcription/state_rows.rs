@@ -53,7 +53,7 @@ impl Written<'_> {
 
     /// Adds the rows that are not at their cutoffs for the first time to `touched`, and writes these to the points
     /// before.
-    fn touch(&mut self, active_pairs: &[ActivePair], cutoffs: &[f64], touched: &mut Vec<usize>) {
+    fn touch(&mut self, active_pairs: &[ActivePair<Wide>], cutoffs: &[f64], touched: &mut Vec<usize>) {
         let count = self.scales.len();
         for row in active_pairs.iter().map(|pair| pair.row) {
             if self.highest[row] == f64::NEG_INFINITY {
@@ -118,14 +118,13 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             RowSelection::Cached => self.near.group(points.first, start, points.count()),
             _ => None,
         };
-        let mut noted = match (which, group) {
-            (_, Some(group)) => std::mem::take(self.near.noted(group)),
+        let mut active_pairs = match (which, group) {
+            (_, Some(group)) => std::mem::take(self.near.active_pairs(group)),
             (RowSelection::CachedOverInterval(group, _) | RowSelection::Trial(group), _) => {
-                self.near.begin_beside(Some(group), start)
+                self.near.begin_between(Some(group), start)
             }
-            _ => self.near.begin_beside(None, start),
+            _ => self.near.begin_between(None, start),
         };
-        let follows = self.near.reuse_active_pairs && noted.are_known;
         let listed = match (which, group) {
             (RowSelection::Cached, Some(group)) => self.near.at_points(group, placements),
             (RowSelection::CachedOverInterval(group, times), _) => {
@@ -135,28 +134,22 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             _ => None,
         };
         let (state, scales) = (&self.constraints.state, &self.attributes.scales);
-        let from = if follows { f64::INFINITY } else { self.searched_from };
-        let known = ActivePairs::new(&noted.active_pairs).and_above(from);
-        let is_beside = group.is_none() && noted.are_known;
-        let beside = PlacedState { active_pairs: (follows || is_beside).then_some(known), ..at };
-        let (wide, rows) = (&mut self.wide, listed.map(RowList::new));
-        if follows {
-            state.value_of(&beside, rows, wide, None)?;
-        } else {
-            self.active.clear();
-            state.value_of(&beside, rows, wide, Some(&mut self.active))?;
-            std::mem::swap(&mut noted.active_pairs, &mut self.active);
-            noted.are_known = true;
-        }
+
+        let pairs = ActivePairs::new(&active_pairs);
+        let pairs = if group.is_some() { pairs } else { pairs.near_bounds() };
+        let at = PlacedState { active_pairs: Some(pairs), ..at };
+        self.active.clear();
+        state.value_of(&at, listed.map(RowList::new), &mut self.wide, Some(&mut self.active))?;
+        std::mem::swap(&mut active_pairs, &mut self.active);
         let are_all = listed.is_none();
         if let Some(group) = group.filter(|_| are_all && self.near.has_lists()) {
             let values = (&self.wide[..], &scales[..], found);
             self.near.list(group, placements, values);
         }
-        self.write((which, group), &noted.active_pairs, (start, found, are_all), h);
+        self.write((which, group), &active_pairs, (start, found, are_all), h);
         match group {
-            Some(group) => *self.near.noted(group) = noted,
-            None => self.near.beside = noted,
+            Some(group) => *self.near.active_pairs(group) = active_pairs,
+            None => self.near.between_points = active_pairs,
         }
         Ok(are_all)
     }
@@ -166,7 +159,7 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
     fn write(
         &mut self,
         (which, group): (RowSelection<'_>, Option<usize>),
-        active_pairs: &[ActivePair],
+        active_pairs: &[ActivePair<Wide>],
         (first, found, are_all): (usize, usize, bool),
         h: &mut [f64],
     ) {
@@ -191,8 +184,7 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
         }
     }
 
-    /// Computes the weighted derivatives of the rows of the state at the points from `start` on, side by side: of their
-    /// active pairs that were active at the last evaluation, which was here.
+    /// Computes the weighted derivatives of the rows of the state at the points from `start` on, side by side.
     pub fn weighted_derivatives(
         &mut self,
         points: Points<'_, f64>,
@@ -202,7 +194,7 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
         points.gather(start, &mut self.z);
         let own = 2 * points.states.nrows();
         let group = self.near.group(points.first, start, points.count());
-        let active_pairs = group.and_then(|group| self.near.active_pairs(group));
+        let active_pairs = group.map(|group| &self.near.active_pairs(group)[..]);
         let state = (&self.constraints.state, active_pairs);
         self.evaluator.weighted_derivatives_at(&self.z[..own], state, weights)
     }

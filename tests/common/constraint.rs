@@ -1,10 +1,11 @@
 //! Constraints of the tests.
 
-use aghf::constraint::{CollisionSphere, Constraint, CoverClearance, PlacedState, Quantity, RowLabel, RowSet};
-use aghf::geometry::{BallTree, Solid};
+use aghf::constraint::{AnyConstraint, Constraint, ConvexClearance, PlacedState, Quantity, RowLabel, RowSet};
+use aghf::geometry::{CollisionGeometry, Convex, Obstacle, Scene, Shape, Solid};
 use aghf::model::Model;
 use aghf::scalar::AlgebraOver;
-use nalgebra::Vector3;
+use aghf::spatial::Placement;
+use nalgebra::{Rotation3, Vector3};
 
 /// The equality $x_0 = c$, with a name of its own.
 #[derive(Clone, Debug)]
@@ -49,25 +50,28 @@ impl Constraint for Slow {
     }
 }
 
-/// An arm with nine balls in three sets on each body, which keeps clear of solids.
-pub fn in_balls(model: &Model, solids: Vec<Solid>) -> CoverClearance {
-    let ball = |k: usize| CollisionSphere {
-        body: Some(k / 9),
-        centre: 0.05 * Vector3::new(k as f64, 2.3 * k as f64, 4.1 * k as f64).map(f64::sin),
-        radius: 0.03,
-    };
-    let balls: Vec<_> = (0..9 * model.dof()).map(ball).collect();
-    let tree = |body: usize| BallTree::new(&balls, (9 * body..9 * body + 9).collect());
-    let of = |link: usize| (0..solids.len()).map(move |solid| [link, solid]);
-    CoverClearance {
-        links: (0..model.dof()).map(tree).collect(),
-        counts: vec![3; model.dof()],
-        sets: (0..balls.len()).map(|k| k % 3).collect(),
-        names: Vec::new(),
-        solid_pairs: (0..model.dof()).flat_map(of).collect(),
-        pairs: (3..model.dof()).flat_map(|j| (0..j - 2).map(move |i| [i, j])).collect(),
-        margins: [0.0; 2],
-        far: 0.1,
-        solids,
+/// An arm with a hull of nine points, a cylinder or a capsule on each body, which keep clear of solids and of each
+/// other.
+pub fn in_bodies(model: &Model, solids: Vec<Solid>) -> ConvexClearance {
+    let mut robot = CollisionGeometry::default();
+    for body in 0..model.dof() {
+        let corner = |k: usize| 0.06 * Vector3::new(k as f64, 2.3 * k as f64, 4.1 * k as f64).map(f64::sin);
+        let placement = Placement::new(Rotation3::new(corner(body) * 20.0).into_inner(), corner(body + 2));
+        let solid = |shape| Convex::of_solid(&Solid { placement, shape }).expect("it has ends");
+        let part = match body % 3 {
+            0 => Convex::of_corners((9 * body..9 * body + 9).map(corner).collect(), 0.01),
+            1 => solid(Shape::Cylinder { radius: 0.04, half_length: 0.06 }),
+            _ => solid(Shape::Capsule { radius: 0.04, half_length: 0.05 }),
+        };
+        robot.add(&format!("link {body}"), Some(body), part);
+    }
+    let obstacle = |(i, solid): (usize, Solid)| Obstacle { name: format!("solid {i}"), solid };
+    let obstacles = solids.into_iter().enumerate().map(obstacle).collect();
+    let neighbours = (1..model.dof()).flat_map(|i| [[i - 1, i], [i.saturating_sub(2), i]]);
+    let neighbours: Vec<_> = neighbours.map(|pair| pair.map(|i| format!("link {i}"))).collect();
+    let scene = Scene::new(robot, obstacles, Some(&neighbours)).with_margins(|_| 0.02, |_| 0.01);
+    match AnyConstraint::of_scene(&scene).pop() {
+        Some(AnyConstraint::Convex(rows)) => rows,
+        other => panic!("{other:?}"),
     }
 }

@@ -6,7 +6,7 @@ mod common;
 
 mod active_pair;
 mod composition;
-mod cover_clearance;
+mod convex_clearance;
 mod derivatives;
 mod dynamic;
 mod frame_rows;

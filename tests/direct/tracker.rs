@@ -2,13 +2,13 @@
 
 use crate::common::{assert_refused, robot};
 use aghf::constraint::{
-    AnyConstraint, Bounds, CollisionSphere, Constraints, CoverClearance, SelfClearance, SolidClearance, Sphere,
-    SphereClearance, TorqueLimits,
+    AnyConstraint, Bounds, CollisionSphere, Constraints, SelfClearance, SolidClearance, Sphere, SphereClearance,
+    TorqueLimits,
 };
 use aghf::cost::ControlEffort;
 use aghf::direct::{Direct, DirectSettings, FreeHorizon, Outcome, Safety, Tracker, TrackerOptions};
 use aghf::dynamics::{Data, ForwardDynamicsDerivatives, aba, aba_derivatives, forward_kinematics};
-use aghf::geometry::{BallTree, Shape, Solid};
+use aghf::geometry::{Shape, Solid};
 use aghf::model::Model;
 use aghf::motion::{Problem, violations};
 use aghf::spatial::Placement;

@@ -1,9 +1,7 @@
 //! Balls in trees.
 
-use crate::common::{config, robot};
-use aghf::dynamics::forward_kinematics;
+use crate::common::config;
 use aghf::geometry::{BallTree, CollisionSphere, Sphere};
-use aghf::spatial::Placement;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
@@ -81,23 +79,5 @@ proptest! {
         });
         let pairs = first.iter().flat_map(|x| second.iter().map(move |y| sphere(x).gap(&sphere(y))));
         prop_assert_eq!(least, pairs.fold(f64::INFINITY, f64::min));
-    }
-
-    #[test]
-    fn the_gap_is_the_least_of_the_balls(first in balls(Some(4)), second in balls(Some(1)), shrunk in 0.05..1.0) {
-        let model = robot("kinova_gen3");
-        let mut placements = vec![Placement::identity(); model.dof()];
-        forward_kinematics(&model, &vec![0.3; model.dof()], &mut placements).expect("lengths agree");
-        let smaller = |ball: &CollisionSphere| CollisionSphere { radius: shrunk * ball.radius, ..*ball };
-        let [first, second] = [first, second].map(|balls| balls.iter().map(smaller).collect::<Vec<_>>());
-        let placed = |ball: &CollisionSphere| {
-            let place = &placements[ball.body.expect("it is on a body")];
-            Sphere { centre: place.rotation * ball.centre + place.translation, radius: ball.radius }
-        };
-        let pairs = first.iter().flat_map(|x| second.iter().map(move |y| placed(x).gap(&placed(y))));
-        let found = tree(&first).gap(&tree(&second), &placements).expect("there is a placement");
-        prop_assert_eq!(found, pairs.fold(f64::INFINITY, f64::min));
-        let nowhere = tree(&first).gap(&tree(&second), &placements[..2]);
-        prop_assert!(nowhere.is_err_and(|e| e.to_string().contains("placements")));
     }
 }

@@ -1,72 +1,57 @@
-//! Convex pieces of meshes.
+//! Convex bodies with a radius.
 
-use super::hull::{Point, beyond};
-use super::separation::distance_from_triangle;
+use super::hull::{Point, points};
 use crate::common::config;
-use aghf::geometry::{ConvexPiece, Triangle, convex_pieces, excess};
+use aghf::geometry::{Convex, Shape, Solid};
+use aghf::spatial::Placement;
+use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 
-/// The triangles of a box along the axes.
-fn cuboid(lower: [f64; 3], upper: [f64; 3]) -> Vec<Triangle> {
-    let corner = |i: usize| Point::from_fn(|k, _| if i >> k & 1 == 0 { lower[k] } else { upper[k] });
-    let quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
-    let halves = |[a, b, c, d]: [usize; 4]| [[a, b, c], [a, c, d]].map(|t| t.map(corner));
-    quads.into_iter().flat_map(halves).collect()
+pub fn placement() -> impl Strategy<Value = Placement<f64>> {
+    let three = || prop::array::uniform3(-1.5..1.5).prop_map(Vector3::from);
+    (three(), three()).prop_map(|(turn, at)| Placement::new(Rotation3::new(turn).into_inner(), at))
+}
+
+pub fn body() -> impl Strategy<Value = Convex> {
+    let solid = (0_usize..4, prop::array::uniform3(0.02..0.4), placement()).prop_map(|(kind, [a, b, c], placement)| {
+        let shape = match kind {
+            0 => Shape::Sphere { radius: a },
+            1 => Shape::Cuboid { half_extents: Vector3::new(a, b, c) },
+            2 => Shape::Cylinder { radius: a, half_length: b },
+            _ => Shape::Capsule { radius: a, half_length: b },
+        };
+        Convex::of_solid(&Solid { placement, shape }).expect("it has ends")
+    });
+    let hull = (points(4..60), 0.0..0.1).prop_map(|(points, radius)| Convex::of_corners(points, radius));
+    prop_oneof![solid, hull]
 }
 
 proptest! {
-    #![proptest_config(config(128))]
+    #![proptest_config(config(256))]
 
-    /// Each triangle is in one piece, and the surfaces of the pieces are within the excess that is stated.
+    /// The extent of a solid is its largest distance along the direction, that of corners their largest one.
     #[test]
-    fn pieces_contain_the_triangles_and_keep_their_excess(
-        sizes in prop::collection::vec((prop::array::uniform3(-0.3..0.3), prop::array::uniform3(0.02..0.2)), 1..4),
-        most in 0.002..0.1,
-    ) {
-        let box_of = |(at, size): &([f64; 3], [f64; 3])| cuboid(*at, std::array::from_fn(|i| at[i] + size[i]));
-        let triangles: Vec<Triangle> = sizes.iter().flat_map(box_of).collect();
-        let pieces = convex_pieces(&triangles, most).expect("finite");
-        prop_assert!(pieces.len() <= 8);
-        for triangle in &triangles {
-            let is_in = |piece: &ConvexPiece| triangle.iter().all(|p| beyond(piece, p) < 1e-9);
-            prop_assert!(pieces.iter().any(is_in));
-        }
-        let stated = excess(&pieces, &triangles, 0.005).expect("finite");
-        for (i, piece) in pieces.iter().enumerate() {
-            for p in piece.triangles().map(|[a, b, c]| (a + b + c) / 3.0) {
-                let off = triangles.iter().map(|t| distance_from_triangle(&p, t)).fold(f64::INFINITY, f64::min);
-                let is_within = |(j, other): (usize, &ConvexPiece)| j != i && beyond(other, &p) < 2e-6;
-                let is_hidden = pieces.iter().enumerate().any(is_within);
-                prop_assert!(is_hidden || off <= stated, "{off} of {stated}");
-            }
-        }
+    fn extents_are_those_of_the_shape(points in points(1..80), n in prop::array::uniform3(-1.0..1.0)) {
+        let n: Point = Vector3::from(n).try_normalize(1e-3).unwrap_or_else(Vector3::x);
+        let most = points.iter().map(|p| n.dot(p)).fold(f64::NEG_INFINITY, f64::max);
+        let body = Convex::of_corners(points, 0.01);
+        prop_assert!((body.extent(&n) - most - 0.01).abs() < 1e-12);
+        prop_assert!(body.corners().iter().any(|corner| *corner == body.furthest(&n)));
+        let shape = Shape::Cylinder { radius: 0.3, half_length: 0.2 };
+        let cylinder = Convex::of_solid(&Solid { placement: Placement::identity(), shape }).expect("it has ends");
+        prop_assert!((cylinder.extent(&n) - 0.3 * n.x.hypot(n.y) - 0.2 * n.z.abs()).abs() < 1e-12);
     }
-}
 
-/// Two boxes in the shape of an L are two pieces, and one box is one.
-#[test]
-fn an_angle_is_two_pieces() {
-    let mut triangles = cuboid([0.0; 3], [0.4, 0.1, 0.1]);
-    let one = convex_pieces(&triangles, 0.005).expect("finite");
-    assert_eq!((one.len(), one[0].corners.len()), (1, 8));
-    assert!((one[0].volume() - 0.004).abs() < 1e-12);
-    assert!(excess(&one, &triangles, 0.001).expect("finite") <= 0.001 + 1e-12);
-    triangles.extend(cuboid([0.0; 3], [0.1, 0.1, 0.4]));
-    let two = convex_pieces(&triangles, 0.005).expect("finite");
-    assert_eq!(two.len(), 2);
-    let volume: f64 = two.iter().map(ConvexPiece::volume).sum();
-    assert!(volume < 0.0081, "{volume}");
-    let whole: Vec<_> = triangles.iter().flatten().copied().collect();
-    let hull = [ConvexPiece::hull(&whole).expect("finite")];
-    // The middle of the hypotenuse is furthest from both legs.
-    let most = excess(&hull, &triangles, 1e-4).expect("finite");
-    assert!(most > 0.14 && most < 0.16, "{most}");
-}
-
-#[test]
-fn senseless_input_is_refused() {
-    let error = |result: aghf::error::Result<Vec<ConvexPiece>>| result.expect_err("senseless").to_string();
-    assert!(error(convex_pieces(&[], 0.01)).contains("triangles"));
-    assert!(error(convex_pieces(&cuboid([0.0; 3], [1.0; 3]), 0.0)).contains("excess"));
-    assert!(error(convex_pieces(&cuboid([0.0; 3], [f64::NAN; 3]), 0.01)).contains("finite"));
+    /// A body that is moved extends as far in the direction that is moved; its ball contains it.
+    #[test]
+    fn a_body_moves_with_its_placement(body in body(), at in placement(), n in prop::array::uniform3(-1.0..1.0)) {
+        let n: Point = Vector3::from(n).try_normalize(1e-3).unwrap_or_else(Vector3::x);
+        let turned = at.rotation * n;
+        let extent = body.moved(&at).extent(&turned);
+        prop_assert!((extent - body.extent(&n) - turned.dot(&at.translation)).abs() < 1e-12);
+        let ball = body.ball();
+        prop_assert!(body.extent(&n) <= n.dot(&ball.centre) + ball.radius + 1e-12);
+        let point = Convex::of_corners(vec![Vector3::zeros()], 0.1).ball();
+        prop_assert_eq!((point.centre, point.radius), (Vector3::zeros(), 0.1));
+    }
 }

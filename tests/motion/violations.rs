@@ -1,9 +1,9 @@
 //! Labels of rows, and their violations along a motion.
 
-use crate::common::constraint::{Held, in_balls};
+use crate::common::constraint::{Held, in_bodies};
 use crate::common::{assert_refused, robot, slider, wave};
 use aghf::constraint::{
-    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, CoverClearance, Evaluator, Quantity,
+    AnyConstraint, Bound, Bounds, CollisionSphere, Constraint, Constraints, ConvexClearance, Evaluator, Quantity,
     RowLabel, Side, SolidClearance, Sphere, SphereClearance, TorqueLimits,
 };
 use aghf::curve::{Chebyshev, Curve};
@@ -167,17 +167,17 @@ fn rows_of_an_arm_are_those_at_many_times() {
     }
 }
 
-/// Rows of covers are exact from a tenth of their cutoff on, and otherwise no larger than they are.
+/// Rows of convex bodies are exact from a quarter of their cutoff on, and otherwise no larger than they are.
 #[test]
-fn rows_of_covers_are_exact_near_their_bounds() {
+fn rows_of_bodies_are_exact_near_their_bounds() {
     let (model, curve, ..) = every_kind();
-    let above = |height: f64, far: f64| CoverClearance {
+    let above = |height: f64, far: f64| ConvexClearance {
         far,
-        ..in_balls(&model, vec![Solid::half_space(&Vector3::z(), height)])
+        ..in_bodies(&model, vec![Solid::half_space(&Vector3::z(), height)])
     };
     // Heights at which a row begins at its cutoff and comes within a twentieth of its bound.
     let far = 0.2;
-    let (begin, worst) = of_cover(&model, &curve, &above(0.0, 10.0));
+    let (begin, worst) = of_bodies(&model, &curve, &above(0.0, 10.0));
     let rows = begin.iter().zip(&worst);
     let heights = rows.filter(|(begin, worst)| *worst - *begin > far);
     let mut heights: Vec<f64> = heights.map(|(_, worst)| -0.05 * far - worst).collect();
@@ -185,14 +185,14 @@ fn rows_of_covers_are_exact_near_their_bounds() {
     heights.truncate(3);
     let (mut outside, mut at_cutoff) = (0, 0);
     for height in heights.into_iter().chain([0.25]) {
-        let cover = above(height, far);
+        let bodies = above(height, far);
         let bounds = AnyConstraint::Bounds(Bounds::positions(&model));
-        let all = of_state(vec![bounds, AnyConstraint::Cover(cover.clone())]);
+        let all = of_state(vec![bounds, AnyConstraint::Convex(bodies.clone())]);
         let found = violations(&model, &curve, &all, 1000).expect("same robot");
         let first = all.state[0].dim();
-        let (_, worst) = of_cover(&model, &curve, &cover);
-        let near = -0.1 * far;
-        for (found, worst) in found[first..first + cover.dim()].iter().zip(&worst) {
+        let (_, worst) = of_bodies(&model, &curve, &bodies);
+        let near = -0.25 * far;
+        for (found, worst) in found[first..first + bodies.dim()].iter().zip(&worst) {
             let off = found.by - worst;
             // At a kink a maximum between the times is missed by their distance.
             let least = if *worst > near { -1e-3 } else { -far };
@@ -205,13 +205,13 @@ fn rows_of_covers_are_exact_near_their_bounds() {
 }
 
 /// The value of each row at the start, and the largest one at many times.
-fn of_cover(model: &Model, curve: &Curve, cover: &CoverClearance) -> (Vec<f64>, Vec<f64>) {
-    let (mut begin, mut worst) = (None, vec![-cover.far; cover.dim()]);
+fn of_bodies(model: &Model, curve: &Curve, bodies: &ConvexClearance) -> (Vec<f64>, Vec<f64>) {
+    let (mut begin, mut worst) = (None, vec![-bodies.far; bodies.dim()]);
     let mut evaluator = Evaluator::new(model);
     for s in sample(model, curve, 4000).expect("same robot") {
-        let (x, mut g) = ([s.q, s.v].concat(), vec![0.0; cover.dim()]);
+        let (x, mut g) = ([s.q, s.v].concat(), vec![0.0; bodies.dim()]);
         let placed = evaluator.at(&x).expect("sizes agree");
-        placed.value(cover, &mut g).expect("same robot");
+        placed.value(bodies, &mut g).expect("same robot");
         for (worst, g) in worst.iter_mut().zip(&g) {
             *worst = worst.max(*g);
         }

@@ -1,11 +1,11 @@
 //! Distances of links: the same answers as by all rows, and no collision on a line that counts as free.
 
-use crate::common::tree;
+use crate::common::{constraint::in_bodies, tree};
 use aghf::constraint::{
-    AnyConstraint, Bounds, CollisionSphere, Constraint, CoverClearance, Evaluator, SelfClearance, SolidClearance,
-    Sphere, SphereClearance,
+    AnyConstraint, Bounds, CollisionSphere, Constraint, Evaluator, SelfClearance, SolidClearance, Sphere,
+    SphereClearance,
 };
-use aghf::geometry::{BallTree, Shape, Solid};
+use aghf::geometry::{Shape, Solid};
 use aghf::model::Model;
 use aghf::plan::Checker;
 use aghf::spatial::Placement;
@@ -42,24 +42,12 @@ fn rows(model: &Model, size: f64, rng: &mut ChaCha8Rng) -> Vec<AnyConstraint> {
     let last = balls.len() - BALLS;
     // Every other ball of the first body and those of the last one.
     let pairs = (0..BALLS).step_by(2).flat_map(|i| (last..balls.len()).map(move |j| [i, j]));
-    let link = |i: usize| BallTree::new(&balls, (i * BALLS..(i + 1) * BALLS).collect());
-    let cover = CoverClearance {
-        links: vec![link(1), link(model.dof())],
-        counts: vec![1, 1],
-        sets: vec![0; balls.len()],
-        solids: vec![solid(Shape::Cuboid { half_extents })],
-        names: Vec::new(),
-        solid_pairs: vec![[0, 0], [1, 0]],
-        pairs: vec![[0, 1]],
-        margins: [0.02, 0.01],
-        far: 0.5,
-    };
     vec![
         AnyConstraint::Bounds(Bounds::positions(model)),
         AnyConstraint::Spheres(SphereClearance { balls: balls.clone(), spheres: spheres.to_vec() }),
         AnyConstraint::Solids(SolidClearance { balls: balls.clone(), solids, names: Vec::new() }),
         AnyConstraint::SelfCollision(SelfClearance { pairs: pairs.collect(), balls: balls.clone() }),
-        AnyConstraint::Cover(cover),
+        AnyConstraint::Convex(in_bodies(model, vec![solid(Shape::Cuboid { half_extents })])),
     ]
 }
 

@@ -13,6 +13,7 @@ mod limits;
 #[cfg(unix)]
 mod load;
 mod losses;
+mod mesh;
 mod mimic;
 mod options;
 mod read;
@@ -29,9 +30,11 @@ mod xml;
 #[path = "../geometry"]
 mod geometry {
     mod ball_tree;
+    mod collision;
     mod convex;
-    mod cover;
     mod hull;
+    mod partition;
+    mod plane;
     mod separation;
 }
 

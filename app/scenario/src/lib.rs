@@ -54,7 +54,7 @@ pub use results::report::{Record, Solve, SolveReport, Trace};
 pub use results::summary::{
     Details, DirectDetails, FlowDetails, HorizonBound, ReachedEnd, RestDetails, Summary, Verdict,
 };
-pub use shapes::robot_shape::{CoveredShape, cover_each, cover_links, cover_shape, too_many_balls};
+pub use shapes::robot_shape::{ShapeParts, link_shapes, parts_of_shapes, shape_parts};
 pub use shapes::self_collision::{IgnoredPair, IgnoredPairs, always_overlapping};
 pub use solve::custom_terms::SharedCost;
 pub use solve::preflight::least_horizon;

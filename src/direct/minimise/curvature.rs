@@ -26,7 +26,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     pub fn smallest_curvature(&mut self, x: &DVector<f64>, iterate: &Iterate) -> Result<f64> {
         self.place(x);
         let Self { unknowns, grid_rows, points, derivatives, .. } = self;
-        grid_rows.set_terms(unknowns, iterate);
+        grid_rows.set_terms(iterate);
         grid_rows.objective.derivatives(&unknowns.coefficients, derivatives)?;
         points.add_hessian(unknowns, iterate, &mut derivatives.hessian)?;
         let of_unknowns = |matrix: &BlockTridiagonal<f64>| {

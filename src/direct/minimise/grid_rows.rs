@@ -67,7 +67,6 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> GridRows<'g, 'a, K, P> {
         self.objective.set_rates(&unknowns.rates);
         let rows = &mut self.objective.cost_mut().rows;
         rows.near.release();
-        rows.near.forget_active_pairs();
         if self.working.restart(problem, rows, search) {
             self.working.begin_lists(&unknowns.grid, rows, search);
         }
@@ -81,7 +80,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> GridRows<'g, 'a, K, P> {
         for terms in &mut integrand.terms {
             terms.reserve(count);
         }
-        integrand.rows.near.allocate();
+        integrand.rows.allocate();
         self.working.allocate(self.margins.len());
     }
 
@@ -89,11 +88,6 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> GridRows<'g, 'a, K, P> {
     fn is_evaluated(&self, unknowns: &Unknowns) -> bool {
         let (coefficients, horizons) = &self.evaluated_at;
         (coefficients, horizons) == (&unknowns.coefficients, &unknowns.horizons)
-    }
-
-    /// Makes the next evaluation take place, even at the same unknowns.
-    pub fn forget(&mut self) {
-        self.evaluated = None;
     }
 
     /// Evaluates the cost and the rows, unless that was done at the same unknowns last.
@@ -110,10 +104,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> GridRows<'g, 'a, K, P> {
     }
 
     /// Prepares derivatives at the unknowns: passes the terms of the rows to the integrand.
-    pub fn set_terms(&mut self, unknowns: &Unknowns, iterate: &Iterate) {
-        if !self.is_evaluated(unknowns) {
-            self.objective.cost_mut().rows.near.forget_active_pairs();
-        }
+    pub fn set_terms(&mut self, iterate: &Iterate) {
         let (integrand, margins) = (self.objective.cost_mut(), &self.margins);
         for terms in &mut integrand.terms {
             terms.clear();

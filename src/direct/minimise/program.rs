@@ -190,7 +190,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     /// Computes the derivatives in all free coefficients and the border, at the coefficients.
     fn derivatives_here(&mut self, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
         let Self { unknowns, grid_rows, points, derivatives, .. } = self;
-        grid_rows.set_terms(unknowns, iterate);
+        grid_rows.set_terms(iterate);
         grid_rows.objective.gradient_and_hessian(&unknowns.coefficients, derivatives)?;
         let own = derivatives.gradient.len();
         out.gradient.rows_mut(0, own).copy_from(&derivatives.gradient);
@@ -223,15 +223,6 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         }
         let Unknowns { free, horizons, .. } = unknowns;
         Ok(if free.parts.is_empty() { cost } else { cost + free.weight * horizons.whole() })
-    }
-
-    fn value_at_trial(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
-        self.grid_rows.objective.cost_mut().rows.near.reuse_active_pairs = true;
-        let found = self.value(x, h);
-        self.grid_rows.objective.cost_mut().rows.near.reuse_active_pairs = false;
-        // A step that ends here is evaluated with all pairs.
-        self.grid_rows.forget();
-        found
     }
 
     fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()> {

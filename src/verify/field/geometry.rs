@@ -2,9 +2,9 @@
 
 use super::constraint_kinds::{centre, contractions, rows};
 use super::{Equality, Gf, Identity, Jet1, RandomInstance};
-use crate::constraint::{CollisionSphere, CoverClearance, SelfClearance, SolidClearance};
+use crate::constraint::{CollisionSphere, SelfClearance, SolidClearance};
 use crate::error::Result;
-use crate::geometry::{BallNode, BallTree, Shape, Solid, Sphere};
+use crate::geometry::{Shape, Solid};
 use crate::verify::reference::{gradient, jacobian};
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -24,7 +24,6 @@ pub(super) fn identities() -> Vec<Identity> {
         identity("distance", "gradient, Hessian and placement", distance),
         identity("solids", "value and contractions", solids),
         identity("self-collision", "value and contractions", self_collision),
-        identity("covers", "contractions", covers),
     ]
 }
 
@@ -137,36 +136,4 @@ fn self_collision(p: &RandomInstance) -> Result<Vec<Equality>> {
     let ours = rows(p, &constraint, p.x.as_slice())?;
     claims.push(Equality::vectors("value", &ours, &values.into()));
     Ok(claims)
-}
-
-/// Tests trees of two balls on five bodies and on the base, in one set or in two, from a solid of each shape and from
-/// all others. A formal sign makes about two rows of three constant, so there are many.
-fn covers(p: &RandomInstance) -> Result<Vec<Equality>> {
-    let balls = balls(p);
-    let bodies = [Some(p.dof() - 1), Some(3), Some(2), Some(1), Some(0), None];
-    let node = |i: usize, next, leaf| BallNode {
-        bound: Sphere { centre: balls[i % balls.len()].centre, radius: balls[i % balls.len()].radius },
-        next,
-        leaf,
-    };
-    let tree = |(i, body)| BallTree {
-        body,
-        nodes: vec![node(i + 2, 3, None), node(i, 2, Some(2 * i)), node(i + 1, 3, Some(2 * i + 1))],
-    };
-    let (links, solids) = (bodies.len(), placed(p));
-    let of = |count: usize, i: usize| (0..count).map(move |j| [i, j]);
-    contractions(
-        p,
-        &CoverClearance {
-            links: bodies.into_iter().enumerate().map(tree).collect(),
-            counts: (0..links).map(|i| 1 + i % 2).collect(),
-            sets: (0..2 * links).map(|i| usize::from(i % 4 == 3)).collect(),
-            solid_pairs: (0..links).flat_map(|i| of(solids.len(), i)).collect(),
-            pairs: (0..links).flat_map(|i| of(i, i)).collect(),
-            solids,
-            names: Vec::new(),
-            margins: [p.x[0], p.x[1]],
-            far: p.w[0],
-        },
-    )
 }

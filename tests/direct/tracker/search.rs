@@ -1,6 +1,7 @@
 //! Moved goals, memory and deadlines.
 
 use super::*;
+use crate::common::constraint::in_bodies;
 
 /// A goal that moves by about 1 cm at the tool has a safe plan after an eighth of the iterations of a new search.
 #[test]
@@ -48,7 +49,7 @@ fn a_moved_goal_takes_an_eighth_of_the_iterations() {
 }
 
 /// The limits of a robot, balls around its joints that keep clear of each other, and three obstacles that they and
-/// covers by single balls keep clear of.
+/// convex bodies keep clear of.
 fn crowded(model: &Model) -> Kept {
     let mut kept = kept(model, [0.3, 0.4, 0.5]);
     let mut balls = CollisionSphere::joint_frames(model);
@@ -68,23 +69,12 @@ fn crowded(model: &Model) -> Kept {
         solid(post, [-0.45, 0.3, 0.3]),
         solid(Shape::Sphere { radius: 0.1 }, [0.3, 0.4, 0.5]),
     ];
-    let of_solids = |solid| (0..count).map(move |link| [link, solid]);
-    let cover = CoverClearance {
-        links: (0..count).map(|ball| BallTree::new(&balls, vec![ball])).collect(),
-        counts: vec![1; count],
-        sets: vec![0; count],
-        names: ["table", "post", "ball"].map(str::to_owned).into(),
-        solid_pairs: (0..solids.len()).flat_map(of_solids).collect(),
-        solids: solids.clone(),
-        pairs: apart.clone(),
-        margins: [0.01; 2],
-        far: 0.35,
-    };
+    let bodies = in_bodies(model, solids.clone());
     let beside = SolidClearance { balls: balls.clone(), solids, names: Vec::new() };
     kept.state.extend([
         AnyConstraint::SelfCollision(SelfClearance { balls, pairs: apart }),
         AnyConstraint::Solids(beside),
-        AnyConstraint::Cover(cover),
+        AnyConstraint::Convex(bodies),
     ]);
     kept
 }

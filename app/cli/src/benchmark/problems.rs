@@ -7,7 +7,7 @@ use aghf_scenario::{MoveIt, MoveItHorizon, Preset, Scenario};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The largest distance by which balls may stick out that cover shapes other than spheres, m.
+/// The distance by which convex pieces may extend beyond a mesh, m.
 const EXCESS: f64 = 0.005;
 
 /// A problem of a benchmark.

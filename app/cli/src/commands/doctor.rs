@@ -10,7 +10,7 @@ use std::process::ExitCode;
 /// Examines the file of a robot, and lists faults that prevent its use.
 ///
 /// Each finding comes with the key of a scenario, the option or the change of the file as its remedy: joints and mimic
-/// joints, inertias, limits, losses, collision shapes with the balls that cover them, and links that overlap at zero or
+/// joints, inertias, limits, losses, collision shapes and their convex pieces, and links that overlap at zero or
 /// in the named states of an SRDF. Faults for which the other commands refuse the file are listed, and the rest is
 /// examined without them. Exit code 3 if no key makes it possible to plan motions.
 #[derive(Debug, Args)]
@@ -22,8 +22,8 @@ pub(super) struct Doctor {
     srdf: Option<PathBuf>,
     #[command(flatten)]
     packages: PackageArgs,
-    /// Largest distance by which balls may stick out that cover shapes other than spheres, m [default: 0.005, of a box
-    /// or a cylinder a tenth of its smallest extent, from 0.005 to 0.02].
+    /// Distance by which convex pieces may extend beyond a mesh where dividing them saves enough, m [default:
+    /// 0.005].
     #[arg(long, allow_negative_numbers = true)]
     excess: Option<f64>,
     /// Prints JSON.

@@ -53,7 +53,7 @@ struct FromMoveIt {
     /// factors of the request, otherwise its default ones. A factor of accelerations needs it.
     #[arg(long)]
     joint_limits: Option<PathBuf>,
-    /// Largest distance by which balls may stick out that cover shapes other than spheres, m.
+    /// Distance by which convex pieces may extend beyond a mesh where dividing them saves enough, m.
     #[arg(long, default_value_t = 0.005, allow_negative_numbers = true)]
     excess: f64,
     #[command(flatten)]

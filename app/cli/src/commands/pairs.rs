@@ -4,7 +4,7 @@ use super::{UrdfArgs, print, tell, tell_notes};
 use crate::output::{refuse_existing, write_text};
 use aghf::error::Result;
 use aghf::urdf::{RobotSource, Srdf};
-use aghf_scenario::{IgnoredPairs, cover_links};
+use aghf_scenario::{IgnoredPairs, link_shapes};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -23,8 +23,8 @@ pub(super) struct Pairs {
     /// SRDF of the robot.
     #[arg(long)]
     srdf: Option<PathBuf>,
-    /// Largest distance by which balls may stick out that cover shapes other than spheres, m [default: 0.005, of a box
-    /// or a cylinder a tenth of its smallest extent, from 0.005 to 0.02].
+    /// Distance by which convex pieces may extend beyond a mesh where dividing them saves enough, m [default:
+    /// 0.005].
     #[arg(long, allow_negative_numbers = true)]
     excess: Option<f64>,
     /// File for the pairs [default: printed].
@@ -43,7 +43,7 @@ impl Pairs {
         let source = RobotSource::find(&self.urdf, Path::new(""))?;
         let (model, notes) = source.parse(self.reading.options())?;
         tell_notes(&self.urdf, &notes);
-        let links = || cover_links(&model, source.folder(), self.excess);
+        let links = || link_shapes(&model, source.folder(), self.excess);
         let pairs = match &self.srdf {
             Some(path) => {
                 let srdf = Srdf::load(path, &model)?;

@@ -27,7 +27,7 @@ pub struct Contact {
     pub links: [String; 2],
     /// The depth of the overlap of two balls, m.
     pub depth_m: f64,
-    /// The sum of the largest distances of the two covers from their shapes, m. A depth above it is an overlap of the
+    /// The sum of the largest distances of the two links from their meshes, m. A depth above it is an overlap of the
     /// shapes.
     pub excess_m: f64,
 }
@@ -67,8 +67,8 @@ pub(super) fn pairs_and_states(
         touching.map(|state| state.name.clone()),
         [
             "links overlap there, as listed below, so that a motion from or to it is refused",
-            "a finer cover, \"robot_shape\": {\"collision\": {\"excess_m\": ...}}, where the excess is larger than \
-             the depth; \"self_collision\": {\"ignored_pairs\": [...]} where the links may touch, or \"off\"",
+            "finer pieces of meshes, \"robot_shape\": {\"collision\": {\"excess_m\": ...}}, where the excess is larger \
+             than the depth; \"self_collision\": {\"ignored_pairs\": [...]} where the links may touch, or \"off\"",
         ],
     ));
     Ok((states, findings))
@@ -167,7 +167,7 @@ fn contacts(
     let mut found = Vec::new();
     for pair in geometry.tree_pairs(ignored) {
         let [a, b] = pair.map(|i| &trees[i]);
-        let gap = a.gap(b, &placements)?;
+        let gap = geometry.gap_within([a, b], &placements, 0.0)?;
         if gap < 0.0 {
             let link = |tree| geometry.link_of(tree).unwrap_or_default().to_owned();
             let links = sorted(&[link(a), link(b)]);

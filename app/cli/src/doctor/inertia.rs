@@ -34,7 +34,7 @@ struct Extent {
     farthest: f64,
 }
 
-/// The findings about inertias beyond the extent of their link, that of the balls which cover its shapes, or without
+/// The findings about inertias beyond the extent of their link, that of the convex parts of its shapes, or without
 /// them the distance to its joints.
 pub(super) fn of_inertias(robot: &Robot, model: &Model, geometry: &CollisionGeometry) -> Vec<Finding> {
     let covered = covered(geometry);
@@ -84,11 +84,11 @@ pub(super) fn of_inertias(robot: &Robot, model: &Model, geometry: &CollisionGeom
     wide.into_iter().chain(far).collect()
 }
 
-/// The boxes about the balls of each link, in the frame of its body.
+/// The boxes about the convex parts of each link, in the frame of its body.
 fn covered(geometry: &CollisionGeometry) -> BTreeMap<&str, [Vector3<f64>; 2]> {
     let mut boxes = BTreeMap::new();
-    for (link, ball) in geometry.links.iter().zip(&geometry.balls) {
-        let ends = [-ball.radius, ball.radius].map(|r| ball.centre.add_scalar(r));
+    for (link, part) in geometry.links.iter().zip(&geometry.parts) {
+        let ends = [-1.0, 1.0].map(|side| Vector3::from_fn(|i, _| side * part.extent(&Vector3::ith(i, side))));
         let [lower, upper] = boxes.entry(link.as_str()).or_insert(ends);
         *lower = lower.inf(&ends[0]);
         *upper = upper.sup(&ends[1]);

@@ -17,7 +17,7 @@ use inertia::of_inertias;
 use notes::of_notes;
 pub use page::page;
 use serde::Serialize;
-use shapes::covered;
+use shapes::convex;
 pub use shapes::{LinkShape, Shapes};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -32,8 +32,7 @@ pub struct Examination {
     pub srdf: Option<PathBuf>,
     /// The folders of packages by their names.
     pub packages: BTreeMap<String, PathBuf>,
-    /// The largest distance by which balls may stick out that cover shapes other than spheres, m; by default that of
-    /// scenarios.
+    /// The distance by which convex pieces may extend beyond a mesh, m; by default that of scenarios.
     pub excess: Option<f64>,
 }
 
@@ -263,7 +262,7 @@ impl Diagnosis {
             Some((srdf, _)) => srdf.with_spheres(model.clone())?,
             None => model.clone(),
         };
-        let (shapes, geometry, found) = covered(&with_spheres, folder, given.excess);
+        let (shapes, geometry, found) = convex(&with_spheres, folder, given.excess);
         self.findings.extend(found);
         self.findings.extend(of_inertias(robot, model, &geometry));
         let excess = shapes.excess_of_links();

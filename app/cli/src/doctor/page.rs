@@ -67,7 +67,7 @@ fn of_shapes(shapes: &Shapes) -> String {
         return String::new();
     }
     let mut table = table();
-    table.set_header(["link", "shapes", "pieces", "corners", "balls", "excess, mm"]);
+    table.set_header(["link", "shapes", "pieces", "corners", "excess, mm"]);
     for of_link in shapes.shapes.chunk_by(|a, b| a.link == b.link) {
         table.add_row(row(of_link));
     }
@@ -75,8 +75,8 @@ fn of_shapes(shapes: &Shapes) -> String {
         column.set_cell_alignment(CellAlignment::Right);
     }
     let mut text = format!(
-        "\nCollision shapes, {} balls that extend beyond them by up to {:.1} mm\n{table}\n",
-        shapes.balls,
+        "\nCollision shapes, {} convex pieces that extend beyond them by up to {:.1} mm\n{table}\n",
+        shapes.pieces,
         1e3 * shapes.excess_m
     );
     let mut unread = BTreeMap::<&str, BTreeSet<&str>>::new();
@@ -94,7 +94,7 @@ fn of_shapes(shapes: &Shapes) -> String {
 }
 
 /// The row of a link: the kinds of its shapes, and the names of its meshes without their folders.
-fn row(shapes: &[LinkShape]) -> [String; 6] {
+fn row(shapes: &[LinkShape]) -> [String; 5] {
     let mut kinds: Vec<(String, usize)> = Vec::new();
     for shape in shapes {
         let name = if shape.mesh {
@@ -112,27 +112,26 @@ fn row(shapes: &[LinkShape]) -> [String; 6] {
         _ => format!("{count} x {kind}"),
     });
     let unread = shapes.iter().filter(|shape| shape.unread.is_some()).count();
-    let balls: usize = shapes.iter().map(|shape| shape.balls).sum();
+    let pieces: usize = shapes.iter().map(|shape| shape.pieces).sum();
     let excess = shapes.iter().map(|shape| shape.excess_m).fold(0.0, f64::max);
     [
         shapes[0].link.clone(),
         kinds.collect::<Vec<_>>().join(", "),
-        shapes.iter().map(|shape| shape.pieces).sum::<usize>().to_string(),
-        shapes.iter().map(|shape| shape.corners).sum::<usize>().to_string(),
         match unread {
-            0 => balls.to_string(),
-            unread => format!("{balls}, {unread} not read"),
+            0 => pieces.to_string(),
+            unread => format!("{pieces}, {unread} not read"),
         },
+        shapes.iter().map(|shape| shape.corners).sum::<usize>().to_string(),
         format!("{:.1}", 1e3 * excess),
     ]
 }
 
 /// The links that overlap in each state.
 fn of_states(diagnosis: &Diagnosis) -> String {
-    if diagnosis.shapes.balls == 0 {
+    if diagnosis.shapes.pieces == 0 {
         return String::new();
     }
-    let mut text = "\nOverlaps of links that are not always there, by the balls\n".to_owned();
+    let mut text = "\nOverlaps of links that are not always there, by the pieces\n".to_owned();
     for state in &diagnosis.states {
         let contacts = state.contacts.iter().map(|contact| {
             let [a, b] = &contact.links;

@@ -1,11 +1,11 @@
-//! The collision shapes of a robot: which are read, and how far their covers extend beyond them.
+//! The collision shapes of a robot: which are read, and how far their convex pieces extend beyond them.
 
 use super::{Finding, Severity};
 use aghf::error::{Error, Result};
-use aghf::geometry::{CollisionGeometry, CollisionSphere, ConvexPiece, excess};
+use aghf::geometry::{CollisionGeometry, ConvexPiece, excess};
 use aghf::model::{CollisionShape, Model};
 use aghf::urdf::load_mesh;
-use aghf_scenario::{CoveredShape, cover_each, too_many_balls};
+use aghf_scenario::{ShapeParts, parts_of_shapes};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,9 +18,9 @@ const EXCESS_ACCURACY: f64 = 5e-4;
 pub struct Shapes {
     /// The shapes in the order of the file's tree.
     pub shapes: Vec<LinkShape>,
-    /// The number of balls that cover them.
-    pub balls: usize,
-    /// The largest distance of a ball's point from the shape that it covers, m.
+    /// The number of their convex pieces.
+    pub pieces: usize,
+    /// The largest distance of a point of a piece from the mesh that it is part of, m.
     pub excess_m: f64,
 }
 
@@ -33,15 +33,13 @@ pub struct LinkShape {
     pub shape: String,
     /// Whether it is a mesh.
     pub mesh: bool,
-    /// The number of convex pieces of a mesh, and that of their corners.
+    /// The number of convex pieces, and that of their corners.
     pub pieces: usize,
     /// See [`pieces`](Self::pieces).
     pub corners: usize,
-    /// The number of balls that cover it.
-    pub balls: usize,
-    /// The largest distance of a ball's point from it, m.
+    /// The largest distance of a point of a piece from the mesh, m.
     pub excess_m: f64,
-    /// The reason why it cannot be read or covered.
+    /// The reason why it cannot be read.
     pub unread: Option<String>,
 }
 
@@ -57,37 +55,29 @@ impl Shapes {
     }
 }
 
-/// Covers the shapes that can be read by balls, as a scenario does, and names the others. A cover that a scenario
-/// refuses is a finding too.
-pub(super) fn covered(model: &Model, folder: &Path, most: Option<f64>) -> (Shapes, CollisionGeometry, Vec<Finding>) {
-    let covers = cover_each(model, folder, most);
+/// The convex bodies of the shapes that can be read, as in a scenario; names the others.
+pub(super) fn convex(model: &Model, folder: &Path, most: Option<f64>) -> (Shapes, CollisionGeometry, Vec<Finding>) {
+    let all = parts_of_shapes(model, folder, most);
     let (mut shapes, mut geometry) = (Shapes::default(), CollisionGeometry::default());
-    for (collision, cover) in model.collisions().iter().zip(covers) {
+    for (collision, parts) in model.collisions().iter().zip(all) {
         let (shape, mesh) = match &collision.shape {
             CollisionShape::Solid(solid) => (solid.name().to_owned(), false),
             CollisionShape::Mesh { file, .. } => (file.clone(), true),
         };
         let (link, unread) = (collision.link.clone(), None);
-        let mut item = LinkShape { link, shape, mesh, pieces: 0, corners: 0, balls: 0, excess_m: 0.0, unread };
-        let own = cover.and_then(|of| Ok((excess_of(&of.pieces, &collision.shape, folder)?, of)));
+        let mut item = LinkShape { link, shape, mesh, pieces: 0, corners: 0, excess_m: 0.0, unread };
+        let own = parts.and_then(|of| Ok((excess_of(&of.pieces, &collision.shape, folder)?, of)));
         match own {
             Err(Error::Input { condition, .. }) => item.unread = Some(condition),
             Err(error) => item.unread = Some(error.to_string()),
-            Ok((excess, CoveredShape { pieces, cover })) => {
-                item.pieces = pieces.len();
-                item.corners = pieces.iter().map(|piece| piece.corners.len()).sum();
-                item.balls = cover.balls.len();
-                item.excess_m = cover.excess + excess;
-                shapes.balls += item.balls;
+            Ok((excess, ShapeParts { parts, .. })) => {
+                item.pieces = parts.len();
+                item.corners = parts.iter().map(|part| part.corners().len()).sum();
+                item.excess_m = excess;
+                shapes.pieces += item.pieces;
                 shapes.excess_m = shapes.excess_m.max(item.excess_m);
-                for ball in cover.balls {
-                    let at = &collision.placement;
-                    geometry.links.push(collision.link.clone());
-                    geometry.balls.push(CollisionSphere {
-                        body: collision.body,
-                        centre: at.rotation * ball.centre + at.translation,
-                        radius: ball.radius,
-                    });
+                for part in parts {
+                    geometry.add(&collision.link, collision.body, part.moved(&collision.placement));
                 }
             }
         }
@@ -107,12 +97,7 @@ pub(super) fn covered(model: &Model, folder: &Path, most: Option<f64>) -> (Shape
              file otherwise",
         ],
     );
-    let refused = too_many_balls((model, None), shapes.balls, folder, most);
-    let too_many = refused.and_then(|[condition, remedy]| {
-        let robot = [model.name().to_owned()];
-        Finding::about(Severity::NeedsKey, "robot", robot, [&condition, &remedy])
-    });
-    (shapes, geometry, found.into_iter().chain(too_many).collect())
+    (shapes, geometry, found.into_iter().collect())
 }
 
 /// The largest distance of the points of the pieces of a mesh from it, m; zero for another shape.

@@ -208,31 +208,3 @@ fn faults_of_files_are_findings_or_bad_input() {
     assert_bad_input(&folder, &["doctor", "ill.urdf", "--package", "parts=none"], "there is no folder 'none'");
     assert_bad_input(&folder, &["doctor", "ill.urdf", "--package", "parts"], "NAME=FOLDER is needed");
 }
-
-/// A cover that a scenario refuses needs the key that the finding names.
-#[test]
-fn too_many_balls_are_a_finding_with_an_excess_that_works() {
-    let folder = empty_folder("doctor_balls");
-    let robot = r#"<robot name="mast"><link name="base"/><link name="mast">
-        <inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
-        <collision><geometry><capsule radius="0.01" length="10"/></geometry></collision></link>
-        <joint name="turn" type="continuous"><parent link="base"/><child link="mast"/></joint></robot>"#;
-    std::fs::write(folder.join("mast.urdf"), robot).expect("it is writable");
-    let doctor = |excess| parsed(&aghf(&folder, &["doctor", "mast.urdf", "--json", "--excess", excess]));
-    let diagnosis = doctor("1e-5");
-    assert_eq!(diagnosis["plannable"], "with_keys", "{diagnosis}");
-    let findings = diagnosis["findings"].as_array().expect("a list");
-    let words = "excess_m is 1e-5, which takes 11179 balls to cover the robot, at most 10000 are allowed";
-    let finding = findings.iter().find(|f| f["condition"] == words);
-    let finding = finding.unwrap_or_else(|| panic!("{diagnosis}"));
-    assert_eq!(finding["severity"], "needs_key");
-    let remedy = r#""robot_shape": {"collision": {"excess_m": 0.01}}"#;
-    assert_eq!(finding["remedy"], remedy);
-    assert_eq!(doctor("0.01")["plannable"], "yes");
-
-    let text = r#"{"robot": "mast.urdf", "horizon_s": 1, "q_start": [0], "v_start": [0], "q_goal": [1], "v_goal": [0],
-        "robot_shape": {"collision": {"excess_m": 1e-5}}}"#;
-    std::fs::write(folder.join("mast.json"), text).expect("it is writable");
-    let words = format!("mast.json: robot_shape: ; {words}; {remedy} is needed");
-    assert_bad_input(&folder, &["solve", "mast.json"], &words);
-}

@@ -2,7 +2,7 @@
 
 use aghf::constraint::Constraint;
 use aghf::dynamics::{Data, crba, rnea};
-use aghf::geometry::{Capsule, cover_triangles};
+use aghf::geometry::{Capsule, convex_pieces};
 use aghf::model::Model;
 use aghf::motion::sample;
 use aghf::urdf::{Mimic, Srdf, UrdfOptions, builtin_robot, load_mesh, load_urdf_with, parse_urdf_with, summarised};
@@ -241,11 +241,10 @@ pub fn mesh(path: &Path, bytes: &[u8]) -> Result<Outcome, String> {
         let file = folder.join(name);
         std::fs::write(&file, bytes).map_err(|e| e.to_string())?;
         match load_mesh(name, folder, &Vector3::repeat(1.0)) {
-            // Large ones take long, until there are too many balls.
             Ok(triangles) => {
                 let corners = triangles.iter().flatten();
                 let largest = corners.fold(0.0, |largest, p| p.amax().max(largest));
-                let _ = cover_triangles(&triangles, 0.1 * largest);
+                let _ = convex_pieces(&triangles, 0.1 * largest);
                 outcome = Outcome::Accepted;
             }
             Err(error) => {

@@ -3,7 +3,7 @@
 use super::{Check, Intervals, Outcome, Reach, Row, Worst, carriers};
 use crate::{Quantity, Scenario};
 use aghf::error::Result;
-use aghf::geometry::{BallTree, CollisionSphere, Obstacle, Sphere};
+use aghf::geometry::{self, BallTree, CollisionSphere, Convex, Obstacle, Placed, Sphere, gap_to};
 
 /// The largest number of gaps computed beyond those of the samples and the middles of their intervals: about ten
 /// seconds.
@@ -40,6 +40,8 @@ struct Gap {
 /// [`aghf::geometry::Scene`] on purpose: an error there must not hide from the judge.
 struct Surroundings<'a> {
     trees: &'a [BallTree],
+    /// The convex bodies that the balls contain, if they are not the robot.
+    parts: &'a [Convex],
     paths: Vec<Vec<usize>>,
     obstacles: &'a [Obstacle],
     intervals: &'a Intervals,
@@ -53,6 +55,7 @@ pub(super) fn clearances(scenario: &Scenario, intervals: &Intervals, overlap: f6
         paths: trees.iter().map(|t| carriers(model, t.body)).collect(),
         obstacles: scenario.scene.obstacles(),
         trees,
+        parts: &scenario.scene.robot().parts,
         intervals,
     };
     let moving = (0..trees.len()).filter(|tree| !scene.paths[*tree].is_empty());
@@ -274,16 +277,29 @@ impl<'a> Search<'a> {
         CollisionSphere { body: tree.body, centre, radius }
     }
 
+    /// The convex body of a leaf of a tree, if the robot has any.
+    fn part(&self, tree: usize, node: usize) -> Option<Placed<'_, f64, f64>> {
+        let tree = &self.scene.trees[tree];
+        let convex = self.scene.parts.get(tree.nodes[node].leaf?)?;
+        Some(self.reach.placed(tree.body, convex))
+    }
+
     /// The current gap, m; negative for an overlap.
     fn distance(&self, gap: Gap) -> f64 {
         let margin = self.pairs[gap.pair].margin;
         match &self.pairs[gap.pair].between {
             Between::Obstacle { tree, obstacle } => {
                 let solid = &self.scene.obstacles[*obstacle].solid;
+                if let Some(part) = self.part(*tree, gap.nodes[0]) {
+                    return gap_to(&part, solid).distance - margin;
+                }
                 let ball = self.ball(*tree, gap.nodes[0]);
                 solid.distance(&self.reach.centre(&ball)) - ball.radius - margin
             }
             Between::Links { trees, .. } => {
+                if let [Some(a), Some(b)] = [0, 1].map(|i| self.part(trees[i], gap.nodes[i])) {
+                    return geometry::gap(&[a, b]).distance - margin;
+                }
                 let [a, b] = [0, 1].map(|i| self.ball(trees[i], gap.nodes[i]));
                 let [p, q] = [a, b].map(|ball| self.reach.centre(&ball));
                 (p - q).norm() - a.radius - b.radius - margin
@@ -294,8 +310,11 @@ impl<'a> Search<'a> {
     /// A bound on the change of a gap in the current part of the interval, m.
     fn way(&self, gap: Gap) -> f64 {
         let way = |tree: usize, node: usize, path: &[usize]| {
-            let centre = self.reach.centre(&self.ball(tree, node));
-            self.reach.way(&centre, path, &self.ways)
+            let ball = self.ball(tree, node);
+            match self.part(tree, node) {
+                Some(_) => self.reach.way_within(&ball, path, &self.ways),
+                None => self.reach.way(&self.reach.centre(&ball), path, &self.ways),
+            }
         };
         let [node, beside] = gap.nodes;
         match &self.pairs[gap.pair].between {

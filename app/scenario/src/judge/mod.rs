@@ -36,7 +36,7 @@
 //! | waypoints | the configurations or poses of the way in their order, each where the motion passes it first after the one before: the samples that are nearer than their neighbours, and the nearest time about them |
 //! | conditions along the way | the poses of frames and the speeds of points at all times between those of the condition, both included |
 //! | standing foot | the force of the ground by the laws of Newton and Euler, body by body, at all times |
-//! | obstacles, self-collision | the distances of the balls of the robot, at all times |
+//! | obstacles, self-collision | the distances of the balls or convex bodies of the robot, at all times |
 //! | added constraints | not checked: constraints that a program added |
 //!
 //! **At all times** means proved: a quantity is enclosed on each interval, by Bernstein coefficients, or by polynomials

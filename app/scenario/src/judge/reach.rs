@@ -3,6 +3,7 @@
 use aghf::constraint::CollisionSphere;
 use aghf::dynamics::forward_kinematics;
 use aghf::error::Result;
+use aghf::geometry::{Convex, Placed};
 use aghf::model::{JointKind, Model};
 use aghf::spatial::Placement;
 use nalgebra::Vector3;
@@ -72,6 +73,19 @@ impl<'m> Reach<'m> {
             JointKind::Prismatic => ways[*i],
         };
         path.iter().map(one).sum()
+    }
+
+    /// The same of all points of a body that the ball contains, which turns with it.
+    #[must_use]
+    pub(crate) fn way_within(&self, ball: &CollisionSphere, path: &[usize], ways: &[f64]) -> f64 {
+        let turns = path.iter().filter(|i| self.model.joints()[**i].kind() != JointKind::Prismatic);
+        let turned: f64 = turns.map(|i| ways[*i]).sum();
+        self.way(&self.centre(ball), path, ways) + ball.radius * turned
+    }
+
+    /// A convex part of the robot in the base frame.
+    pub(crate) fn placed<'a>(&'a self, body: Option<usize>, convex: &'a Convex) -> Placed<'a, f64, f64> {
+        Placed { convex, placement: body.map(|body| &self.placements[body]) }
     }
 }
 

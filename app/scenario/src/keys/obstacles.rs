@@ -88,10 +88,10 @@ pub enum RobotShape {
         #[serde(default = "default_spacing")]
         spacing_m: f64,
     },
-    /// The collision shapes of the URDF: spheres as they are, others covered by balls.
+    /// The collision shapes of the URDF, meshes as convex pieces.
     Collision {
-        /// The largest distance by which the balls may stick out, m; by default 0.005, of a box or a cylinder a tenth
-        /// of its smallest extent, from 0.005 to 0.02.
+        /// The distance by which convex pieces may extend beyond a mesh where dividing them saves enough, m; by default
+        /// 0.005.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         excess_m: Option<f64>,
     },

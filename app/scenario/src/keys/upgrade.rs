@@ -81,7 +81,9 @@ pub(crate) fn instead_of(path: &str) -> Option<String> {
         Form::Weights(weights) => {
             format!("all weights are in one object: \"objective\": {{\"units\": \"si\", {weights}}}")
         }
-        Form::Excess => "the balls are chosen by the distance by which they stick out: \"excess_m\"".to_owned(),
+        Form::Excess => {
+            "the pieces of meshes are chosen by the distance by which they extend beyond these: \"excess_m\"".to_owned()
+        }
         Form::Degree => "the key has its whole name: \"degree\"".to_owned(),
     };
     Some(format!("{needed} is needed; `aghf scenarios --upgrade FILE` rewrites a scenario of version 0.2"))

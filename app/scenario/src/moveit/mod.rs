@@ -15,7 +15,7 @@ pub use fields::moveit_fields;
 use super::load::absolute_folders;
 use super::{
     HorizonBounds, IgnoredPair, IgnoredPairs, Objective, Preset, RobotShape, Scenario, ScenarioFile, SelfCollision,
-    cover_links,
+    link_shapes,
 };
 use aghf::error::{Error, Result, plain};
 use aghf::model::Model;
@@ -56,7 +56,7 @@ pub struct MoveIt {
     /// A `joint_limits.yaml` of MoveIt, whose limits of velocity, acceleration and jerk are kept beside those of the
     /// robot.
     pub joint_limits: Option<PathBuf>,
-    /// The largest distance by which the balls may stick out that cover shapes other than spheres, m.
+    /// The distance by which convex pieces may extend beyond a mesh, m.
     pub excess: f64,
     /// The horizon.
     pub horizon: MoveItHorizon,
@@ -185,7 +185,7 @@ impl MoveIt {
 
     /// The pairs of links that may overlap, those that the scene allows among them.
     fn ignored_pairs(&self, model: &Model, source: &RobotSource, allowed: Vec<[String; 2]>) -> Result<IgnoredPairs> {
-        let links = cover_links(model, source.folder(), self.excess)?;
+        let links = link_shapes(model, source.folder(), self.excess)?;
         let mut found = match &self.srdf {
             Some(path) => IgnoredPairs::of_srdf(model, &Srdf::load(path, model)?).joined(model, &links)?,
             None => IgnoredPairs::by_sampling(model, &links)?,

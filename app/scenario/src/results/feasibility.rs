@@ -22,7 +22,7 @@ const NAMED: usize = 3;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Feasibility {
     /// The smallest distance of the robot's shape from an obstacle at 2001 times, m; negative in a collision, `None`
-    /// without obstacles. The constraints act on balls that cover the shape, so they are stricter.
+    /// without obstacles. The constraints act on shapes that contain it, so they are stricter.
     pub smallest_clearance_m: Option<f64>,
     /// The two objects with that distance, and its time; `None` without obstacles or pairs of links.
     #[serde(default, skip_serializing_if = "Option::is_none")]

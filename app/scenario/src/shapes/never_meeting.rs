@@ -2,8 +2,9 @@
 
 use crate::judge::{Reach, carriers};
 use aghf::error::Result;
-use aghf::geometry::{BallTree, CollisionSphere, Sphere};
+use aghf::geometry::{BallTree, CollisionSphere, Convex, Sphere, gap};
 use aghf::model::{JointKind, Limits, Model};
+use std::cell::Cell;
 use std::f64::consts::PI;
 
 /// The largest number of joints between two links for a proof, whose cost grows with their ranges.
@@ -11,6 +12,9 @@ const MAX_JOINTS: usize = 3;
 
 /// The largest number of distances for a proof: some milliseconds.
 const MAX_DISTANCES: usize = 100_000;
+
+/// The cost of the distance of two convex bodies, in distances of balls.
+const OF_CONVEX: usize = 50;
 
 /// Returns true if two links are proved to be further from each other than `margin`, m, wherever the joints between
 /// them are within their limits, or, without `limited`, wherever they are; false if they meet or no proof was found.
@@ -20,7 +24,12 @@ const MAX_DISTANCES: usize = 100_000;
 ///
 /// # Errors
 /// A ball belongs to a body that the robot does not have.
-pub(crate) fn never_meet(model: &Model, [tree, other]: [&BallTree; 2], limited: bool, margin: f64) -> Result<bool> {
+pub(crate) fn never_meet(
+    model: &Model,
+    ([tree, other], parts): ([&BallTree; 2], &[Convex]),
+    limited: bool,
+    margin: f64,
+) -> Result<bool> {
     let [of_tree, of_other] = [tree, other].map(|tree| carriers(model, tree.body));
     let alone =
         |of: &[usize], other: &[usize]| -> Vec<usize> { of.iter().filter(|i| !other.contains(i)).copied().collect() };
@@ -42,22 +51,36 @@ pub(crate) fn never_meet(model: &Model, [tree, other]: [&BallTree; 2], limited: 
         reach.place(&q)?;
         let ball = |tree: &BallTree, node: usize| {
             let Sphere { centre, radius } = tree.nodes[node].bound;
-            let ball = CollisionSphere { body: tree.body, centre, radius };
-            Sphere { centre: reach.centre(&ball), radius }
+            CollisionSphere { body: tree.body, centre, radius }
         };
-        let way = |ball: &Sphere, path: &[usize]| reach.way(&ball.centre, path, &ways);
-        let (mut meet, mut is_proved) = (false, true);
+        let convex = |tree: &BallTree, node: usize| {
+            let convex = parts.get(tree.nodes[node].leaf?)?;
+            Some(reach.placed(tree.body, convex))
+        };
+        let (mut meet, mut is_proved, spent) = (false, true, Cell::new(0));
         let bound = |[i, j]: [usize; 2]| {
             let (a, b) = (ball(tree, i), ball(other, j));
-            let gap = a.gap(&b) - margin;
-            [gap, gap - way(&a, &paths[0]) - way(&b, &paths[1])]
+            let (gap, [first, second]) = match (convex(tree, i), convex(other, j)) {
+                (Some(first), Some(second)) => {
+                    spent.set(spent.get() + OF_CONVEX);
+                    let way = |ball: &CollisionSphere, path: &[usize]| reach.way_within(ball, path, &ways);
+                    (gap(&[first, second]).distance, [way(&a, &paths[0]), way(&b, &paths[1])])
+                }
+                _ => {
+                    let [a, b] = [&a, &b].map(|ball| Sphere { centre: reach.centre(ball), radius: ball.radius });
+                    let way = |ball: &Sphere, path: &[usize]| reach.way(&ball.centre, path, &ways);
+                    (a.gap(&b), [way(&a, &paths[0]), way(&b, &paths[1])])
+                }
+            };
+            let gap = gap - margin;
+            [gap, gap - first - second]
         };
         tree.search_pairs(
             other,
             bound,
             |a, b| a[0] < b[0],
             |pair, [gap, least]| {
-                budget = budget.saturating_sub(1);
+                budget = budget.saturating_sub(1 + spent.take());
                 let may_meet = !meet && budget > 0 && *least <= 0.0;
                 if may_meet && tree.below_pair(other, pair).is_none() {
                     is_proved = false;

@@ -74,21 +74,36 @@ pub(crate) fn scene(
     }
     let scene = Scene::new(geometry, obstacles, ignored.as_deref());
     let scene = margins.of_scene(scene, may_overlap.as_deref(), robot, path)?;
+    let scene = scene.with_ends(ends(moving, file)?)?;
     check_rows(&scene, path)?;
     Ok((scene, overlapping))
+}
+
+/// The placements of the bodies at the start, and at the end unless it is a set.
+fn ends(model: &Model, file: &ScenarioFile) -> Result<Vec<Vec<Placement<f64>>>> {
+    let end = file.goal.is_empty().then_some(&file.q_goal);
+    let all = [&file.q_start].into_iter().chain(end).filter(|q| q.len() == model.dof());
+    let placed = all.map(|q| {
+        let mut placements = vec![Placement::identity(); model.dof()];
+        forward_kinematics(model, q, &mut placements)?;
+        Ok(placements)
+    });
+    placed.collect()
 }
 
 /// Refuses a scene with too many rows; `path` names the scenario.
 fn check_rows(scene: &Scene, path: &str) -> Result<()> {
     let rows: usize = AnyConstraint::of_scene(scene).iter().map(Constraint::dim).sum();
     if rows > MAX_ROWS {
-        let (obstacles, balls) = (scene.obstacles().len(), scene.robot().balls.len());
+        let (obstacles, robot) = (scene.obstacles().len(), scene.robot());
+        let kind = if robot.parts.is_empty() { "balls" } else { "convex parts" };
+        let balls = robot.balls.len();
         let key = match obstacles {
             0 => "robot_shape",
             _ => "obstacles",
         };
         let condition = format!(
-            "{obstacles} obstacles and {balls} balls of the robot take {rows} rows of the constraints, at most \
+            "{obstacles} obstacles and {balls} {kind} of the robot take {rows} rows of the constraints, at most \
              {MAX_ROWS} are allowed"
         );
         return Err(Error::input(path, key, condition));

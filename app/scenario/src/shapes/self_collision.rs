@@ -175,7 +175,7 @@ pub(crate) fn never_meeting(
     for pair in links.pairs(ignored) {
         let names = links.names(pair);
         let margin = margin(names.each_ref().map(String::as_str));
-        if never_meet(model, pair.map(|i| &links.trees[i]), limited, margin)? {
+        if never_meet(model, (pair.map(|i| &links.trees[i]), &robot.parts), limited, margin)? {
             found.push(names);
         }
     }
@@ -218,8 +218,7 @@ impl<'a> Links<'a> {
             forward_kinematics(model, &q, &mut placements)?;
             let mut still = Vec::new();
             for pair in pairs {
-                let [first, second] = pair.map(|i| &self.trees[i]);
-                if first.gap(second, &placements)? <= 0.0 {
+                if self.robot.overlap(pair.map(|i| &self.trees[i]), &placements)? {
                     still.push(pair);
                 }
             }

@@ -303,8 +303,8 @@ impl Scenario {
 fn remedy(contact: &ClosestPair<'_>, is_inside: bool) -> &'static str {
     match (contact.other, is_inside, contact.part.body) {
         (Collider::Robot(_), true, _) => {
-            "; if they may touch, self_collision.ignored_pairs has to name them, and a smaller \
-             robot_shape.collision.excess_m covers them more tightly"
+            "; if they may touch, self_collision.ignored_pairs has to name them, and with a smaller \
+             robot_shape.collision.excess_m meshes have finer pieces"
         }
         (Collider::Robot(_), false, _) => {
             "; clearance_m.obstacles is the distance from obstacles alone, clearance_m.pairs that of two links"

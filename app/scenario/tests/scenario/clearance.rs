@@ -133,9 +133,10 @@ fn pairs_of_links_have_distances_of_their_own() {
     }
 }
 
-/// The largest row of the covers of a robot is the deepest contact, each with the distance of its own obstacle or pair.
+/// The largest row of the bodies of a robot is the deepest contact but for the smoothing, each with the distance of its
+/// own obstacle or pair.
 #[test]
-fn rows_of_covers_keep_the_distance_of_their_own() {
+fn rows_of_bodies_keep_the_distance_of_their_own() {
     let sphere = |x: f64, own: Value| {
         let pose = json!({ "position_m": [x, 0.2, 0.6] });
         json!({ "shape": { "sphere": { "radius_m": 0.1 } }, "pose": pose, "clearance_m": own })
@@ -166,10 +167,12 @@ fn rows_of_covers_keep_the_distance_of_their_own() {
             g
         });
         let largest = rows.fold(f64::NEG_INFINITY, f64::max);
-        if deepest.distance < 0.0 {
-            assert!((largest + deepest.distance).abs() < 1e-12, "{largest} {deepest:?}");
+        // In an overlap there may be several planes with the largest gap nearby.
+        if (-deepest.margin..0.0).contains(&deepest.distance) {
+            assert!((-1e-9..0.004).contains(&(largest + deepest.distance)), "{largest} {deepest:?}");
             margins.insert((1e3 * deepest.margin) as i64);
         }
+        assert!(deepest.distance > 0.0 || largest > 0.0, "{largest} {deepest:?}");
     }
     assert!([20, 50, 120, 150].iter().all(|margin| margins.contains(margin)), "{margins:?}");
 }

@@ -6,7 +6,7 @@ use aghf::constraint::{AnyConstraint, Constraint};
 use aghf::dynamics::forward_kinematics;
 use aghf::spatial::Placement;
 use aghf::urdf::{Srdf, builtin_robot};
-use aghf_scenario::{IgnoredPair, IgnoredPairs, SelfCollision, always_overlapping, cover_links};
+use aghf_scenario::{IgnoredPair, IgnoredPairs, SelfCollision, always_overlapping, link_shapes};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
@@ -18,7 +18,7 @@ fn links_keep_clear_of_each_other_but_for_those_that_may_overlap() {
     let balls = &scenario.scene.robot().balls;
     let pairs = scenario.scene.pairs();
     let model = builtin_robot("panda").expect("built in");
-    let robot = cover_links(&model, Path::new(""), 0.05).expect("spheres");
+    let robot = link_shapes(&model, Path::new(""), 0.05).expect("spheres");
     assert_eq!(balls, &robot.balls);
     let ignored = [("panda_link0", "panda_link1"), ("panda_link6", "panda_hand")];
     // Neighbours always overlap.
@@ -67,7 +67,7 @@ fn links_keep_clear_of_each_other_but_for_those_that_may_overlap() {
 #[test]
 fn pairs_that_a_file_names_are_part_of_the_scenario() {
     let model = builtin_robot("panda").expect("built in");
-    let balls = cover_links(&model, Path::new(""), 0.05).expect("spheres");
+    let balls = link_shapes(&model, Path::new(""), 0.05).expect("spheres");
     let pairs = IgnoredPairs::by_sampling(&model, &balls).expect("its own balls");
     assert_eq!(pairs, IgnoredPairs::by_sampling(&model, &balls).expect("its own balls"));
     let text = pairs.to_json();
@@ -112,7 +112,7 @@ fn neighbours_and_links_that_always_overlap_may() {
     let joints = joint("ab", "a", "b") + &joint("bc", "b", "c") + &joint("cd", "c", "d");
     let text = format!(r#"<robot name="four">{links}{joints}</robot>"#);
     let (model, _) = aghf::urdf::parse_urdf(&text, "four.urdf").expect("it is good");
-    let balls = cover_links(&model, Path::new(""), 0.05).expect("spheres");
+    let balls = link_shapes(&model, Path::new(""), 0.05).expect("spheres");
     let found = IgnoredPairs::by_sampling(&model, &balls).expect("its own balls");
     let found: Vec<_> = found.ignored_pairs.iter().map(|p| (p.links.join(" "), p.reason.as_str())).collect();
     let often = "overlap at each of 10000 random configurations";

@@ -6,7 +6,7 @@ use aghf::dynamics::forward_kinematics;
 use aghf::geometry::{Shape, Sphere};
 use aghf::spatial::Placement;
 use aghf::urdf::builtin_robot;
-use aghf_scenario::{RobotShape, Scenario, cover_links};
+use aghf_scenario::{RobotShape, Scenario, link_shapes};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -61,7 +61,7 @@ fn obstacles_are_placed_as_the_keys_say() {
 #[test]
 fn clearances_and_overlaps_are_those_of_the_balls_of_the_links() {
     let model = builtin_robot("panda").expect("built in");
-    let robot = cover_links(&model, Path::new(""), 0.05).expect("spheres");
+    let robot = link_shapes(&model, Path::new(""), 0.05).expect("spheres");
     assert_eq!((robot.balls.len(), robot.links.len()), (59, 59));
     let mut placements = vec![Placement::identity(); 7];
     forward_kinematics(&model, &READY, &mut placements).expect("lengths agree");

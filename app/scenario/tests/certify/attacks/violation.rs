@@ -4,7 +4,7 @@ use aghf::curve::Curve;
 use aghf::dynamics::forward_kinematics;
 use aghf::motion::{Sample, samples_at};
 use aghf::spatial::Placement;
-use aghf_scenario::{Continuous, CurveFile, Goal, Quantity, RobotShape, Scenario};
+use aghf_scenario::{Continuous, CurveFile, Goal, Quantity, Scenario};
 use nalgebra::Vector3;
 use serde_json::Value;
 
@@ -14,9 +14,6 @@ const STEP: f64 = 1e-5;
 
 /// More than the errors of this evaluation, relative to the size of a quantity or to one.
 const ERROR: f64 = 1e-4;
-
-/// More than the distance by which the balls of a scene stick out of shapes, m.
-const COVER: f64 = 0.03;
 
 /// The first promise that is found broken, in words.
 pub fn violation(scenario: &Scenario, curve: &Value) -> Option<String> {
@@ -110,10 +107,8 @@ fn at_sample(scenario: &Scenario, sample: &Sample) -> Option<String> {
     }
     let mut placements = vec![Placement::identity(); model.dof()];
     forward_kinematics(model, &sample.q, &mut placements).ok()?;
-    let sticks_out = !model.collisions().is_empty() && matches!(scenario.robot_shape(), RobotShape::Collision { .. });
-    let cover = if sticks_out { COVER } else { ERROR };
     let closest = scenario.scene.deepest_contact(&placements).ok()?;
-    if let Some(pair) = closest.filter(|pair| pair.distance < -cover) {
+    if let Some(pair) = closest.filter(|pair| pair.distance < -ERROR) {
         return Some(format!("a clearance is short by {} at {}", -pair.distance, sample.t));
     }
     let contact = scenario.contact([&sample.q, &sample.v, &sample.a]).ok()?;

@@ -1,0 +1,74 @@
+//! The plane that separates two bodies best.
+
+use super::convex::{body, placement};
+use crate::common::config;
+use aghf::geometry::{Placed, Plane, Solid, Until, gap, gap_to};
+use aghf::scalar::{Lanes, Wide};
+use aghf::spatial::Placement;
+use nalgebra::Vector3;
+use proptest::prelude::*;
+
+const WIDTHS: [f64; 2] = [0.03, 0.002];
+
+fn in_lanes(at: &Placement<f64>) -> Placement<Wide> {
+    Placement::new(at.rotation.map(Wide::splat), at.translation.map(Wide::splat))
+}
+
+proptest! {
+    #![proptest_config(config(256))]
+
+    /// Between bodies that are apart the gap of the plane is their distance but for the smoothing, in lanes and alone,
+    /// from any direction, and no other normal has a larger one.
+    #[test]
+    fn the_gap_is_the_distance((a, b) in (body(), body()), (at, to) in (placement(), placement()), off in -1.0..1.0) {
+        let bodies = [Placed { convex: &a, placement: Some(&at) }, Placed { convex: &b, placement: Some(&to) }];
+        let exact = gap(&bodies);
+        let radii = a.radius + b.radius;
+        let away = at.point(&a.ball().centre) - to.point(&b.ball().centre);
+        prop_assume!(exact.distance + radii > 1e-3 && away.norm() > 1e-3);
+        prop_assert!(((exact.points[0] - exact.points[1]).norm() - exact.distance.abs()).abs() < 1e-9);
+
+        let plane = Plane::between(&bodies, (&away, None), WIDTHS, Until::Value);
+        let least = exact.distance + radii - WIDTHS[1] * (a.excess() + b.excess());
+        prop_assert!((least - 1e-9..=exact.distance + radii + 1e-9).contains(&plane.gap), "{} {exact:?}", plane.gap);
+        let other = Vector3::new(off, 1.0 - off, off * off);
+        let from_other = Plane::between(&bodies, (&away, Some(&other)), WIDTHS, Until::Value);
+        prop_assert!((from_other.gap - plane.gap).abs() < 1e-8, "{} {}", from_other.gap, plane.gap);
+
+        let [p, q] = [at, to].map(|at| in_lanes(&at));
+        let wide = [Placed { convex: &a, placement: Some(&p) }, Placed { convex: &b, placement: Some(&q) }];
+        let wide = Plane::between(&wide, (&away.map(Wide::splat), None), WIDTHS, Until::Value);
+        prop_assert!(wide.gap.0.iter().all(|gap| (gap - plane.gap).abs() < 1e-9));
+        prop_assert_eq!(wide.normal.map(|x| x.0[0]), wide.normal.map(|x: Lanes<f64, 4>| x.0[3]));
+        // With less than the gap asked for, the plane is one that has it.
+        let enough = Plane::between(&bodies, (&away, None), WIDTHS, Until::Gap(0.5 * plane.gap));
+        prop_assert!(enough.gap >= 0.5 * plane.gap && enough.gap <= plane.gap + 1e-9);
+    }
+
+    /// Where bodies overlap, moving one of them along the normal by the depth separates them.
+    #[test]
+    fn the_depth_of_an_overlap_separates((a, b) in (body(), body()), (at, to) in (placement(), placement())) {
+        let to = Placement::new(to.rotation, at.point(&a.ball().centre) + 0.1 * to.translation);
+        let bodies = [Placed { convex: &a, placement: Some(&at) }, Placed { convex: &b, placement: Some(&to) }];
+        let found = gap(&bodies);
+        prop_assume!(found.distance < -1e-6);
+        let [p, q] = found.points;
+        prop_assert!(((q - p).norm() + found.distance).abs() < 1e-6);
+        // By a tenth of a millimetre more, so that they do not touch.
+        let moved = Placement::new(at.rotation, at.translation + (q - p) * (1.0 - 1e-4 / found.distance));
+        let apart = gap(&[Placed { convex: &a, placement: Some(&moved) }, bodies[1]]);
+        prop_assert!(apart.distance > 0.5e-4, "{found:?} {apart:?}");
+    }
+
+    #[test]
+    fn a_half_space_has_the_distance_along_its_normal(a in body(), at in placement(), offset in -1.0..1.0) {
+        let normal = Vector3::new(0.6, 0.0, 0.8);
+        let placed = Placed { convex: &a, placement: Some(&at) };
+        let found = gap_to(&placed, &Solid::half_space(&normal, offset));
+        let extent = a.moved(&at).extent(&-normal);
+        prop_assert!((found.distance + extent + offset).abs() < 1e-9);
+        let plane = Plane::of_half_space(&placed, &normal, offset, WIDTHS[1]);
+        let off = found.distance + a.radius - plane.gap;
+        prop_assert!((-1e-12..=WIDTHS[1] * a.excess() + 1e-12).contains(&off));
+    }
+}
