@@ -1,8 +1,9 @@
 //! The shapes of robots and the time of their rows.
 //!
 //! `cargo bench --bench shapes -- EXCESS ROBOT.urdf ...`, with a number or `default` for the excess, prints a line per
-//! robot: balls or convex bodies and the time in which they were found, the rows of the pairs of links that are no neighbours and do not
-//! always overlap, and the mean time of the rows at a configuration, of four side by side, over random ones.
+//! robot: balls or convex bodies and the time in which they were found, the rows of the pairs of links that are no
+//! neighbours and do not always overlap, and the mean time of the rows at a configuration, of four side by side, over
+//! random ones.
 
 use aghf::constraint::{AnyConstraint, Constraint, Evaluator};
 use aghf::error::Result;
