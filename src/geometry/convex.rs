@@ -23,7 +23,7 @@ pub struct Convex<C: Scalar = f64> {
 /// Corners that are near each other.
 #[derive(Clone, Debug, PartialEq)]
 struct Block<C: Scalar> {
-    /// The centre and the radius of a ball that contains them, m.
+    /// Their average, and the radius of a ball about it that contains them, m.
     centre: Vector3<C>,
     radius: C,
     corners: Range<usize>,
@@ -240,7 +240,7 @@ impl<C: Scalar> Convex<C> {
                 continue;
             }
             at += 1;
-            // The centre is within the body.
+            // The centre, an average of corners, is within the body.
             most = larger(most, middle);
             for corner in self.leaf(block, at) {
                 most = larger(most, along(direction, corner));
@@ -296,8 +296,7 @@ fn add_blocks(corners: &[Vector3<f64>], first: usize, depth: usize, blocks: &mut
     let is_node = depth.is_multiple_of(2) || count <= BLOCK;
     let at = blocks.len();
     if is_node {
-        let [lower, upper] = bounds(corners.iter());
-        let centre = (lower + upper) * 0.5;
+        let centre = corners.iter().sum::<Vector3<f64>>() / count as f64;
         let radius = corners.iter().fold(0.0_f64, |most, corner| most.max((corner - centre).norm()));
         blocks.push(Block { centre, radius, corners: first..first + count, next: at + 1 });
     }
