@@ -114,8 +114,8 @@ impl<S: Scalar> Plane<S> {
     }
 
     /// The best plane between two bodies, or one with a gap that is enough, by Newton's method on the sphere: from a
-    /// direction from the second body to the first one, with extents that are smoothed with the first of the widths
-    /// and then with the second one; or from the normal of a plane nearby, if there is a gap.
+    /// direction from the second body to the first one, where they overlap also with extents that are smoothed with the
+    /// first of the widths and then with the second one; or from the normal of a plane nearby, if there is a gap.
     ///
     /// Where there is one, no other plane has a maximum of the gap. Where the bodies overlap, others may have, so that
     /// the plane is one that does not depend on that nearby.
@@ -138,7 +138,15 @@ impl<S: Scalar> Plane<S> {
             plane.improve(bodies, width, tolerance, enough);
             plane
         };
-        let anew = || from(&from(off, first, ROUGH).normal, width, last);
+        let anew = || {
+            let mut plane = from(off, width, last);
+            if !is_nowhere_negative(plane.gap) {
+                let other = from(&from(off, first, ROUGH).normal, width, last);
+                let gain = other.gap - plane.gap;
+                plane.take(&other, gain);
+            }
+            plane
+        };
         let Some(hint) = hint else {
             return anew();
         };
