@@ -7,10 +7,10 @@ use super::{
     WeightedDerivatives, Weights,
 };
 use crate::error::{Error, Result};
-use crate::geometry::{Convex, Distance, Placed, Plane, Scene, Solid, Sphere, Until, is_nowhere_negative};
+use crate::geometry::{Convex, Placed, Plane, Scene, Solid, Sphere, Until, WIDTHS, is_nowhere_negative};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
-use crate::spatial::{Force, Placement, cross, dot};
+use crate::spatial::{Force, Placement, cross, dot, placed_point};
 use nalgebra::Vector3;
 
 /// The distance beyond its margin from which on bodies no longer act, relative to the radius of the largest one.
@@ -18,12 +18,6 @@ const FAR: f64 = 0.35;
 
 /// The share of the cutoff within which a row is exact along a motion.
 const EXACT: f64 = 0.25;
-
-/// The width of the smoothing of rows, m: the smoothed distance is up to about as much less than the distance.
-const WIDTH: f64 = 0.002;
-
-/// That with which the search for a plane begins, so that it finds the best one where bodies overlap.
-const FIRST_WIDTH: f64 = 0.03;
 
 /// The least width, and the ratio of one to the next larger one, for pairs that are near each other at an end.
 const LEAST_WIDTH: f64 = 1e-6;
@@ -93,13 +87,13 @@ impl ConvexClearance {
         let moving = || (0..parts.len()).filter(|i| parts[*i].body.is_some());
         let margins = scene.obstacle_margins().iter().enumerate();
         let of_solids = margins.flat_map(|(k, margin)| {
-            moving().map(move |part| ConvexPair { part, other: Other::Solid(k), margin: *margin, width: WIDTH })
+            moving().map(move |part| ConvexPair { part, other: Other::Solid(k), margin: *margin, width: WIDTHS[1] })
         });
         let mut pairs: Vec<_> = of_solids.collect();
         let parts_of = |tree: usize| scene.trees()[tree].nodes.iter().filter_map(|node| node.leaf);
         for ([a, b], margin) in scene.tree_pairs().iter().zip(scene.pair_margins()) {
             for part in parts_of(*a) {
-                let pair = |j| ConvexPair { part, other: Other::Part(j), margin: *margin, width: WIDTH };
+                let pair = |j| ConvexPair { part, other: Other::Part(j), margin: *margin, width: WIDTHS[1] };
                 pairs.extend(parts_of(*b).map(pair));
             }
         }
@@ -107,7 +101,7 @@ impl ConvexClearance {
         let obstacles = scene.obstacles();
         let mut rows = Self {
             pairs,
-            solids: obstacles.iter().map(|o| (o.solid, Convex::of_solid(&o.solid))).collect(),
+            solids: obstacles.iter().map(|o| o.solid).zip(scene.forms().iter().cloned()).collect(),
             names: obstacles.iter().map(|o| o.name.clone()).collect(),
             far: FAR * largest,
             parts,
@@ -117,17 +111,15 @@ impl ConvexClearance {
         }
         rows
     }
-}
 
-impl ConvexClearance {
     /// Smooths pairs less that are violated with the bodies at `placements` by the smoothing alone, as those of a start
     /// that is right next to an obstacle.
     fn fit(&mut self, placements: &[Placement<f64>]) {
         for row in 0..self.pairs.len() {
-            let (bound, off) = self.bound(row, placements);
+            let bound = self.bound(row, placements);
             while bound < self.excess(row)
                 && self.pairs[row].width > LEAST_WIDTH
-                && self.plane(row, placements, (&off, None), Until::Value).1 < 0.0
+                && self.plane(row, placements, None, Until::Value).1 < 0.0
             {
                 self.pairs[row].width *= NARROWER;
             }
@@ -145,9 +137,8 @@ struct Near<S: Scalar> {
 }
 
 impl<C: Scalar> ConvexClearance<C> {
-    /// A lower bound on the distance of a pair less its margin, m, by balls, and a direction from the other body to the
-    /// part that separates them where they are far from each other.
-    pub(crate) fn bound<S: AlgebraOver<C>>(&self, row: usize, placements: &[Placement<S>]) -> (S, Vector3<S>) {
+    /// A lower bound on the distance of a pair less its margin, m, by balls.
+    pub(crate) fn bound<S: AlgebraOver<C>>(&self, row: usize, placements: &[Placement<S>]) -> S {
         let ConvexPair { part, other, margin, .. } = &self.pairs[row];
         let first = &self.parts[*part];
         let centre = first.centre(placements);
@@ -156,22 +147,29 @@ impl<C: Scalar> ConvexClearance<C> {
             Other::Part(j) => {
                 let second = &self.parts[*j];
                 let off = centre - second.centre(placements);
-                (dot(&off, &off).sqrt() - S::lift(reach + second.ball.radius), off)
+                dot(&off, &off).sqrt() - S::lift(reach + second.ball.radius)
             }
-            Other::Solid(k) => {
-                let Distance { value, normal, .. } = self.solids[*k].0.distance_derivatives(&centre);
-                (value - S::lift(reach), normal)
-            }
+            Other::Solid(k) => self.solids[*k].0.distance(&centre) - S::lift(reach),
         }
     }
 
-    /// The best plane of a pair, and its gap less the radii and the margin, m, or one with a gap that is enough: from a
-    /// direction of the other body to the part, or from the normal of a plane at a state nearby.
+    /// A direction from the other body of a pair to the part, which separates them where they are far from each other.
+    fn direction<S: AlgebraOver<C>>(&self, row: usize, placements: &[Placement<S>]) -> Vector3<S> {
+        let ConvexPair { part, other, .. } = &self.pairs[row];
+        let centre = self.parts[*part].centre(placements);
+        match other {
+            Other::Part(j) => centre - self.parts[*j].centre(placements),
+            Other::Solid(k) => self.solids[*k].0.distance_derivatives(&centre).normal,
+        }
+    }
+
+    /// The best plane of a pair, and its gap less the radii and the margin, m, or one with a gap that is enough: from
+    /// the normal of a plane at a state nearby, if there is one.
     pub(crate) fn plane<S: AlgebraOver<C>>(
         &self,
         row: usize,
         placements: &[Placement<S>],
-        (off, hint): (&Vector3<S>, Option<&Vector3<S>>),
+        hint: Option<&Vector3<S>>,
         until: Until<S>,
     ) -> (Plane<S>, S) {
         let ConvexPair { part, other, margin, width } = &self.pairs[row];
@@ -185,7 +183,8 @@ impl<C: Scalar> ConvexClearance<C> {
                 Until::Gap(enough) => Until::Gap(enough + reach),
                 other => other,
             };
-            let plane = Plane::between(&[body, other], (off, hint), [FIRST_WIDTH, *width], until);
+            let plane =
+                Plane::between(&[body, other], (|| self.direction(row, placements), hint), [WIDTHS[0], *width], until);
             let gap = plane.gap - reach;
             (plane, gap)
         };
@@ -226,12 +225,12 @@ impl<C: Scalar> ConvexClearance<C> {
     ) -> Result<()> {
         self.check_bodies(at.placements.len())?;
         for row in rows {
-            let (bound, off) = self.bound(row, at.placements);
+            let bound = self.bound(row, at.placements);
             if is_nowhere_negative(bound - S::lift(self.far) - S::from_f64(self.excess(row))) {
                 continue;
             }
             let hint = at.active_pairs.and_then(|pairs| pairs.normal(row));
-            let (plane, gap) = self.plane(row, at.placements, (&off, hint.as_ref()), until);
+            let (plane, gap) = self.plane(row, at.placements, hint.as_ref(), until);
             let is_far = gap - if let Until::Gap(enough) = until { enough } else { S::lift(self.far) };
             let g = is_far.if_negative(-gap, S::lift(-self.far));
             visit(Near { row, plane, g, is_near: -is_far })?;
@@ -262,10 +261,7 @@ impl<C: Scalar> ConvexClearance<C> {
 impl<C: Scalar> ConvexPart<C> {
     /// The centre of the ball about it.
     fn centre<S: AlgebraOver<C>>(&self, placements: &[Placement<S>]) -> Vector3<S> {
-        match self.body {
-            None => self.ball.centre.map(S::lift),
-            Some(body) => placements[body].point(&self.ball.centre),
-        }
+        placed_point(self.body.map(|body| &placements[body]), &self.ball.centre)
     }
 }
 

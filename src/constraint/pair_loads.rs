@@ -118,21 +118,13 @@ impl<S: Scalar> PairLoads<S> {
         w: S,
         c: Option<S>,
     ) {
-        let load = self.load(bodies);
         let off = |i: usize, j: usize| virial[(i, j)] - virial[(j, i)];
         let moment = Vector3::new(off(1, 2), off(2, 0), off(0, 1));
-        load.force += Force::new(moment, *f) * w;
-        let Some(c) = c else { return };
-        let [[aa, al], [la, ll]] = &mut load.coupling;
-        let (m, l) = (moment * c, f * c);
-        let trace = virial.trace() * w;
-        *aa += outer(&m, &moment) + virial.transpose() * w;
-        *al += outer(&m, f);
-        *la += outer(&l, &moment) + cross_matrix(&(f * w));
-        *ll += outer(&l, f);
-        for i in 0..3 {
-            aa[(i, i)] -= trace;
-        }
+        let coupling = || {
+            let turned = virial.transpose() - Matrix3::from_diagonal_element(virial.trace());
+            [[turned, Matrix3::zeros()], [cross_matrix(f), Matrix3::zeros()]]
+        };
+        self.add_coupling(bodies, &Force::new(moment, *f), coupling, w, c);
     }
 
     /// Adds a row with this gradient in the motion of the first body as seen from the second one, and this coupling.

@@ -149,8 +149,8 @@ impl<S: Scalar> WeightedDerivatives<S> {
 
     /// Adds a row that depends on the placement of the first body as seen from the second one: `force` is its gradient
     /// in the motion of the first one, and `coupling` the blocks of `K`, angular before linear, of its second
-    /// derivative $S_i \cdot (K S_j + S_j \times^* F)$ in the joints `i` before `j` that carry the first body alone. `w`
-    /// is the weight of the row, `c` that of the product of its gradients, `None` if only the gradient is needed.
+    /// derivative $S_i \cdot (K S_j + S_j \times^* F)$ in the joints `i` before `j` that carry the first body alone.
+    /// `w` is the weight of the row, `c` that of the product of its gradients, `None` if only the gradient is needed.
     /// Without a body the points of it are fixed.
     ///
     /// # Errors

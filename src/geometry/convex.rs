@@ -5,6 +5,7 @@ use super::{ConvexPiece, PIECE_RADIUS, Shape, Solid};
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Placement, dot, outer};
 use nalgebra::{Matrix3, Vector3};
+use std::cell::Cell;
 use std::ops::Range;
 
 /// A convex body: the points within a radius of the hull of corners and, about each of these, a disc.
@@ -43,10 +44,10 @@ pub(super) struct Extent<S: Scalar> {
 }
 
 impl Convex {
-    /// A piece of a mesh with this placement.
+    /// A piece of a mesh.
     #[must_use]
-    pub fn of_piece(piece: &ConvexPiece, placement: &Placement<f64>) -> Self {
-        Self::of_corners(piece.corners.iter().map(|corner| placement.point(corner)).collect(), PIECE_RADIUS)
+    pub fn of_piece(piece: &ConvexPiece) -> Self {
+        Self::of_corners(piece.corners.clone(), PIECE_RADIUS)
     }
 
     /// A solid; `None` for a half-space, which has no end.
@@ -111,23 +112,16 @@ impl Convex {
     /// A point of the body without its radius that is furthest in a direction.
     #[must_use]
     pub fn furthest(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        let (mut most, mut furthest) = (f64::NEG_INFINITY, Vector3::zeros());
+        let (most, mut furthest) = (Cell::new(f64::NEG_INFINITY), Vector3::zeros());
         let length = direction.norm();
-        let mut at = 0;
-        while let Some(block) = self.blocks.get(at) {
-            let is_below = along(direction, &block.centre) + block.radius * length < most;
-            if is_below {
-                at = block.next;
-                continue;
+        let is_below = |block: &Block<f64>| along(direction, &block.centre) + block.radius * length < most.get();
+        self.search(is_below, |_, corner| {
+            let extent = along(direction, corner);
+            if extent > most.get() {
+                most.set(extent);
+                furthest = *corner;
             }
-            at += 1;
-            for corner in self.leaf(block, at) {
-                let extent = along(direction, corner);
-                if extent > most {
-                    (most, furthest) = (extent, *corner);
-                }
-            }
-        }
+        });
         let off = self.disc.map_or_else(Vector3::zeros, |(axis, radius)| {
             let across = direction - axis * axis.dot(direction);
             across.try_normalize(0.0).unwrap_or_default() * radius
@@ -140,30 +134,12 @@ impl Convex {
     pub fn corners(&self) -> &[Vector3<f64>] {
         &self.corners
     }
-
-    /// Converts the lengths to another type.
-    #[must_use]
-    pub fn cast<C: Scalar>(&self) -> Convex<C> {
-        let of = |v: &Vector3<f64>| v.map(C::from_f64);
-        let block = |block: &Block<f64>| Block {
-            centre: of(&block.centre),
-            radius: C::from_f64(block.radius),
-            corners: block.corners.clone(),
-            next: block.next,
-        };
-        Convex {
-            corners: self.corners.iter().map(of).collect(),
-            blocks: self.blocks.iter().map(block).collect(),
-            radius: C::from_f64(self.radius),
-            disc: self.disc.as_ref().map(|(axis, radius)| (of(axis), C::from_f64(*radius))),
-        }
-    }
 }
 
 /// The largest difference of a smoothed maximum of two numbers and their maximum, relative to the width.
 const MOST_ADDED: f64 = 3.0 / 16.0;
 
-/// That of the smoothed extent of a disc.
+/// The largest difference of the smoothed extent of a disc and its extent, relative to the width.
 const DISC: f64 = 0.25;
 
 /// Sorts points so that those of each half, quarter and so on are near each other.
@@ -219,10 +195,22 @@ impl<C: Scalar> Convex<C> {
         levels * MOST_ADDED + self.disc.map_or(0.0, |_| DISC)
     }
 
-    /// The corners of a block without others within, `next` being the index of the following one; none of another.
+    /// Calls `visit` with the corners and their indices, without those of blocks that are below.
     #[inline(always)]
-    fn leaf(&self, block: &Block<C>, next: usize) -> &[Vector3<C>] {
-        if block.next == next { &self.corners[block.corners.clone()] } else { &[] }
+    fn search(&self, is_below: impl Fn(&Block<C>) -> bool, mut visit: impl FnMut(usize, &Vector3<C>)) {
+        let mut at = 0;
+        while let Some(block) = self.blocks.get(at) {
+            if is_below(block) {
+                at = block.next;
+                continue;
+            }
+            at += 1;
+            // There is no block within this one.
+            if block.next == at {
+                let corners = &self.corners[block.corners.clone()];
+                (block.corners.start..).zip(corners).for_each(|(i, corner)| visit(i, corner));
+            }
+        }
     }
 
     /// The smoothed extent in a direction of length one: the maximum of the extents of corners by halves, where that of
@@ -230,55 +218,44 @@ impl<C: Scalar> Convex<C> {
     /// $w = \frac{1}{2} + \frac{3}{4} u - \frac{1}{4} u^3$ for $|u| < 1$, and their maximum beyond. It is convex, twice
     /// continuously differentiable, and at least the extent.
     pub(super) fn smoothed<S: AlgebraOver<C>>(&self, direction: &Vector3<S>, width: f64) -> Extent<S> {
-        let larger = |a: S, b: S| (b - a).if_negative(a, b);
-        let mut most = along(direction, &self.corners[0]);
-        let mut at = 0;
-        while let Some(block) = self.blocks.get(at) {
+        let most = Cell::new(along(direction, &self.corners[0]));
+        let raise = |x: S| most.set((x - most.get()).if_negative(most.get(), x));
+        let is_below = |block: &Block<C>| {
             let middle = along(direction, &block.centre);
-            if is_nowhere_negative(most - middle - S::lift(block.radius)) {
-                at = block.next;
-                continue;
-            }
-            at += 1;
+            let is_below = is_nowhere_negative(most.get() - middle - S::lift(block.radius));
             // The centre, an average of corners, is within the body.
-            most = larger(most, middle);
-            for corner in self.leaf(block, at) {
-                most = larger(most, along(direction, corner));
-            }
-        }
-        let floor = most - S::from_f64(DEPTH * width);
+            raise(middle);
+            is_below
+        };
+        self.search(is_below, |_, corner| raise(along(direction, corner)));
+        let floor = most.get() - S::from_f64(DEPTH * width);
         let with = Smoothing { width: S::from_f64(width), inverse: S::from_f64(1.0 / width) };
-        let none = Node { last: 0, value: most, point: [S::zero(); 3], curvature: [S::zero(); 6] };
+        let none = Node { last: 0, value: most.get(), point: [S::zero(); 3], curvature: [S::zero(); 6] };
         let (mut nodes, mut count) = ([none; LEVELS], 0);
-        let mut at = 0;
-        while let Some(block) = self.blocks.get(at) {
-            if is_nowhere_negative(floor - along(direction, &block.centre) - S::lift(block.radius)) {
-                at = block.next;
-                continue;
+        let join_last = |nodes: &mut [Node<S>; LEVELS], count: &mut usize| {
+            *count -= 1;
+            let (first, last) = nodes.split_at_mut(*count);
+            first[*count - 1].join(&last[0], &with);
+        };
+        let is_below =
+            |block: &Block<C>| is_nowhere_negative(floor - along(direction, &block.centre) - S::lift(block.radius));
+        self.search(is_below, |i, corner| {
+            let value = along(direction, corner);
+            if is_nowhere_negative(floor - value) {
+                return;
             }
-            at += 1;
-            for (i, corner) in (block.corners.start..).zip(self.leaf(block, at)) {
-                let value = along(direction, corner);
-                if is_nowhere_negative(floor - value) {
-                    continue;
-                }
-                // Two nodes are joined once the next corner is in another part of the tree.
-                while count > 1 && (nodes[count - 2].last ^ nodes[count - 1].last) < (nodes[count - 1].last ^ i) {
-                    let (first, second) = nodes.split_at_mut(count - 1);
-                    first[count - 2].join(&second[0], &with);
-                    count -= 1;
-                }
-                let node = &mut nodes[count];
-                (node.last, node.value) = (i, value);
-                node.point = [0, 1, 2].map(|k| S::lift(corner[k]));
-                node.curvature = [S::zero(); 6];
-                count += 1;
+            // Two nodes are joined once the next corner is in another part of the tree.
+            while count > 1 && (nodes[count - 2].last ^ nodes[count - 1].last) < (nodes[count - 1].last ^ i) {
+                join_last(&mut nodes, &mut count);
             }
-        }
+            let node = &mut nodes[count];
+            (node.last, node.value) = (i, value);
+            node.point = [0, 1, 2].map(|k| S::lift(corner[k]));
+            node.curvature = [S::zero(); 6];
+            count += 1;
+        });
         while count > 1 {
-            let (first, second) = nodes.split_at_mut(count - 1);
-            first[count - 2].join(&second[0], &with);
-            count -= 1;
+            join_last(&mut nodes, &mut count);
         }
         let Node { value, point, curvature: [xx, xy, xz, yy, yz, zz], .. } = nodes[0];
         let curvature = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);

@@ -46,6 +46,8 @@ pub use corner::FLAT;
 pub use hull::{ConvexPiece, PIECE_RADIUS, Triangle};
 #[cfg(feature = "solvers")]
 pub use partition::{convex_pieces, excess};
+#[cfg(feature = "solvers")]
+pub(crate) use plane::WIDTHS;
 pub use plane::{Placed, Plane, Until};
 #[cfg(feature = "solvers")]
 pub use scene::{ClosestPair, Collider, Obstacle, Part, Scene};

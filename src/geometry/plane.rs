@@ -13,10 +13,10 @@ const MAX_STEPS: usize = 40;
 /// second order of the gap.
 const TOLERANCE: f64 = 1e-10;
 
-/// That if derivatives are needed too, without the last step.
+/// The squared length of a step below which the normal is found if derivatives are needed too.
 const FINE: f64 = 1e-20;
 
-/// That for the first smoothing.
+/// The squared length of a step below which the normal of the first smoothing is found.
 const ROUGH: f64 = 1e-4;
 
 /// The longest step, rad.
@@ -25,6 +25,11 @@ const LONGEST: f64 = 0.5;
 /// The least curvature of the gap over directions, relative to the lengths that it has: where the bodies overlap, the
 /// gap may have no maximum nearby.
 const LEAST: f64 = 1e-3;
+
+/// The widths of the smoothing of bodies, m: the first one finds the best plane where they overlap, and with the second
+/// one the gap is up to about as much less than the distance.
+#[cfg(feature = "solvers")]
+pub(crate) const WIDTHS: [f64; 2] = [0.03, 0.002];
 
 /// The number of further steps of numbers with derivatives.
 const FOLLOWING: usize = 3;
@@ -45,7 +50,7 @@ pub enum Until<S> {
     Gap(S),
     /// The largest gap, to rounding.
     Value,
-    /// That with its derivatives.
+    /// The largest gap, with its derivatives.
     Derivatives,
 }
 
@@ -121,7 +126,7 @@ impl<S: Scalar> Plane<S> {
     /// the plane is one that does not depend on that nearby.
     pub fn between<C: Scalar>(
         bodies: &[Placed<'_, C, S>; 2],
-        (off, hint): (&Vector3<S>, Option<&Vector3<S>>),
+        (off, hint): (impl Fn() -> Vector3<S>, Option<&Vector3<S>>),
         [first, width]: [f64; 2],
         until: Until<S>,
     ) -> Self
@@ -139,9 +144,10 @@ impl<S: Scalar> Plane<S> {
             plane
         };
         let anew = || {
-            let mut plane = from(off, width, last);
+            let off = off();
+            let mut plane = from(&off, width, last);
             if !is_nowhere_negative(plane.gap) {
-                let other = from(&from(off, first, ROUGH).normal, width, last);
+                let other = from(&from(&off, first, ROUGH).normal, width, last);
                 let gain = other.gap - plane.gap;
                 plane.take(&other, gain);
             }
@@ -174,8 +180,6 @@ impl<S: Scalar> Plane<S> {
     {
         let limit = S::from_f64(LONGEST);
         let mut longest = limit;
-
-        let is_short = |square: S| (S::from_f64(tolerance) - square).if_negative(S::one(), S::zero()).vanishes();
         // Derivatives follow the real part by some steps.
         let mut left = if has_derivatives::<S>() { FOLLOWING } else { 0 };
         for _ in 0..MAX_STEPS {
@@ -191,7 +195,7 @@ impl<S: Scalar> Plane<S> {
             let guarded = over.if_negative(square, S::one());
             let shorter = longest / guarded.sqrt();
             step *= over.if_negative(shorter, S::one());
-            if is_short(dot(&step, &step)) {
+            if is_nowhere_negative(S::from_f64(tolerance) - dot(&step, &step)) {
                 if left == 0 {
                     self.finish(&step, &ascent);
                     break;
@@ -200,12 +204,11 @@ impl<S: Scalar> Plane<S> {
             }
             let next = Self::new(bodies, unit(&(self.normal + step)), width);
             // Rounding is no loss.
-            let loss = self.gap - next.gap - S::from_f64(1e-14);
-            let is_worse = -loss;
+            let gain = next.gap - self.gap + S::from_f64(1e-14);
             let longer = longest * S::from_f64(2.0);
             let longer = (longer - limit).if_negative(longer, limit);
-            longest = is_worse.if_negative(longest * S::from_f64(0.25), longer);
-            self.take(&next, is_worse);
+            longest = gain.if_negative(longest * S::from_f64(0.25), longer);
+            self.take(&next, gain);
         }
     }
 
@@ -220,8 +223,8 @@ impl<S: Scalar> Plane<S> {
     }
 
     /// Takes another plane where a number is not negative.
-    fn take(&mut self, next: &Self, worse: S) {
-        let choose = |own: &S, other: &S| worse.if_negative(*own, *other);
+    fn take(&mut self, next: &Self, gain: S) {
+        let choose = |own: &S, other: &S| gain.if_negative(*own, *other);
         self.gap = choose(&self.gap, &next.gap);
         self.normal = self.normal.zip_map(&next.normal, |a, b| choose(&a, &b));
         for (own, next) in self.points.iter_mut().zip(&next.points) {

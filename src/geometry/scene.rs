@@ -21,6 +21,8 @@ pub struct Obstacle {
 pub struct Scene {
     robot: CollisionGeometry,
     obstacles: Vec<Obstacle>,
+    /// The convex forms of the obstacles; `None` for half-spaces.
+    forms: Vec<Option<Convex>>,
     /// Those of the robot, and their pairs.
     trees: Vec<BallTree>,
     tree_pairs: Vec<[usize; 2]>,
@@ -80,6 +82,7 @@ impl Scene {
             ends: Vec::new(),
             pairs: by_balls.map_or_else(Vec::new, |ignored| robot.pairs(ignored)),
             robot,
+            forms: forms(&obstacles),
             obstacles,
         }
     }
@@ -99,6 +102,7 @@ impl Scene {
     #[must_use]
     pub fn with_obstacles(mut self, obstacles: Vec<Obstacle>) -> Self {
         self.obstacle_margins = vec![0.0; obstacles.len()];
+        self.forms = forms(&obstacles);
         self.obstacles = obstacles;
         self
     }
@@ -144,6 +148,12 @@ impl Scene {
     #[must_use]
     pub fn obstacles(&self) -> &[Obstacle] {
         &self.obstacles
+    }
+
+    /// The convex form of each obstacle; `None` for a half-space.
+    #[must_use]
+    pub fn forms(&self) -> &[Option<Convex>] {
+        &self.forms
     }
 
     /// The pairs of balls of the robot that keep clear of each other, as [`CollisionGeometry::pairs`] sorts them; none
@@ -193,9 +203,8 @@ impl Scene {
 
     /// Finds the closest pair with the bodies at `placements`; `None` if the scene is [empty](Self::is_empty). The
     /// distances of capsules from spheres and half-spaces and those of convex bodies are exact; all others are those of
-    /// the balls. Cost: one
-    /// distance per pair of a link and an obstacle or another link, and those of balls that may be closer than all
-    /// before.
+    /// the balls. Cost: one distance per pair of a link and an obstacle or another link, and those of balls that may be
+    /// closer than all before.
     ///
     /// # Errors
     /// `placements` has no entry for a body.
@@ -239,15 +248,20 @@ impl Scene {
             most,
             closest: None,
         };
-        for (obstacle, margin) in self.obstacles.iter().zip(&self.obstacle_margins) {
+        let obstacles = self.obstacles.iter().zip(&self.forms);
+        for ((obstacle, form), margin) in obstacles.zip(&self.obstacle_margins) {
             let nearest = if by_capsules { self.robot.nearest_balls(placements, &obstacle.solid)? } else { None };
-            search.obstacle(obstacle, kept(margin), nearest);
+            search.obstacle((obstacle, form.as_ref()), kept(margin), nearest);
         }
         for (pair, margin) in self.tree_pairs.iter().zip(&self.pair_margins) {
             search.pair(*pair, kept(margin));
         }
         Ok(search.closest)
     }
+}
+
+fn forms(obstacles: &[Obstacle]) -> Vec<Option<Convex>> {
+    obstacles.iter().map(|obstacle| Convex::of_solid(&obstacle.solid)).collect()
 }
 
 /// A search for the closest pair among those nearer than `most`, m.
@@ -261,7 +275,7 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     /// Looks at an obstacle beside these balls, or beside all of the robot.
-    fn obstacle(&mut self, obstacle: &'a Obstacle, margin: f64, balls: Option<Vec<Sphere>>) {
+    fn obstacle(&mut self, (obstacle, form): (&'a Obstacle, Option<&Convex>), margin: f64, balls: Option<Vec<Sphere>>) {
         let Obstacle { name, solid } = obstacle;
         let distance_of = |ball: &Sphere| solid.distance(&ball.centre) - ball.radius - margin;
         let pair = |ball: &Sphere, part, distance| ClosestPair {
@@ -293,7 +307,7 @@ impl<'a> Search<'a> {
                         let new = match self.robot.parts.get(i) {
                             None => pair(&self.placed(t, at), part, *distance),
                             Some(convex) => {
-                                let Gap { distance, points } = gap_to(&self.convex(t, convex), solid);
+                                let Gap { distance, points } = gap_to(&self.convex(t, convex), (solid, form));
                                 let other = Collider::Obstacle(name);
                                 ClosestPair { distance: distance - margin, part, other, points, margin }
                             }

@@ -1,6 +1,7 @@
 //! The closest points of convex bodies.
 
-use super::{Convex, Placed, Plane, Solid, Until};
+use super::{Convex, Placed, Plane, Solid, Until, WIDTHS};
+use crate::spatial::placed_point;
 use nalgebra::Vector3;
 use parry3d_f64::math::{Pose, Vector as Coordinates};
 use parry3d_f64::query::gjk::{CsoPoint, GJKResult, VoronoiSimplex, closest_points as gjk};
@@ -38,10 +39,8 @@ pub fn closest_points<A: Support, B: Support>(a: &A, b: &B) -> Option<[Vector3<f
 
 impl Support for Placed<'_, f64, f64> {
     fn furthest(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        match self.placement {
-            None => self.convex.furthest(direction),
-            Some(placement) => placement.point(&self.convex.furthest(&(placement.rotation.transpose() * direction))),
-        }
+        let own = self.placement.map_or(*direction, |placement| placement.rotation.transpose() * direction);
+        placed_point(self.placement, &self.convex.furthest(&own))
     }
 }
 
@@ -53,9 +52,6 @@ pub struct Gap {
     /// The nearest points of both.
     pub points: [Vector3<f64>; 2],
 }
-
-/// The widths of the smoothings by which the depth of an overlap is found.
-const WIDTHS: [f64; 2] = [0.03, 0.002];
 
 /// The distance of two convex bodies.
 #[must_use]
@@ -73,23 +69,20 @@ pub fn gap(bodies: &[Placed<'_, f64, f64>; 2]) -> Gap {
             return along(off / distance, distance, [p, q]);
         }
     }
-    let centre = |body: &Placed<'_, f64, f64>| {
-        let centre = body.convex.ball().centre;
-        body.placement.map_or(centre, |placement| placement.point(&centre))
-    };
+    let centre = |body: &Placed<'_, f64, f64>| placed_point(body.placement, &body.convex.ball().centre);
     let off = centre(a) - centre(b);
     let start = if off.norm() > 0.0 { off } else { Vector3::z() };
-    let normal = Plane::between(bodies, (&start, None), WIDTHS, Until::Value).normal;
+    let normal = Plane::between(bodies, (|| start, None), WIDTHS, Until::Value).normal;
     let point = a.furthest(&-normal);
     let distance = normal.dot(&(point - b.furthest(&normal)));
     along(normal, distance, [point, point - normal * distance])
 }
 
-/// The distance of a convex body from a solid, placed in the base frame.
+/// The distance of a convex body from a solid, placed in the base frame, by its [convex form](Convex::of_solid).
 #[must_use]
-pub fn gap_to(body: &Placed<'_, f64, f64>, solid: &Solid) -> Gap {
-    if let Some(convex) = Convex::of_solid(solid) {
-        return gap(&[*body, Placed { convex: &convex, placement: None }]);
+pub fn gap_to(body: &Placed<'_, f64, f64>, (solid, convex): (&Solid, Option<&Convex>)) -> Gap {
+    if let Some(convex) = convex {
+        return gap(&[*body, Placed { convex, placement: None }]);
     }
     let normal = solid.placement.rotation.column(2).into_owned();
     let point = body.furthest(&-normal) - normal * body.convex.radius;

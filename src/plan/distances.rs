@@ -6,7 +6,7 @@ use crate::constraint::{
 use crate::geometry::{BallTree, Shape, Solid, Sphere, Until};
 use crate::model::{JointKind, Model};
 use crate::scalar::{LANES, Scalar, Wide};
-use crate::spatial::{Placement, dot};
+use crate::spatial::{Placement, dot, placed_point};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -226,7 +226,9 @@ impl<'a> Distances<'a> {
     pub fn place(&mut self, placements: &[Placement<Wide>]) {
         let roots = self.links.iter().map(|link| {
             let root = link.nodes.first();
-            root.map_or_else(Vector3::zeros, |root| place(link.body.map(|body| &placements[body]), &root.bound.centre))
+            root.map_or_else(Vector3::zeros, |root| {
+                placed_point(link.body.map(|body| &placements[body]), &root.bound.centre)
+            })
         });
         self.centres.clear();
         self.centres.extend(roots);
@@ -273,16 +275,16 @@ impl<'a> Distances<'a> {
         let Pair { link, other, kept, margin, row, .. } = &self.pairs[pair];
         if let Some((rows, row)) = row {
             let margin = Wide::splat(*margin);
-            let (bound, off) = rows.bound(*row, placements);
+            let bound = rows.bound(*row, placements);
             if visit(&(bound - margin), false) {
-                let (_, gap) = rows.plane(*row, placements, (&off, None), Until::Gap(margin + Wide::splat(enough)));
+                let (_, gap) = rows.plane(*row, placements, None, Until::Gap(margin + Wide::splat(enough)));
                 visit(&(gap - margin), true);
             }
             return;
         }
         let kept = kept + margin;
         let link = &self.links[*link];
-        let place = |tree: &BallTree, centre| place(tree.body.map(|body| &placements[body]), centre);
+        let place = |tree: &BallTree, centre| placed_point(tree.body.map(|body| &placements[body]), centre);
         let is_nearer = |a: &Wide, b: &Wide| (0..LANES).all(|k| a.0[k] < b.0[k]);
         match other {
             Other::Solid(solid) => {
@@ -333,13 +335,4 @@ fn reaches(model: &Model, link: &BallTree) -> Vec<f64> {
         body = joint.parent();
     }
     reaches
-}
-
-/// The position of a point of a body with this placement; `None` is the base.
-#[inline(always)]
-fn place(placement: Option<&Placement<Wide>>, point: &Vector3<f64>) -> Vector3<Wide> {
-    match placement {
-        None => point.map(Wide::splat),
-        Some(placement) => placement.point(point),
-    }
 }

@@ -13,6 +13,8 @@ mod vector;
 pub use articulated::ArticulatedInertia;
 pub use coriolis::Coriolis;
 pub use inertia::Inertia;
+#[cfg(feature = "solvers")]
+pub(crate) use placement::placed_point;
 pub use placement::{Placement, rotation_of_z_to, unit_vector};
 pub(crate) use product::{
     apply, apply_constant, apply_constant_transpose, apply_to_constant, apply_transpose, cross, dot, matrix, multiply,

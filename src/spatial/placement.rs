@@ -68,6 +68,19 @@ impl<S: Scalar> Placement<S> {
     }
 }
 
+/// The position of a constant point of a frame with this placement in the reference frame; `None` is that frame.
+#[cfg(feature = "solvers")]
+#[inline(always)]
+pub(crate) fn placed_point<C: Scalar, S: AlgebraOver<C>>(
+    placement: Option<&Placement<S>>,
+    point: &Vector3<C>,
+) -> Vector3<S> {
+    match placement {
+        None => point.map(S::lift),
+        Some(placement) => placement.point(point),
+    }
+}
+
 /// The unit vector in the direction of a vector of any length; `None` if that is zero or not finite.
 #[must_use]
 pub fn unit_vector(v: &Vector3<f64>) -> Option<Vector3<f64>> {

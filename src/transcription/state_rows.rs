@@ -134,7 +134,6 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             _ => None,
         };
         let (state, scales) = (&self.constraints.state, &self.attributes.scales);
-
         let pairs = ActivePairs::new(&active_pairs);
         let pairs = if group.is_some() { pairs } else { pairs.near_bounds() };
         let at = PlacedState { active_pairs: Some(pairs), ..at };

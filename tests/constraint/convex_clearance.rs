@@ -36,7 +36,7 @@ fn rows_and_distances(of: &ConvexClearance, model: &Model, x: &[f64]) -> [Vec<f6
     let distance = |pair: &aghf::constraint::ConvexPair| {
         let gap = match pair.other {
             Other::Part(j) => gap(&[part(pair.part), part(j)]),
-            Other::Solid(k) => gap_to(&part(pair.part), &of.solids[k].0),
+            Other::Solid(k) => gap_to(&part(pair.part), (&of.solids[k].0, of.solids[k].1.as_ref())),
         };
         gap.distance - pair.margin
     };

@@ -28,20 +28,20 @@ proptest! {
         prop_assume!(exact.distance + radii > 1e-3 && away.norm() > 1e-3);
         prop_assert!(((exact.points[0] - exact.points[1]).norm() - exact.distance.abs()).abs() < 1e-9);
 
-        let plane = Plane::between(&bodies, (&away, None), WIDTHS, Until::Value);
+        let plane = Plane::between(&bodies, (|| away, None), WIDTHS, Until::Value);
         let least = exact.distance + radii - WIDTHS[1] * (a.excess() + b.excess());
         prop_assert!((least - 1e-9..=exact.distance + radii + 1e-9).contains(&plane.gap), "{} {exact:?}", plane.gap);
         let other = Vector3::new(off, 1.0 - off, off * off);
-        let from_other = Plane::between(&bodies, (&away, Some(&other)), WIDTHS, Until::Value);
+        let from_other = Plane::between(&bodies, (|| away, Some(&other)), WIDTHS, Until::Value);
         prop_assert!((from_other.gap - plane.gap).abs() < 1e-8, "{} {}", from_other.gap, plane.gap);
 
         let [p, q] = [at, to].map(|at| in_lanes(&at));
         let wide = [Placed { convex: &a, placement: Some(&p) }, Placed { convex: &b, placement: Some(&q) }];
-        let wide = Plane::between(&wide, (&away.map(Wide::splat), None), WIDTHS, Until::Value);
+        let wide = Plane::between(&wide, (|| away.map(Wide::splat), None), WIDTHS, Until::Value);
         prop_assert!(wide.gap.0.iter().all(|gap| (gap - plane.gap).abs() < 1e-9));
         prop_assert_eq!(wide.normal.map(|x| x.0[0]), wide.normal.map(|x: Lanes<f64, 4>| x.0[3]));
         // With less than the gap asked for, the plane is one that has it.
-        let enough = Plane::between(&bodies, (&away, None), WIDTHS, Until::Gap(0.5 * plane.gap));
+        let enough = Plane::between(&bodies, (|| away, None), WIDTHS, Until::Gap(0.5 * plane.gap));
         prop_assert!(enough.gap >= 0.5 * plane.gap && enough.gap <= plane.gap + 1e-9);
     }
 
@@ -64,7 +64,7 @@ proptest! {
     fn a_half_space_has_the_distance_along_its_normal(a in body(), at in placement(), offset in -1.0..1.0) {
         let normal = Vector3::new(0.6, 0.0, 0.8);
         let placed = Placed { convex: &a, placement: Some(&at) };
-        let found = gap_to(&placed, &Solid::half_space(&normal, offset));
+        let found = gap_to(&placed, (&Solid::half_space(&normal, offset), None));
         let extent = a.moved(&at).extent(&-normal);
         prop_assert!((found.distance + extent + offset).abs() < 1e-9);
         let plane = Plane::of_half_space(&placed, &normal, offset, WIDTHS[1]);

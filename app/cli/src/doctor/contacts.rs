@@ -25,7 +25,7 @@ pub struct State {
 pub struct Contact {
     /// The names of the links.
     pub links: [String; 2],
-    /// The depth of the overlap of two balls, m.
+    /// The depth of the overlap of two convex bodies, m.
     pub depth_m: f64,
     /// The sum of the largest distances of the two links from their meshes, m. A depth above it is an overlap of the
     /// shapes.

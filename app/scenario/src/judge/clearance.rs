@@ -44,6 +44,8 @@ struct Surroundings<'a> {
     parts: &'a [Convex],
     paths: Vec<Vec<usize>>,
     obstacles: &'a [Obstacle],
+    /// The convex forms of the obstacles; `None` for half-spaces.
+    forms: Vec<Option<Convex>>,
     intervals: &'a Intervals,
 }
 
@@ -54,6 +56,7 @@ pub(super) fn clearances(scenario: &Scenario, intervals: &Intervals, overlap: f6
     let scene = Surroundings {
         paths: trees.iter().map(|t| carriers(model, t.body)).collect(),
         obstacles: scenario.scene.obstacles(),
+        forms: scenario.scene.obstacles().iter().map(|obstacle| Convex::of_solid(&obstacle.solid)).collect(),
         trees,
         parts: &scenario.scene.robot().parts,
         intervals,
@@ -291,7 +294,7 @@ impl<'a> Search<'a> {
             Between::Obstacle { tree, obstacle } => {
                 let solid = &self.scene.obstacles[*obstacle].solid;
                 if let Some(part) = self.part(*tree, gap.nodes[0]) {
-                    return gap_to(&part, solid).distance - margin;
+                    return gap_to(&part, (solid, self.scene.forms[*obstacle].as_ref())).distance - margin;
                 }
                 let ball = self.ball(*tree, gap.nodes[0]);
                 solid.distance(&self.reach.centre(&ball)) - ball.radius - margin

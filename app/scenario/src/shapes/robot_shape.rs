@@ -55,7 +55,7 @@ pub fn shape_parts(shape: &CollisionShape, folder: &Path, excess: Option<f64>) -
             convex_pieces(&load_mesh(file, folder, scale)?, excess.unwrap_or(EXCESS))?
         }
     };
-    let parts = pieces.iter().map(|piece| Convex::of_piece(piece, &Placement::identity())).collect();
+    let parts = pieces.iter().map(Convex::of_piece).collect();
     Ok(ShapeParts { pieces, parts })
 }
 
@@ -150,11 +150,11 @@ pub(crate) fn collision_geometry(
             return Ok(geometry);
         }
     };
-    let mut load = load.map(|load| (load.body, load.placement, load.clone()));
-    if let Some((body, placement, _)) = &mut load
-        && let Some(place) = reduced(bodies, body)
+    let mut load = load.cloned();
+    if let Some(load) = &mut load
+        && let Some(place) = reduced(bodies, &mut load.body)
     {
-        *placement = place.compose(placement);
+        load.placement = place.compose(&load.placement);
     }
     for Capsule { body, ends, .. } in &mut capsules {
         if let Some(place) = reduced(bodies, body) {
@@ -163,11 +163,11 @@ pub(crate) fn collision_geometry(
     }
     match load {
         None => CollisionGeometry::of_capsules(capsules, spacing),
-        Some((body, placement, Collision { shape: CollisionShape::Solid(Shape::Sphere { radius }), .. })) => {
+        Some(Collision { body, placement, shape: CollisionShape::Solid(Shape::Sphere { radius }), .. }) => {
             capsules.push(Capsule { body, ends: [placement.translation; 2], radius });
             CollisionGeometry::of_capsules(capsules, spacing)
         }
-        Some((body, placement, Collision { shape, link, .. })) => {
+        Some(Collision { link, body, placement, shape }) => {
             let parts = shape_parts(&shape, folder, None);
             let parts = parts.map_err(|e| Error::input(path, "payload.shape", e.to_string()))?.parts;
             let mut geometry = CollisionGeometry::default();
