@@ -7,7 +7,7 @@ use super::{
     WeightedDerivatives, Weights,
 };
 use crate::error::{Error, Result};
-use crate::geometry::{Convex, Placed, Plane, Scene, Solid, Sphere, Until, WIDTHS, is_nowhere_negative};
+use crate::geometry::{Convex, Placed, Plane, PlaneHint, Scene, Solid, Sphere, Until, WIDTHS, is_nowhere_negative};
 use crate::model::Model;
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Force, Placement, cross, dot, placed_point};
@@ -16,8 +16,8 @@ use nalgebra::Vector3;
 /// The distance beyond its margin from which on bodies no longer act, relative to the radius of the largest one.
 const FAR: f64 = 0.35;
 
-/// The share of the cutoff within which a row is exact along a motion.
-const EXACT: f64 = 0.25;
+/// The share of the cutoff within which a row is exact along a search.
+const EXACT: f64 = 0.5;
 
 /// The least width, and the ratio of one to the next larger one, for pairs that are near each other at an end.
 const LEAST_WIDTH: f64 = 1e-6;
@@ -169,7 +169,7 @@ impl<C: Scalar> ConvexClearance<C> {
         &self,
         row: usize,
         placements: &[Placement<S>],
-        hint: Option<&Vector3<S>>,
+        hint: Option<&PlaneHint<S>>,
         until: Until<S>,
     ) -> (Plane<S>, S) {
         let ConvexPair { part, other, margin, width } = &self.pairs[row];
@@ -229,8 +229,8 @@ impl<C: Scalar> ConvexClearance<C> {
             if is_nowhere_negative(bound - S::lift(self.far) - S::from_f64(self.excess(row))) {
                 continue;
             }
-            let hint = at.active_pairs.and_then(|pairs| pairs.normal(row));
-            let (plane, gap) = self.plane(row, at.placements, hint.as_ref(), until);
+            let hint = at.active_pairs.and_then(|pairs| pairs.plane(row));
+            let (plane, gap) = self.plane(row, at.placements, hint, until);
             let is_far = gap - if let Until::Gap(enough) = until { enough } else { S::lift(self.far) };
             let g = is_far.if_negative(-gap, S::lift(-self.far));
             visit(Near { row, plane, g, is_near: -is_far })?;
@@ -289,13 +289,12 @@ impl<C: Scalar> Constraint<C> for ConvexClearance<C> {
         let take = |near: Near<S>| {
             g[near.row] = near.g;
             if let Some(active_pairs) = &mut active_pairs {
-                active_pairs.push(ActivePair { row: near.row, normal: near.plane.normal });
+                active_pairs.push(ActivePair { row: near.row, plane: near.plane.hint() });
             }
             Ok(())
         };
         let enough = S::lift(self.far) * S::from_f64(EXACT);
-        let is_rough = at.active_pairs.is_some_and(|pairs| pairs.is_near_bounds());
-        let until = if is_rough { Until::Gap(enough) } else { Until::Value };
+        let until = at.active_pairs.map_or(Until::Value, |_| Until::Gap(enough));
         match rows {
             None => self.visit(at, 0..self.pairs.len(), until, take),
             Some(rows) => self.visit(at, rows.iter(), until, take),

@@ -150,7 +150,8 @@ pub struct PlacedState<'a, C: Scalar, S: Scalar> {
     pub x: &'a [S],
     /// The placements of all bodies in the base frame.
     pub placements: &'a [Placement<S>],
-    /// The pairs that were near each other at a state nearby, if they are known.
+    /// The pairs that were near each other at a state nearby, along a search. Rows beyond half of their cutoff then
+    /// count as being at it.
     pub active_pairs: Option<ActivePairs<'a, S>>,
 }
 

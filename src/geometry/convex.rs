@@ -4,6 +4,7 @@ use super::hull::bounds;
 use super::{ConvexPiece, PIECE_RADIUS, Shape, Solid};
 use crate::scalar::{AlgebraOver, Scalar};
 use crate::spatial::{Placement, dot, outer};
+use arrayvec::ArrayVec;
 use nalgebra::{Matrix3, Vector3};
 use std::cell::Cell;
 use std::ops::Range;
@@ -33,7 +34,7 @@ struct Block<C: Scalar> {
 }
 
 /// A smoothed support function at a direction, with its derivatives there.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Extent<S: Scalar> {
     /// The extent in the direction, m, at least that of the body without its radius.
     pub value: S,
@@ -216,9 +217,20 @@ impl<C: Scalar> Convex<C> {
     /// The smoothed extent in a direction of length one: the maximum of the extents of corners by halves, where that of
     /// two numbers with the difference `d`, in widths `u`, is $y + w d + \frac{3}{16} (1 - u^2)^2$ with
     /// $w = \frac{1}{2} + \frac{3}{4} u - \frac{1}{4} u^3$ for $|u| < 1$, and their maximum beyond. It is convex, twice
-    /// continuously differentiable, and at least the extent.
-    pub(super) fn smoothed<S: AlgebraOver<C>>(&self, direction: &Vector3<S>, width: f64) -> Extent<S> {
-        let most = Cell::new(along(direction, &self.corners[0]));
+    /// continuously differentiable, and at least the extent. A point of the body that is nearly the furthest one saves
+    /// the search for that.
+    pub(super) fn smoothed<S: AlgebraOver<C>>(
+        &self,
+        direction: &Vector3<S>,
+        width: f64,
+        near: Option<&Vector3<S>>,
+    ) -> Extent<S> {
+        // A disc is not part of the hull of the corners.
+        let near = near.filter(|_| self.disc.is_none());
+        let most = Cell::new(match near {
+            Some(point) => dot(direction, point),
+            None => along(direction, &self.corners[0]),
+        });
         let raise = |x: S| most.set((x - most.get()).if_negative(most.get(), x));
         let is_below = |block: &Block<C>| {
             let middle = along(direction, &block.centre);
@@ -227,15 +239,16 @@ impl<C: Scalar> Convex<C> {
             raise(middle);
             is_below
         };
-        self.search(is_below, |_, corner| raise(along(direction, corner)));
+        if near.is_none() {
+            self.search(is_below, |_, corner| raise(along(direction, corner)));
+        }
         let floor = most.get() - S::from_f64(DEPTH * width);
         let with = Smoothing { width: S::from_f64(width), inverse: S::from_f64(1.0 / width) };
-        let none = Node { last: 0, value: most.get(), point: [S::zero(); 3], curvature: [S::zero(); 6] };
-        let (mut nodes, mut count) = ([none; LEVELS], 0);
-        let join_last = |nodes: &mut [Node<S>; LEVELS], count: &mut usize| {
-            *count -= 1;
-            let (first, last) = nodes.split_at_mut(*count);
-            first[*count - 1].join(&last[0], &with);
+        let mut nodes = ArrayVec::<Node<S>, LEVELS>::new();
+        let join_last = |nodes: &mut ArrayVec<Node<S>, LEVELS>| {
+            if let (Some(last), Some(node)) = (nodes.pop(), nodes.last_mut()) {
+                node.join(&last, &with);
+            }
         };
         let is_below =
             |block: &Block<C>| is_nowhere_negative(floor - along(direction, &block.centre) - S::lift(block.radius));
@@ -245,17 +258,16 @@ impl<C: Scalar> Convex<C> {
                 return;
             }
             // Two nodes are joined once the next corner is in another part of the tree.
-            while count > 1 && (nodes[count - 2].last ^ nodes[count - 1].last) < (nodes[count - 1].last ^ i) {
-                join_last(&mut nodes, &mut count);
+            while let [.., before, last] = &nodes[..]
+                && (before.last ^ last.last) < (last.last ^ i)
+            {
+                join_last(&mut nodes);
             }
-            let node = &mut nodes[count];
-            (node.last, node.value) = (i, value);
-            node.point = [0, 1, 2].map(|k| S::lift(corner[k]));
-            node.curvature = [S::zero(); 6];
-            count += 1;
+            let point = [0, 1, 2].map(|k| S::lift(corner[k]));
+            nodes.push(Node { last: i, value, point, curvature: [S::zero(); 6] });
         });
-        while count > 1 {
-            join_last(&mut nodes, &mut count);
+        while nodes.len() > 1 {
+            join_last(&mut nodes);
         }
         let Node { value, point, curvature: [xx, xy, xz, yy, yz, zz], .. } = nodes[0];
         let curvature = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);

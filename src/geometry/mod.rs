@@ -48,7 +48,7 @@ pub use hull::{ConvexPiece, PIECE_RADIUS, Triangle};
 pub use partition::{convex_pieces, excess};
 #[cfg(feature = "solvers")]
 pub(crate) use plane::WIDTHS;
-pub use plane::{Placed, Plane, Until};
+pub use plane::{Placed, Plane, PlaneHint, Until};
 #[cfg(feature = "solvers")]
 pub use scene::{ClosestPair, Collider, Obstacle, Part, Scene};
 #[cfg(feature = "solvers")]

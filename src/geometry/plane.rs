@@ -31,6 +31,15 @@ const LEAST: f64 = 1e-3;
 #[cfg(feature = "solvers")]
 pub(crate) const WIDTHS: [f64; 2] = [0.03, 0.002];
 
+/// The squared turn of a body up to which its extents in other directions follow from the known one.
+const KNOWN: f64 = 1e-10;
+
+/// The squared turn of a body up to which a furthest point is nearly one in the other direction.
+const NEAR: f64 = 2.5e-3;
+
+/// The largest number of steps by known extents.
+const KNOWN_STEPS: usize = 4;
+
 /// The number of further steps of numbers with derivatives.
 const FOLLOWING: usize = 3;
 
@@ -65,22 +74,64 @@ pub struct Plane<S: Scalar> {
     pub points: [Vector3<S>; 2],
     /// The Hessian of the smoothed extent of the first body, and that of both, m.
     curvatures: [Matrix3<S>; 2],
+    /// The extents that were computed last, in the frames of the bodies.
+    own: [OwnExtent<S>; 2],
     /// True if the normal follows the bodies, false for that of a half-space.
     is_free: bool,
 }
 
+/// The smoothed extent of a body in a direction, in its frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct OwnExtent<S: Scalar> {
+    direction: Vector3<S>,
+    extent: Extent<S>,
+}
+
+/// A plane between two bodies, from which the search for that between the same bodies in other places begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneHint<S: Scalar> {
+    normal: Vector3<S>,
+    own: [OwnExtent<S>; 2],
+}
+
 impl<'a, C: Scalar, S: AlgebraOver<C>> Placed<'a, C, S> {
+    /// A direction in the frame of the body.
+    fn own(&self, direction: &Vector3<S>) -> Vector3<S> {
+        self.placement.map_or(*direction, |placement| apply_transpose(&placement.rotation, direction))
+    }
+
     /// The smoothed extent in a direction of length one.
-    fn extent(&self, direction: &Vector3<S>, width: f64) -> Extent<S> {
-        let Some(Placement { rotation, translation }) = self.placement else {
-            return self.convex.smoothed(direction, width);
+    fn extent(&self, direction: &Vector3<S>, width: f64, known: Option<&OwnExtent<S>>) -> OwnExtent<S> {
+        let direction = self.own(direction);
+        let is_near = |known: &&OwnExtent<S>| {
+            let off = direction - known.direction;
+            is_nowhere_negative(S::from_f64(NEAR) - dot(&off, &off))
         };
-        let own = self.convex.smoothed(&apply_transpose(rotation, direction), width);
+        let near = known.filter(is_near).map(|known| &known.extent.point);
+        OwnExtent { direction, extent: self.convex.smoothed(&direction, width, near) }
+    }
+
+    /// An extent in the frame of the body, in the base frame.
+    fn in_base(&self, direction: &Vector3<S>, own: &Extent<S>) -> Extent<S> {
+        let Some(Placement { rotation, translation }) = self.placement else {
+            return *own;
+        };
         Extent {
             value: own.value + dot(direction, translation),
             point: apply(rotation, &own.point) + translation,
             curvature: multiply(&multiply(rotation, &own.curvature), &rotation.transpose()),
         }
+    }
+}
+
+impl<S: Scalar> OwnExtent<S> {
+    /// The extent in a direction nearby to second order, and the squared difference of the directions.
+    fn towards(&self, direction: &Vector3<S>) -> (Extent<S>, S) {
+        let OwnExtent { extent: Extent { value, point, curvature }, .. } = self;
+        let off = direction - self.direction;
+        let moved = apply(curvature, &off);
+        let value = *value + dot(point, &off) + dot(&off, &moved) * S::from_f64(0.5);
+        (Extent { value, point: point + moved, curvature: *curvature }, dot(&off, &off))
     }
 }
 
@@ -104,29 +155,94 @@ fn unit<S: Scalar>(v: &Vector3<S>) -> Vector3<S> {
 
 impl<S: Scalar> Plane<S> {
     /// The plane with this normal.
-    fn new<C: Scalar>([a, b]: &[Placed<'_, C, S>; 2], normal: Vector3<S>, width: f64) -> Self
+    fn new<C: Scalar>(
+        bodies: &[Placed<'_, C, S>; 2],
+        normal: Vector3<S>,
+        width: f64,
+        known: Option<&[OwnExtent<S>; 2]>,
+    ) -> Self
     where
         S: AlgebraOver<C>,
     {
-        let (first, second) = (a.extent(&-normal, width), b.extent(&normal, width));
+        let [a, b] = bodies;
+        let [first, second] = [0, 1].map(|i| known.map(|known| &known[i]));
+        let own = [a.extent(&-normal, width, first), b.extent(&normal, width, second)];
+        Self::with(bodies, normal, own, own.each_ref().map(|own| &own.extent))
+    }
+
+    /// The plane with this normal and these extents in the frames of the bodies, of which some were computed.
+    fn with<C: Scalar>(
+        [a, b]: &[Placed<'_, C, S>; 2],
+        normal: Vector3<S>,
+        own: [OwnExtent<S>; 2],
+        [first, second]: [&Extent<S>; 2],
+    ) -> Self
+    where
+        S: AlgebraOver<C>,
+    {
+        let (first, second) = (a.in_base(&-normal, first), b.in_base(&normal, second));
         Self {
             normal,
             gap: -first.value - second.value,
             points: [first.point, second.point],
             curvatures: [first.curvature, first.curvature + second.curvature],
+            own,
             is_free: true,
         }
     }
 
-    /// The best plane between two bodies, or one with a gap that is enough, by Newton's method on the sphere: from a
-    /// direction from the second body to the first one, where they overlap also with extents that are smoothed with the
-    /// first of the widths and then with the second one; or from the normal of a plane nearby, if there is a gap.
+    /// The plane with this normal by the extents of another one, and the larger squared turn of a body since.
+    fn expanded<C: Scalar>(bodies: &[Placed<'_, C, S>; 2], normal: Vector3<S>, own: &[OwnExtent<S>; 2]) -> (Self, S)
+    where
+        S: AlgebraOver<C>,
+    {
+        let [a, b] = bodies;
+        let (first, turned) = own[0].towards(&a.own(&-normal));
+        let (second, other) = own[1].towards(&b.own(&normal));
+        let turned = (turned - other).if_negative(other, turned);
+        (Self::with(bodies, normal, *own, [&first, &second]), turned)
+    }
+
+    /// The best plane by known extents, or a normal near the best one if they are those of other directions.
+    fn known<C: Scalar>(
+        bodies: &[Placed<'_, C, S>; 2],
+        hint: &PlaneHint<S>,
+        tolerance: f64,
+    ) -> std::result::Result<Self, Vector3<S>>
+    where
+        S: AlgebraOver<C>,
+    {
+        let mut normal = hint.normal;
+        for _ in 0..KNOWN_STEPS {
+            let (mut plane, turned) = Self::expanded(bodies, normal, &hint.own);
+            let (step, ascent) = plane.step(S::from_f64(LONGEST));
+            normal = unit(&(normal + step));
+            if !is_nowhere_negative(S::from_f64(KNOWN) - turned) {
+                break;
+            }
+            if is_nowhere_negative(S::from_f64(tolerance) - dot(&step, &step)) {
+                plane.finish(&step, &ascent);
+                return Ok(plane);
+            }
+        }
+        Err(normal)
+    }
+
+    /// Where a search for a plane nearby begins.
+    #[must_use]
+    pub fn hint(&self) -> PlaneHint<S> {
+        PlaneHint { normal: self.normal, own: self.own }
+    }
+
+    /// The best plane between two bodies, or one with a gap that is enough, by Newton's method on the sphere: from that
+    /// between the same bodies nearby, or from a direction from the second body to the first one, where they overlap
+    /// also with extents that are smoothed with the first of the widths and then with the second one.
     ///
-    /// Where there is one, no other plane has a maximum of the gap. Where the bodies overlap, others may have, so that
-    /// the plane is one that does not depend on that nearby.
+    /// Where there is a gap, no other plane has a maximum of it. Where the bodies overlap, others may have: the plane
+    /// follows that nearby, so that its gap is smooth along a search, unless that across the direction is better.
     pub fn between<C: Scalar>(
         bodies: &[Placed<'_, C, S>; 2],
-        (off, hint): (impl Fn() -> Vector3<S>, Option<&Vector3<S>>),
+        (off, hint): (impl Fn() -> Vector3<S>, Option<&PlaneHint<S>>),
         [first, width]: [f64; 2],
         until: Until<S>,
     ) -> Self
@@ -138,28 +254,30 @@ impl<S: Scalar> Plane<S> {
             Until::Value => (TOLERANCE, None),
             Until::Derivatives => (FINE, None),
         };
-        let from = |normal: &Vector3<S>, width: f64, tolerance: f64| {
-            let mut plane = Self::new(bodies, unit(normal), width);
+        let from = |normal: &Vector3<S>, width: f64, tolerance: f64, known: Option<&[OwnExtent<S>; 2]>| {
+            let mut plane = Self::new(bodies, unit(normal), width, known);
             plane.improve(bodies, width, tolerance, enough);
             plane
         };
-        let anew = || {
-            let off = off();
-            let mut plane = from(&off, width, last);
+        if let Some(hint) = hint {
+            let nearby = Self::known(bodies, hint, last);
+            let mut plane = nearby.unwrap_or_else(|normal| from(&normal, width, last, Some(&hint.own)));
             if !is_nowhere_negative(plane.gap) {
-                let other = from(&from(&off, first, ROUGH).normal, width, last);
-                let gain = other.gap - plane.gap;
-                plane.take(&other, gain);
+                let mut other = Self::new(bodies, unit(&off()), width, None);
+                if !is_nowhere_negative(plane.gap - other.gap) {
+                    other.improve(bodies, width, last, enough);
+                    let gain = other.gap - plane.gap;
+                    plane.take(&other, gain);
+                }
             }
-            plane
-        };
-        let Some(hint) = hint else {
-            return anew();
-        };
-        let mut plane = from(hint, width, last);
+            return plane;
+        }
+        let off = off();
+        let mut plane = from(&off, width, last, None);
         if !is_nowhere_negative(plane.gap) {
-            let overlap = -plane.gap;
-            plane.take(&anew(), overlap);
+            let other = from(&from(&off, first, ROUGH, None).normal, width, last, None);
+            let gain = other.gap - plane.gap;
+            plane.take(&other, gain);
         }
         plane
     }
@@ -170,8 +288,10 @@ impl<S: Scalar> Plane<S> {
     where
         S: AlgebraOver<C>,
     {
-        let Extent { value, point, curvature } = body.extent(&-n, width);
-        Self { normal: *n, gap: -value - offset, points: [point; 2], curvatures: [curvature; 2], is_free: false }
+        let own = body.extent(&-n, width, None);
+        let Extent { value, point, curvature } = body.in_base(&-n, &own.extent);
+        let (gap, points, curvatures) = (-value - offset, [point; 2], [curvature; 2]);
+        Self { normal: *n, gap, points, curvatures, own: [own; 2], is_free: false }
     }
 
     fn improve<C: Scalar>(&mut self, bodies: &[Placed<'_, C, S>; 2], width: f64, tolerance: f64, enough: Option<S>)
@@ -186,15 +306,7 @@ impl<S: Scalar> Plane<S> {
             if enough.is_some_and(|enough| is_nowhere_negative(self.gap - enough)) {
                 break;
             }
-            let (basis, inverse) = self.inverse();
-            let ascent = self.points[0] - self.points[1];
-            let [x, y] = [dot(&basis[0], &ascent), dot(&basis[1], &ascent)];
-            let mut step = basis[0] * (inverse[0] * x + inverse[1] * y) + basis[1] * (inverse[1] * x + inverse[2] * y);
-            let square = dot(&step, &step);
-            let over = longest * longest - square;
-            let guarded = over.if_negative(square, S::one());
-            let shorter = longest / guarded.sqrt();
-            step *= over.if_negative(shorter, S::one());
+            let (step, ascent) = self.step(longest);
             if is_nowhere_negative(S::from_f64(tolerance) - dot(&step, &step)) {
                 if left == 0 {
                     self.finish(&step, &ascent);
@@ -202,7 +314,7 @@ impl<S: Scalar> Plane<S> {
                 }
                 left -= 1;
             }
-            let next = Self::new(bodies, unit(&(self.normal + step)), width);
+            let next = Self::new(bodies, unit(&(self.normal + step)), width, Some(&self.own));
             // Rounding is no loss.
             let gain = next.gap - self.gap + S::from_f64(1e-14);
             let longer = longest * S::from_f64(2.0);
@@ -210,6 +322,19 @@ impl<S: Scalar> Plane<S> {
             longest = gain.if_negative(longest * S::from_f64(0.25), longer);
             self.take(&next, gain);
         }
+    }
+
+    /// Newton's step of the normal, at most as long as this, rad, and the difference of the points.
+    fn step(&self, longest: S) -> (Vector3<S>, Vector3<S>) {
+        let (basis, inverse) = self.inverse();
+        let ascent = self.points[0] - self.points[1];
+        let [x, y] = [dot(&basis[0], &ascent), dot(&basis[1], &ascent)];
+        let step = basis[0] * (inverse[0] * x + inverse[1] * y) + basis[1] * (inverse[1] * x + inverse[2] * y);
+        let square = dot(&step, &step);
+        let over = longest * longest - square;
+        let guarded = over.if_negative(square, S::one());
+        let shorter = longest / guarded.sqrt();
+        (step * over.if_negative(shorter, S::one()), ascent)
     }
 
     /// Takes a short step without another evaluation.
@@ -232,6 +357,13 @@ impl<S: Scalar> Plane<S> {
         }
         for (own, next) in self.curvatures.iter_mut().zip(&next.curvatures) {
             *own = own.zip_map(next, |a, b| choose(&a, &b));
+        }
+        for (own, next) in self.own.iter_mut().zip(&next.own) {
+            own.direction = own.direction.zip_map(&next.direction, |a, b| choose(&a, &b));
+            let (own, next) = (&mut own.extent, &next.extent);
+            own.value = choose(&own.value, &next.value);
+            own.point = own.point.zip_map(&next.point, |a, b| choose(&a, &b));
+            own.curvature = own.curvature.zip_map(&next.curvature, |a, b| choose(&a, &b));
         }
     }
 

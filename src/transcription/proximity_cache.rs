@@ -63,16 +63,16 @@ impl ProximityCache {
         (self.moved, self.times) = (moved, times);
     }
 
-    /// Allocates memory for lists of all rows.
-    pub fn allocate(&mut self) {
+    /// Allocates memory for lists of all rows, of which `pairs` are of bodies with a plane between them.
+    pub fn allocate(&mut self, pairs: usize) {
         let rows = if self.has_lists() { self.far.len() } else { 0 };
         for group in &mut self.groups {
             group.working.reserve(LANES * rows);
             group.between.reserve(rows);
             group.rows.reserve((LANES + 2) * rows);
-            group.active_pairs.reserve(rows);
+            group.active_pairs.reserve(pairs);
         }
-        self.between_points.reserve(rows);
+        self.between_points.reserve(pairs);
     }
 
     /// True if there are clearances to list.

@@ -142,8 +142,9 @@ impl<'a, K: Constraint, P: CostWithControl> Rows<'a, K, P> {
 
     /// Allocates memory for lists of all rows of the state.
     pub fn allocate(&mut self) {
-        self.near.allocate();
-        self.active.reserve(self.states());
+        let pairs = self.attributes.cutoffs.iter().filter(|cutoff| cutoff.is_finite()).count();
+        self.near.allocate(pairs);
+        self.active.reserve(pairs);
     }
 
     /// The number of rows.

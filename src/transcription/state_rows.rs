@@ -134,9 +134,7 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             _ => None,
         };
         let (state, scales) = (&self.constraints.state, &self.attributes.scales);
-        let pairs = ActivePairs::new(&active_pairs);
-        let pairs = if group.is_some() { pairs } else { pairs.near_bounds() };
-        let at = PlacedState { active_pairs: Some(pairs), ..at };
+        let at = PlacedState { active_pairs: Some(ActivePairs::new(&active_pairs)), ..at };
         self.active.clear();
         state.value_of(&at, listed.map(RowList::new), &mut self.wide, Some(&mut self.active))?;
         std::mem::swap(&mut active_pairs, &mut self.active);

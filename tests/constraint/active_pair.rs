@@ -3,18 +3,24 @@
 use crate::common::{robot, wave};
 use crate::convex_clearance::bodies;
 use aghf::constraint::{ActivePair, ActivePairs, AnyConstraint, Bounds, Constraint, Evaluator};
+use aghf::geometry::{Convex, Placed, Plane};
 use nalgebra::Vector3;
 
 #[test]
 fn pairs_are_split_like_rows() {
-    let at = |row| ActivePair { row, normal: Vector3::x() * row as f64 };
+    let corner = Convex::of_corners(vec![Vector3::zeros()], 0.0);
+    let plane = |row: usize| {
+        let (sin, cos) = (row as f64).sin_cos();
+        Plane::of_half_space(&Placed { convex: &corner, placement: None }, &Vector3::new(cos, sin, 0.0), 0.0, 1e-3)
+            .hint()
+    };
+    let at = |row| ActivePair { row, plane: plane(row) };
     let all = [0, 2, 3, 4, 7].map(at);
     let (first, rest) = ActivePairs::new(&all).split_at(3);
     let (second, third) = rest.split_at(2);
-    let known = |pairs: &ActivePairs<'_>| (0..9).filter(|row| pairs.normal(*row).is_some()).collect::<Vec<_>>();
+    let known = |pairs: &ActivePairs<'_>| (0..9).filter(|row| pairs.plane(*row).is_some()).collect::<Vec<_>>();
     assert_eq!([first, second, third].map(|pairs| known(&pairs)), [vec![0, 2], vec![0, 1], vec![2]]);
-    assert_eq!(third.normal(2), Some(Vector3::x() * 7.0));
-    assert!(!first.is_near_bounds() && first.near_bounds().split_at(1).1.is_near_bounds());
+    assert_eq!(third.plane(2), Some(&plane(7)));
 }
 
 /// The pairs of several constraints have the rows that these have among all.

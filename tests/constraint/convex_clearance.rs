@@ -94,7 +94,8 @@ proptest! {
         assert_close!(&hessian, &by_jets2, 1e-6);
     }
 
-    /// Planes that are known from another state change no row of bodies that are apart.
+    /// Planes that are known from another state change no row of bodies that are apart, but rows beyond half of the
+    /// cutoff count as being at it.
     #[test]
     fn rows_are_the_same_from_known_planes(numbers in numbers(LANES * 7)) {
         let model = robot("kinova_gen3");
@@ -110,7 +111,9 @@ proptest! {
             let (from_known, _) = wide(&rows, &model, &state(by), Some(&known));
             for (a, b) in g.iter().zip(&from_known) {
                 for lane in (0..LANES).filter(|lane| a.0[*lane] < 0.0) {
-                    prop_assert!((a.0[lane] - b.0[lane]).abs() < 1e-8, "{} {}", a.0[lane], b.0[lane]);
+                    let (a, b) = (a.0[lane], b.0[lane]);
+                    let is_far = b == -rows.far && a < -0.5 * rows.far;
+                    prop_assert!(is_far || (a - b).abs() < 1e-8, "{a} {b}");
                 }
             }
         }

@@ -5,7 +5,7 @@ use crate::common::config;
 use aghf::geometry::{Placed, Plane, Solid, Until, gap, gap_to};
 use aghf::scalar::{Lanes, Wide};
 use aghf::spatial::Placement;
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 
 const WIDTHS: [f64; 2] = [0.03, 0.002];
@@ -32,8 +32,18 @@ proptest! {
         let least = exact.distance + radii - WIDTHS[1] * (a.excess() + b.excess());
         prop_assert!((least - 1e-9..=exact.distance + radii + 1e-9).contains(&plane.gap), "{} {exact:?}", plane.gap);
         let other = Vector3::new(off, 1.0 - off, off * off);
-        let from_other = Plane::between(&bodies, (|| away, Some(&other)), WIDTHS, Until::Value);
+        let from_other = Plane::between(&bodies, (|| other, None), WIDTHS, Until::Value);
         prop_assert!((from_other.gap - plane.gap).abs() < 1e-8, "{} {}", from_other.gap, plane.gap);
+        // And from the plane at other places, from a little to half a turn off, or the same ones.
+        for turn in [0.0, 1e-6, 1e-2, 3.0] {
+            let moved = Placement::new(Rotation3::new(other * turn).into_inner() * at.rotation, at.translation);
+            let nearby = [Placed { convex: &a, placement: Some(&moved) }, bodies[1]];
+            let hint = Plane::between(&nearby, (|| away, None), WIDTHS, Until::Value).hint();
+            let from_hint = Plane::between(&bodies, (|| away, Some(&hint)), WIDTHS, Until::Derivatives);
+            prop_assert!((from_hint.gap - plane.gap).abs() < 1e-8, "{turn} {} {}", from_hint.gap, plane.gap);
+            let off = from_hint.points[0] - plane.points[0];
+            prop_assert!(off.norm() < 1e-5, "{turn} {off}");
+        }
 
         let [p, q] = [at, to].map(|at| in_lanes(&at));
         let wide = [Placed { convex: &a, placement: Some(&p) }, Placed { convex: &b, placement: Some(&q) }];
