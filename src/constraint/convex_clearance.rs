@@ -169,7 +169,7 @@ impl<C: Scalar> ConvexClearance<C> {
         &self,
         row: usize,
         placements: &[Placement<S>],
-        hint: Option<&PlaneHint<S>>,
+        hint: Option<(&PlaneHint<S>, bool)>,
         until: Until<S>,
     ) -> (Plane<S>, S) {
         let ConvexPair { part, other, margin, width } = &self.pairs[row];

@@ -30,6 +30,7 @@ mod corner;
 mod hull;
 #[cfg(feature = "solvers")]
 mod partition;
+mod placed;
 mod plane;
 #[cfg(feature = "solvers")]
 mod scene;
@@ -46,11 +47,12 @@ pub use corner::FLAT;
 pub use hull::{ConvexPiece, PIECE_RADIUS, Triangle};
 #[cfg(feature = "solvers")]
 pub use partition::{convex_pieces, excess};
+pub use placed::Placed;
 #[cfg(feature = "solvers")]
 pub(crate) use plane::WIDTHS;
-pub use plane::{Placed, Plane, PlaneHint, Until};
+pub use plane::{Plane, PlaneHint, Until};
 #[cfg(feature = "solvers")]
 pub use scene::{ClosestPair, Collider, Obstacle, Part, Scene};
 #[cfg(feature = "solvers")]
-pub use separation::{Gap, Support, closest_points, gap, gap_to};
+pub use separation::{Gap, gap, gap_to};
 pub use shape::{Distance, Shape, Solid, Sphere};

@@ -1,9 +1,10 @@
 //! The plane that separates two convex bodies best.
 
-use super::Convex;
+use super::Placed;
 use super::convex::{Extent, is_nowhere_negative};
+use super::placed::OwnExtent;
 use crate::scalar::{AlgebraOver, Scalar};
-use crate::spatial::{Placement, apply, apply_transpose, cross_matrix, dot, multiply, outer};
+use crate::spatial::{apply, cross_matrix, dot, multiply, outer};
 use nalgebra::{Matrix3, Vector3};
 
 /// The largest number of steps.
@@ -34,23 +35,11 @@ pub(crate) const WIDTHS: [f64; 2] = [0.03, 0.002];
 /// The squared turn of a body up to which its extents in other directions follow from the known one.
 const KNOWN: f64 = 1e-10;
 
-/// The squared turn of a body up to which a furthest point is nearly one in the other direction.
-const NEAR: f64 = 2.5e-3;
-
 /// The largest number of steps by known extents.
 const KNOWN_STEPS: usize = 4;
 
 /// The number of further steps of numbers with derivatives.
 const FOLLOWING: usize = 3;
-
-/// A body in the base frame.
-#[derive(Clone, Copy, Debug)]
-pub struct Placed<'a, C: Scalar, S: Scalar> {
-    /// The body.
-    pub convex: &'a Convex<C>,
-    /// The placement of its frame; `None` is the base frame.
-    pub placement: Option<&'a Placement<S>>,
-}
 
 /// The end of a search for a plane.
 #[derive(Clone, Copy, Debug)]
@@ -80,59 +69,11 @@ pub struct Plane<S: Scalar> {
     is_free: bool,
 }
 
-/// The smoothed extent of a body in a direction, in its frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct OwnExtent<S: Scalar> {
-    direction: Vector3<S>,
-    extent: Extent<S>,
-}
-
 /// A plane between two bodies, from which the search for that between the same bodies in other places begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneHint<S: Scalar> {
     normal: Vector3<S>,
     own: [OwnExtent<S>; 2],
-}
-
-impl<'a, C: Scalar, S: AlgebraOver<C>> Placed<'a, C, S> {
-    /// A direction in the frame of the body.
-    fn own(&self, direction: &Vector3<S>) -> Vector3<S> {
-        self.placement.map_or(*direction, |placement| apply_transpose(&placement.rotation, direction))
-    }
-
-    /// The smoothed extent in a direction of length one.
-    fn extent(&self, direction: &Vector3<S>, width: f64, known: Option<&OwnExtent<S>>) -> OwnExtent<S> {
-        let direction = self.own(direction);
-        let is_near = |known: &&OwnExtent<S>| {
-            let off = direction - known.direction;
-            is_nowhere_negative(S::from_f64(NEAR) - dot(&off, &off))
-        };
-        let near = known.filter(is_near).map(|known| &known.extent.point);
-        OwnExtent { direction, extent: self.convex.smoothed(&direction, width, near) }
-    }
-
-    /// An extent in the frame of the body, in the base frame.
-    fn in_base(&self, direction: &Vector3<S>, own: &Extent<S>) -> Extent<S> {
-        let Some(Placement { rotation, translation }) = self.placement else {
-            return *own;
-        };
-        Extent {
-            value: own.value + dot(direction, translation),
-            point: apply(rotation, &own.point) + translation,
-            curvature: multiply(&multiply(rotation, &own.curvature), &rotation.transpose()),
-        }
-    }
-}
-
-impl<S: Scalar> OwnExtent<S> {
-    /// The extent in a direction nearby to second order, and the squared difference of the directions.
-    fn towards(&self, direction: &Vector3<S>) -> (Extent<S>, S) {
-        let OwnExtent { extent: Extent { value, point, curvature }, .. } = self;
-        let off = direction - self.direction;
-        let moved = apply(curvature, &off);
-        let value = *value + dot(point, &off) + dot(&off, &moved) * S::from_f64(0.5);
-        (Extent { value, point: point + moved, curvature: *curvature }, dot(&off, &off))
-    }
 }
 
 /// A basis of the plane across a unit vector.
@@ -239,10 +180,11 @@ impl<S: Scalar> Plane<S> {
     /// also with extents that are smoothed with the first of the widths and then with the second one.
     ///
     /// Where there is a gap, no other plane has a maximum of it. Where the bodies overlap, others may have: the plane
-    /// follows that nearby, so that its gap is smooth along a search, unless that across the direction is better.
+    /// does not depend on that nearby, or, if that is to be followed, is near it, so that the gap is smooth along a
+    /// search, unless that across the direction is better.
     pub fn between<C: Scalar>(
         bodies: &[Placed<'_, C, S>; 2],
-        (off, hint): (impl Fn() -> Vector3<S>, Option<&PlaneHint<S>>),
+        (off, hint): (impl Fn() -> Vector3<S>, Option<(&PlaneHint<S>, bool)>),
         [first, width]: [f64; 2],
         until: Until<S>,
     ) -> Self
@@ -259,23 +201,32 @@ impl<S: Scalar> Plane<S> {
             plane.improve(bodies, width, tolerance, enough);
             plane
         };
-        if let Some(hint) = hint {
-            let nearby = Self::known(bodies, hint, last);
-            let mut plane = nearby.unwrap_or_else(|normal| from(&normal, width, last, Some(&hint.own)));
+        let anew = || {
+            let off = off();
+            let mut plane = from(&off, width, last, None);
             if !is_nowhere_negative(plane.gap) {
-                let mut other = Self::new(bodies, unit(&off()), width, None);
-                if !is_nowhere_negative(plane.gap - other.gap) {
-                    other.improve(bodies, width, last, enough);
-                    let gain = other.gap - plane.gap;
-                    plane.take(&other, gain);
-                }
+                let other = from(&from(&off, first, ROUGH, None).normal, width, last, None);
+                let gain = other.gap - plane.gap;
+                plane.take(&other, gain);
             }
+            plane
+        };
+        let Some((hint, is_followed)) = hint else {
+            return anew();
+        };
+        let nearby = Self::known(bodies, hint, last);
+        let mut plane = nearby.unwrap_or_else(|normal| from(&normal, width, last, Some(&hint.own)));
+        if is_nowhere_negative(plane.gap) {
             return plane;
         }
-        let off = off();
-        let mut plane = from(&off, width, last, None);
-        if !is_nowhere_negative(plane.gap) {
-            let other = from(&from(&off, first, ROUGH, None).normal, width, last, None);
+        if !is_followed {
+            let overlap = -plane.gap;
+            plane.take(&anew(), overlap);
+            return plane;
+        }
+        let mut other = Self::new(bodies, unit(&off()), width, None);
+        if !is_nowhere_negative(plane.gap - other.gap) {
+            other.improve(bodies, width, last, enough);
             let gain = other.gap - plane.gap;
             plane.take(&other, gain);
         }
@@ -359,11 +310,7 @@ impl<S: Scalar> Plane<S> {
             *own = own.zip_map(next, |a, b| choose(&a, &b));
         }
         for (own, next) in self.own.iter_mut().zip(&next.own) {
-            own.direction = own.direction.zip_map(&next.direction, |a, b| choose(&a, &b));
-            let (own, next) = (&mut own.extent, &next.extent);
-            own.value = choose(&own.value, &next.value);
-            own.point = own.point.zip_map(&next.point, |a, b| choose(&a, &b));
-            own.curvature = own.curvature.zip_map(&next.curvature, |a, b| choose(&a, &b));
+            own.take(next, gain);
         }
     }
 

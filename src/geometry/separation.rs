@@ -7,26 +7,27 @@ use parry3d_f64::math::{Pose, Vector as Coordinates};
 use parry3d_f64::query::gjk::{CsoPoint, GJKResult, VoronoiSimplex, closest_points as gjk};
 use parry3d_f64::shape::SupportMap;
 
-/// A convex body in the base frame, by its points that are furthest in directions.
-pub trait Support {
-    /// A point of the body that is furthest in a direction.
-    fn furthest(&self, direction: &Vector3<f64>) -> Vector3<f64>;
-}
-
 /// A body as the library of the algorithm sees it.
-struct Body<'a, T>(&'a T);
+struct Body<'a>(&'a Placed<'a, f64, f64>);
 
-impl<T: Support> SupportMap for Body<'_, T> {
+impl SupportMap for Body<'_> {
     fn local_support_point(&self, direction: Coordinates) -> Coordinates {
         let [x, y, z] = self.0.furthest(&Vector3::new(direction.x, direction.y, direction.z)).into();
         Coordinates::new(x, y, z)
     }
 }
 
-/// The points of two bodies that are closest to each other, m; `None` if they touch or overlap. By the algorithm of
-/// Gilbert, Johnson and Keerthi.
-#[must_use]
-pub fn closest_points<A: Support, B: Support>(a: &A, b: &B) -> Option<[Vector3<f64>; 2]> {
+impl Placed<'_, f64, f64> {
+    /// A point of the body without its radius that is furthest in a direction.
+    fn furthest(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        let own = self.placement.map_or(*direction, |placement| placement.rotation.transpose() * direction);
+        placed_point(self.placement, &self.convex.furthest(&own))
+    }
+}
+
+/// The points of two bodies without their radii that are closest to each other, m; `None` if they touch or overlap. By
+/// the algorithm of Gilbert, Johnson and Keerthi.
+fn closest_points([a, b]: &[Placed<'_, f64, f64>; 2]) -> Option<[Vector3<f64>; 2]> {
     let (a, b) = (Body(a), Body(b));
     let here = Pose::IDENTITY;
     let mut simplex = VoronoiSimplex::new();
@@ -34,13 +35,6 @@ pub fn closest_points<A: Support, B: Support>(a: &A, b: &B) -> Option<[Vector3<f
     match gjk(&here, &a, &b, f64::MAX, true, &mut simplex) {
         GJKResult::ClosestPoints(p, q, _) => Some([p, q].map(|p| Vector3::new(p.x, p.y, p.z))),
         _ => None,
-    }
-}
-
-impl Support for Placed<'_, f64, f64> {
-    fn furthest(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        let own = self.placement.map_or(*direction, |placement| placement.rotation.transpose() * direction);
-        placed_point(self.placement, &self.convex.furthest(&own))
     }
 }
 
@@ -62,7 +56,7 @@ pub fn gap(bodies: &[Placed<'_, f64, f64>; 2]) -> Gap {
         distance: distance - radii[0] - radii[1],
         points: [p - n * radii[0], q + n * radii[1]],
     };
-    if let Some([p, q]) = closest_points(a, b) {
+    if let Some([p, q]) = closest_points(bodies) {
         let off = p - q;
         let distance = off.norm();
         if distance > 0.0 {

@@ -81,7 +81,10 @@ impl<'a, K: Constraint> Rows<'a, K> {
             let (of_torque, of_stage) = others.split_at_mut(torque.dim());
             Lanes::gather(states, first, &mut self.z);
             let placed = self.evaluator.at(&self.z[..2 * n])?;
-            let at = PlacedState { active_pairs: Some(ActivePairs::new(&self.active_pairs)), ..*placed.state() };
+            let at = PlacedState {
+                active_pairs: Some(ActivePairs::new(&self.active_pairs).independent()),
+                ..*placed.state()
+            };
             self.active.clear();
             state.value_of(&at, None, of_state, Some(&mut self.active))?;
             std::mem::swap(&mut self.active_pairs, &mut self.active);

@@ -134,7 +134,10 @@ impl<K: Constraint, P: CostWithControl> Rows<'_, K, P> {
             _ => None,
         };
         let (state, scales) = (&self.constraints.state, &self.attributes.scales);
-        let at = PlacedState { active_pairs: Some(ActivePairs::new(&active_pairs)), ..at };
+        // Values between the points are compared over time.
+        let pairs = ActivePairs::new(&active_pairs);
+        let pairs = if group.is_some() { pairs } else { pairs.independent() };
+        let at = PlacedState { active_pairs: Some(pairs), ..at };
         self.active.clear();
         state.value_of(&at, listed.map(RowList::new), &mut self.wide, Some(&mut self.active))?;
         std::mem::swap(&mut active_pairs, &mut self.active);

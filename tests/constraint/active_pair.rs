@@ -20,7 +20,8 @@ fn pairs_are_split_like_rows() {
     let (second, third) = rest.split_at(2);
     let known = |pairs: &ActivePairs<'_>| (0..9).filter(|row| pairs.plane(*row).is_some()).collect::<Vec<_>>();
     assert_eq!([first, second, third].map(|pairs| known(&pairs)), [vec![0, 2], vec![0, 1], vec![2]]);
-    assert_eq!(third.plane(2), Some(&plane(7)));
+    assert_eq!(third.plane(2), Some((&plane(7), true)));
+    assert_eq!(third.independent().split_at(0).1.plane(2), Some((&plane(7), false)));
 }
 
 /// The pairs of several constraints have the rows that these have among all.

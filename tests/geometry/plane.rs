@@ -39,7 +39,7 @@ proptest! {
             let moved = Placement::new(Rotation3::new(other * turn).into_inner() * at.rotation, at.translation);
             let nearby = [Placed { convex: &a, placement: Some(&moved) }, bodies[1]];
             let hint = Plane::between(&nearby, (|| away, None), WIDTHS, Until::Value).hint();
-            let from_hint = Plane::between(&bodies, (|| away, Some(&hint)), WIDTHS, Until::Derivatives);
+            let from_hint = Plane::between(&bodies, (|| away, Some((&hint, true))), WIDTHS, Until::Derivatives);
             prop_assert!((from_hint.gap - plane.gap).abs() < 1e-8, "{turn} {} {}", from_hint.gap, plane.gap);
             let off = from_hint.points[0] - plane.points[0];
             prop_assert!(off.norm() < 1e-5, "{turn} {off}");
@@ -53,6 +53,29 @@ proptest! {
         // With less than the gap asked for, the plane is one that has it.
         let enough = Plane::between(&bodies, (|| away, None), WIDTHS, Until::Gap(0.5 * plane.gap));
         prop_assert!(enough.gap >= 0.5 * plane.gap && enough.gap <= plane.gap + 1e-9);
+    }
+
+    /// Where bodies overlap, the plane is the same from any plane nearby that is not followed, and one that is followed
+    /// is at least as good as that across the direction of the search.
+    #[test]
+    fn planes_of_overlaps_are_followed_or_not((a, b) in (body(), body()), (at, to) in (placement(), placement())) {
+        let to = Placement::new(to.rotation, at.point(&a.ball().centre) + 0.1 * to.translation);
+        let bodies = [Placed { convex: &a, placement: Some(&at) }, Placed { convex: &b, placement: Some(&to) }];
+        let away = at.point(&a.ball().centre) - to.point(&b.ball().centre);
+        prop_assume!(away.norm() > 1e-3);
+        let anew = Plane::between(&bodies, (|| away, None), WIDTHS, Until::Value);
+        prop_assume!(anew.gap < 0.0);
+        for side in [Vector3::x(), Vector3::y(), -Vector3::z()] {
+            let far = Placement::new(to.rotation, to.translation + side);
+            let apart = [bodies[0], Placed { convex: &b, placement: Some(&far) }];
+            let hint = Plane::between(&apart, (|| -side, None), WIDTHS, Until::Value).hint();
+            let from = |follow| Plane::between(&bodies, (|| away, Some((&hint, follow))), WIDTHS, Until::Value);
+            prop_assert_eq!(from(false).gap, anew.gap);
+            let n = away.normalize();
+            let across = a.moved(&at).extent(&-n) - a.radius + b.moved(&to).extent(&n) - b.radius;
+            let most = across + WIDTHS[1] * (a.excess() + b.excess());
+            prop_assert!(from(true).gap >= -most - 1e-9, "{} {most}", from(true).gap);
+        }
     }
 
     /// Where bodies overlap, moving one of them along the normal by the depth separates them.

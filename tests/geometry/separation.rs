@@ -2,7 +2,7 @@
 
 use super::hull::{Point, beyond, points};
 use crate::common::config;
-use aghf::geometry::{ConvexPiece, Support, Triangle, closest_points};
+use aghf::geometry::{Convex, ConvexPiece, Gap, Placed, Triangle, gap};
 use proptest::prelude::*;
 
 pub fn distance_from_segment(p: &Point, a: &Point, b: &Point) -> f64 {
@@ -55,16 +55,6 @@ fn distance_by_features(a: &ConvexPiece, b: &ConvexPiece) -> f64 {
     least
 }
 
-/// The corners of a piece as a body.
-struct Body<'a>(&'a [Point]);
-
-impl Support for Body<'_> {
-    fn furthest(&self, direction: &Point) -> Point {
-        let furthest = self.0.iter().max_by(|a, b| direction.dot(a).total_cmp(&direction.dot(b)));
-        *furthest.expect("it has corners")
-    }
-}
-
 proptest! {
     #![proptest_config(config(256))]
 
@@ -76,7 +66,10 @@ proptest! {
     ) {
         let [a, b] = [a, b].map(|points| ConvexPiece::hull(&points).expect("finite"));
         let moved = ConvexPiece { corners: b.corners.iter().map(|c| c + Point::from(off)).collect(), ..b };
-        let Some([p, q]) = closest_points(&Body(&a.corners), &Body(&moved.corners)) else {
+        let bodies = [&a, &moved].map(|piece| Convex::of_corners(piece.corners.clone(), 0.0));
+        let [first, second] = bodies.each_ref().map(|convex| Placed { convex, placement: None });
+        let Gap { distance, points: [p, q] } = gap(&[first, second]);
+        if distance <= 0.0 {
             // No plane of a face separates them by more than rounding.
             let apart = |piece: &ConvexPiece, other: &ConvexPiece| {
                 let least = |[a, b, c]: Triangle| {
@@ -87,7 +80,7 @@ proptest! {
             };
             prop_assert!(apart(&a, &moved).max(apart(&moved, &a)) < 1e-7);
             return Ok(());
-        };
+        }
         prop_assert!(beyond(&a, &p) < 1e-9 && beyond(&moved, &q) < 1e-9);
         let by_features = distance_by_features(&a, &moved);
         prop_assert!(((p - q).norm() - by_features).abs() < 1e-9, "{} and {by_features}", (p - q).norm());

@@ -5,7 +5,7 @@ use super::clearance::{ALLOWANCE, Beside, Least, MAX_CLAIM, Model, Pair, lower};
 use crate::{Quantity, RobotShape, Scenario};
 use aghf::certify::Bernstein;
 use aghf::error::Result;
-use aghf::geometry::{ConvexPiece, PIECE_RADIUS, Shape, Support, closest_points};
+use aghf::geometry::{Convex, ConvexPiece, PIECE_RADIUS, Placed, Shape, Solid, gap, gap_to};
 use aghf::model::{Collision, CollisionShape};
 use aghf::scalar::AlgebraOver;
 use aghf::spatial::Placement;
@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 /// edge by a small share of the gaps of motions.
 const DECIMALS: f64 = 1e7;
 
-/// A shape of a link: a solid, or the corners of a convex piece of a mesh.
+/// A shape of a link: a solid, or a convex piece of a mesh.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     link: String,
@@ -23,7 +23,7 @@ pub(super) struct Part {
     /// The placement in the body; that of a piece is about the middle of the box of its corners.
     placement: Placement<f64>,
     solid: Option<Shape<f64>>,
-    corners: Vec<Vector3<f64>>,
+    convex: Option<Convex>,
 }
 
 /// The shapes of a robot.
@@ -52,14 +52,16 @@ pub(super) fn parts(scenario: &Scenario) -> Result<Option<Parts>> {
     let (mut all, mut pieces) = (Vec::new(), Vec::new());
     for (Collision { link, body, placement, shape }, own) in shapes.into_iter().chain(load.iter().map(|of| (of, None)))
     {
-        let part = |placement, solid, corners| Part { link: link.clone(), body: *body, placement, solid, corners };
-        if let CollisionShape::Solid(solid) = shape {
-            all.push(part(*placement, Some(*solid), Vec::new()));
+        let part = |placement, solid, convex| Part { link: link.clone(), body: *body, placement, solid, convex };
+        if let CollisionShape::Solid(shape) = *shape {
+            let convex = Convex::of_solid(&Solid { placement: Placement::identity(), shape });
+            all.push(part(*placement, Some(shape), convex));
         }
         for ConvexPiece { corners, .. } in own.into_iter().flatten() {
             let middle = middle(corners);
             let at = Placement::new(placement.rotation, placement.point(&middle));
-            all.push(part(at, None, corners.iter().map(|corner| corner - middle).collect()));
+            let about = corners.iter().map(|corner| corner - middle).collect();
+            all.push(part(at, None, Some(Convex::of_corners(about, PIECE_RADIUS))));
         }
         pieces.extend(own.cloned());
     }
@@ -101,8 +103,12 @@ pub(super) fn pairs(scenario: &Scenario, parts: &[Part], promise: Quantity) -> R
 }
 
 /// A shape on a piece of a motion: its placement there, and in the middle.
-struct Placed<'a> {
-    form: Form<'a>,
+struct Moving<'a> {
+    /// The solid; none of a convex piece.
+    solid: Option<Shape<f64>>,
+    /// The convex body in the frame of the shape, or that of an obstacle in the base frame; none of a half-space.
+    convex: Option<&'a Convex>,
+    is_obstacle: bool,
     at: Placement<Model>,
     middle: Placement<f64>,
     /// The radius of a ball about its centre that contains it, m.
@@ -111,49 +117,10 @@ struct Placed<'a> {
     way: f64,
 }
 
-#[derive(Clone, Copy)]
-enum Form<'a> {
-    Solid(Shape<f64>),
-    /// The corners of a convex piece.
-    Piece(&'a [Vector3<f64>]),
-}
-
-impl Form<'_> {
-    fn radius(&self) -> f64 {
-        match *self {
-            Self::Solid(Shape::Sphere { radius }) => radius,
-            Self::Solid(Shape::Cuboid { half_extents }) => half_extents.norm(),
-            Self::Solid(Shape::Cylinder { radius, half_length }) => radius.hypot(half_length),
-            Self::Solid(Shape::Capsule { radius, half_length }) => radius + half_length,
-            Self::Solid(Shape::HalfSpace) => f64::INFINITY,
-            Self::Piece(corners) => corners.iter().fold(0.0, |most, c| c.norm().max(most)) + PIECE_RADIUS,
-        }
-    }
-}
-
-impl Support for Placed<'_> {
-    fn furthest(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        let Placement { rotation, .. } = &self.middle;
-        let along = rotation.transpose() * direction;
-        let side = |x: f64, half: f64| half.copysign(x);
-        let unit = |v: Vector3<f64>| v.try_normalize(0.0).unwrap_or_else(Vector3::x);
-        let point = match self.form {
-            Form::Solid(Shape::Sphere { radius }) => unit(along) * radius,
-            Form::Solid(Shape::Cuboid { half_extents }) => along.zip_map(&half_extents, side),
-            Form::Solid(Shape::Capsule { radius, half_length }) => {
-                unit(along) * radius + Vector3::z() * side(along.z, half_length)
-            }
-            Form::Solid(Shape::Cylinder { radius, half_length }) => {
-                unit(Vector3::new(along.x, along.y, 0.0)) * radius + Vector3::z() * side(along.z, half_length)
-            }
-            // Its direction is known, so that it is not searched.
-            Form::Solid(Shape::HalfSpace) => Vector3::zeros(),
-            Form::Piece(corners) => {
-                let most = corners.iter().max_by(|a, b| along.dot(a).total_cmp(&along.dot(b)));
-                most.copied().unwrap_or_default()
-            }
-        };
-        self.middle.point(&point)
+impl Moving<'_> {
+    fn in_middle(&self) -> Option<Placed<'_, f64, f64>> {
+        let placement = (!self.is_obstacle).then_some(&self.middle);
+        self.convex.map(|convex| Placed { convex, placement })
     }
 }
 
@@ -162,7 +129,7 @@ pub(super) struct Shapes<'a> {
     basis: &'a Bernstein,
     left: f64,
     parts: &'a [Part],
-    placed: Vec<Placed<'a>>,
+    placed: Vec<Moving<'a>>,
     names: Vec<&'a str>,
 }
 
@@ -174,24 +141,28 @@ impl<'a> Shapes<'a> {
         bodies: &[Placement<Model>],
         left: f64,
     ) -> Self {
-        let place = |body: Option<usize>, own: &Placement<f64>, form: Form<'a>| {
+        let place = |body: Option<usize>, own: &Placement<f64>, solid, convex: Option<&'a Convex>, is_obstacle| {
             let at = match body {
                 Some(body) => bodies[body].compose_constant(own),
                 None => Placement::new(own.rotation.map(Model::constant), constant(&own.translation)),
             };
             let middle = |x: Model| x.coefficients()[0];
-            Placed {
-                form,
+            Moving {
+                solid,
+                convex,
+                is_obstacle,
                 middle: Placement::new(at.rotation.map(middle), at.translation.map(middle)),
-                radius: form.radius(),
+                radius: convex.map_or(f64::INFINITY, |convex| convex.ball().radius),
                 way: at.translation.map(|x| x.variation() + (1.0 + left) * x.radius()).norm(),
                 at,
             }
         };
         let obstacles = scenario.scene.obstacles();
-        let form = |part: &'a Part| part.solid.map_or(Form::Piece(&part.corners), Form::Solid);
-        let of_robot = parts.iter().map(|part| place(part.body, &part.placement, form(part)));
-        let of_world = obstacles.iter().map(|o| place(None, &o.solid.placement, Form::Solid(o.solid.shape)));
+        let of_robot = parts.iter().map(|of| place(of.body, &of.placement, of.solid, of.convex.as_ref(), false));
+        let of_world = obstacles.iter().zip(scenario.scene.forms()).map(|(obstacle, convex)| {
+            let Solid { placement, shape } = &obstacle.solid;
+            place(None, placement, Some(*shape), convex.as_ref(), true)
+        });
         Self {
             basis,
             left,
@@ -274,16 +245,20 @@ impl<'a> Shapes<'a> {
     /// The shortest way from one shape to the other in the middle; zero where they overlap.
     fn towards(&self, of: [usize; 2]) -> Vector3<f64> {
         let [a, b] = of.map(|i| &self.placed[i]);
-        if self.is_half_space(of[1]) {
-            let normal = b.middle.rotation.column(2).into_owned();
-            let distance = normal.dot(&(a.furthest(&-normal) - b.middle.translation));
-            return -normal * distance.max(0.0);
-        }
-        closest_points(a, b).map_or_else(Vector3::zeros, |[p, q]| q - p)
+        let Some(first) = a.in_middle() else {
+            return Vector3::zeros();
+        };
+        let Some(second) = b.in_middle() else {
+            let half_space = Solid { placement: b.middle, shape: Shape::HalfSpace };
+            let distance = gap_to(&first, (&half_space, None)).distance;
+            return -b.middle.rotation.column(2) * distance.max(0.0);
+        };
+        let found = gap(&[first, second]);
+        if found.distance > 0.0 { found.points[1] - found.points[0] } else { Vector3::zeros() }
     }
 
     fn is_half_space(&self, of: usize) -> bool {
-        matches!(self.placed[of].form, Form::Solid(Shape::HalfSpace))
+        self.placed[of].convex.is_none()
     }
 
     /// A lower bound on the distance between two shapes in a direction from one to the other, less the margin and the
@@ -296,13 +271,11 @@ impl<'a> Shapes<'a> {
         let sides = [(a, -*n), (b, *n)];
         let mut corners = None;
         for (shape, n) in &sides {
-            let own = match shape.form {
-                Form::Piece(own) => own,
-                Form::Solid(solid) => {
-                    gap -= extent(&solid, &shape.at, n);
-                    continue;
-                }
-            };
+            if let Some(solid) = &shape.solid {
+                gap -= extent(solid, &shape.at, n);
+                continue;
+            }
+            let own = shape.convex.map_or(&[][..], Convex::corners);
             radius += PIECE_RADIUS;
             let along = shape.at.rotation.transpose() * n;
             if let Some((before, own_before)) = corners.replace((along, own)) {
