@@ -16,7 +16,8 @@ use nalgebra::Vector3;
 /// The distance beyond its margin from which on bodies no longer act, relative to the radius of the largest one.
 const FAR: f64 = 0.35;
 
-/// The share of the cutoff within which a row is exact along a search.
+/// The share of the cutoff within which a row is exact along a search: at least that of the working set, whose default
+/// is the same.
 const EXACT: f64 = 0.5;
 
 /// The least width, and the ratio of one to the next larger one, for pairs that are near each other at an end.
@@ -164,7 +165,7 @@ impl<C: Scalar> ConvexClearance<C> {
     }
 
     /// The best plane of a pair, and its gap less the radii and the margin, m, or one with a gap that is enough: from
-    /// the normal of a plane at a state nearby, if there is one.
+    /// a plane at a state nearby, if there is one, which is followed where the bodies overlap if it comes with `true`.
     pub(crate) fn plane<S: AlgebraOver<C>>(
         &self,
         row: usize,

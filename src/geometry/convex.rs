@@ -223,11 +223,11 @@ impl<C: Scalar> Convex<C> {
         &self,
         direction: &Vector3<S>,
         width: f64,
-        near: Option<&Vector3<S>>,
+        known_point: Option<&Vector3<S>>,
     ) -> Extent<S> {
         // A disc is not part of the hull of the corners.
-        let near = near.filter(|_| self.disc.is_none());
-        let most = Cell::new(match near {
+        let known_point = known_point.filter(|_| self.disc.is_none());
+        let most = Cell::new(match known_point {
             Some(point) => dot(direction, point),
             None => along(direction, &self.corners[0]),
         });
@@ -239,7 +239,7 @@ impl<C: Scalar> Convex<C> {
             raise(middle);
             is_below
         };
-        if near.is_none() {
+        if known_point.is_none() {
             self.search(is_below, |_, corner| raise(along(direction, corner)));
         }
         let floor = most.get() - S::from_f64(DEPTH * width);

@@ -38,8 +38,8 @@ impl<'a, C: Scalar, S: AlgebraOver<C>> Placed<'a, C, S> {
             let off = direction - known.direction;
             is_nowhere_negative(S::from_f64(NEAR) - dot(&off, &off))
         };
-        let near = known.filter(is_near).map(|known| &known.extent.point);
-        OwnExtent { direction, extent: self.convex.smoothed(&direction, width, near) }
+        let point = known.filter(is_near).map(|known| &known.extent.point);
+        OwnExtent { direction, extent: self.convex.smoothed(&direction, width, point) }
     }
 
     /// An extent in the frame of the body, in the base frame.

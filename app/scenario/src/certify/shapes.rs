@@ -158,7 +158,8 @@ impl<'a> Shapes<'a> {
             }
         };
         let obstacles = scenario.scene.obstacles();
-        let of_robot = parts.iter().map(|of| place(of.body, &of.placement, of.solid, of.convex.as_ref(), false));
+        let of_robot =
+            parts.iter().map(|part| place(part.body, &part.placement, part.solid, part.convex.as_ref(), false));
         let of_world = obstacles.iter().zip(scenario.scene.forms()).map(|(obstacle, convex)| {
             let Solid { placement, shape } = &obstacle.solid;
             place(None, placement, Some(*shape), convex.as_ref(), true)

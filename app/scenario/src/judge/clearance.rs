@@ -45,7 +45,7 @@ struct Surroundings<'a> {
     paths: Vec<Vec<usize>>,
     obstacles: &'a [Obstacle],
     /// The convex forms of the obstacles; `None` for half-spaces.
-    forms: Vec<Option<Convex>>,
+    forms: &'a [Option<Convex>],
     intervals: &'a Intervals,
 }
 
@@ -56,7 +56,7 @@ pub(super) fn clearances(scenario: &Scenario, intervals: &Intervals, overlap: f6
     let scene = Surroundings {
         paths: trees.iter().map(|t| carriers(model, t.body)).collect(),
         obstacles: scenario.scene.obstacles(),
-        forms: scenario.scene.obstacles().iter().map(|obstacle| Convex::of_solid(&obstacle.solid)).collect(),
+        forms: scenario.scene.forms(),
         trees,
         parts: &scenario.scene.robot().parts,
         intervals,
