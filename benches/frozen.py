@@ -16,6 +16,7 @@ import argparse
 import json
 import os
 import random
+import shutil
 import statistics
 import subprocess
 import sys
@@ -62,13 +63,16 @@ def record(aghf: Path, file: Path) -> None:
             paths.append(str(path))
         for problem in names + paths:
             out = Path(folder, "out")
+            shutil.rmtree(out, ignore_errors=True)
             run = subprocess.run([aghf, "solve", problem, "--out", out, "--force"], env=environment, text=True,
                                  capture_output=True)
             name = Path(problem).stem
             if run.returncode not in (0, 3):
                 found[name] = {"verdict": run.stderr.strip().splitlines()[-1].replace(folder, "")}
                 continue
-            summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+            # One that is not valid has another name.
+            (written,) = out.glob("summary*.json")
+            summary = json.loads(written.read_text(encoding="utf-8"))
             keys = {"verdict": "verdict", "cost": "cost", "seconds": "solve_seconds", "iterations": "iterations"}
             found[name] = {key: summary.get(of) for key, of in keys.items()}
             print(name, *found[name].values(), flush=True)

@@ -27,6 +27,7 @@ from ._goal import Goal
 from ._judge import judge
 from ._model import Model
 from ._native import _aghf
+from ._nlp import Program, ProgramSolution, solve_nlp
 from ._pinocchio import pinocchio_configuration
 from ._solve import InputError, Samples, Solution, Tradeoff, solve, solve_many, sweep, tradeoff
 from ._table import Table
@@ -43,6 +44,8 @@ __all__ = [
     "Goal",
     "InputError",
     "Model",
+    "Program",
+    "ProgramSolution",
     "RunningCost",
     "Samples",
     "Solution",
@@ -77,6 +80,7 @@ __all__ = [
     "rnea_weighted_hessian",
     "solve",
     "solve_many",
+    "solve_nlp",
     "sweep",
     "tradeoff",
 ]

@@ -24,7 +24,7 @@ impl Raised {
     }
 
     /// Keeps the exception of a result and returns an error in its place.
-    fn keep<T>(&self, result: PyResult<T>, what: &str) -> Result<T> {
+    pub fn keep<T>(&self, result: PyResult<T>, what: &str) -> Result<T> {
         result.map_err(|error| {
             let stand_in = Error::input("Python", what, error.to_string());
             let mut first = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -35,7 +35,7 @@ impl Raised {
 }
 
 /// An array returned by Python, which must have this shape.
-fn array<'py>(of: &Bound<'py, PyAny>, name: &str, shape: &[usize]) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
+pub fn array<'py>(of: &Bound<'py, PyAny>, name: &str, shape: &[usize]) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
     let array: PyReadonlyArrayDyn<'py, f64> = of.extract()?;
     if array.shape() != shape {
         let found = array.shape();

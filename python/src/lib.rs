@@ -10,6 +10,7 @@ mod flow;
 mod inverse_kinematics;
 mod model;
 mod motion;
+mod nlp;
 mod signals;
 mod solve;
 mod tracker;
@@ -28,6 +29,7 @@ fn _aghf(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(inverse_kinematics::inverse_kinematics, module)?)?;
     module.add_function(wrap_pyfunction!(motion::judge, module)?)?;
     flow::add_to(module)?;
+    module.add_function(wrap_pyfunction!(nlp::solve_nlp, module)?)?;
     solve::add_to(module)?;
     experiments::add_to(module)
 }

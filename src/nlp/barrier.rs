@@ -1,6 +1,6 @@
 //! The barrier parameter and its update.
 
-use super::{Options, Progress, State};
+use super::{Options, Progress, Row, RowState, State};
 use std::fmt::Debug;
 
 /// The parameters of the barrier function.
@@ -26,8 +26,6 @@ pub struct BarrierState {
     pub decrease: f64,
     /// The fraction of that step that was taken: more than 1 along negative curvature.
     pub alpha: f64,
-    /// True if there are equalities, whose multipliers are updated with the barrier parameter.
-    pub has_equalities: bool,
     /// The number of iterations since the barrier function last decreased by more than `mu`.
     pub stalled: usize,
 }
@@ -46,7 +44,6 @@ impl BarrierState {
             complementarity: state.measure * state.iterate.gap() / scale,
             decrease: decrease / scale,
             alpha: state.progress.alpha,
-            has_equalities: !state.iterate.equalities.is_empty(),
             stalled: state.stalled,
         }
     }
@@ -72,27 +69,24 @@ pub struct Monotone {
     /// The exponent $\theta$ of a superlinear reduction: 1.5 as in WB.
     pub power: f64,
     /// The predicted decrease, relative to the barrier parameter summed over all rows, below which that parameter is
-    /// reduced, without and with equalities: updates of their multipliers need a more accurate minimum (NW, framework
-    /// 17.3).
-    pub done: [f64; 2],
-    /// The number of iterations without a decrease by more than that parameter after which it is also reduced, if there
-    /// are no equalities. Rows with kinks, such as the distance of two covers, keep the predicted decrease large where
-    /// steps across them are short (tuned on 53 problems of Fetch, UR5, Baxter and Panda: 5 or 15 gain half as much or
-    /// less; 18 of a UR5 with its meshes take a fifth fewer iterations).
+    /// reduced.
+    pub done: f64,
+    /// The number of iterations without a decrease by more than that parameter after which it is also reduced. Rows
+    /// with kinks, such as the distance of two covers, keep the predicted decrease large where steps across them are
+    /// short (tuned on 53 problems of Fetch, UR5, Baxter and Panda: 5 or 15 gain half as much or less; 18 of a UR5 with
+    /// its meshes take a fifth fewer iterations).
     pub stalled: usize,
 }
 
 impl Default for Monotone {
     fn default() -> Self {
-        Self { factor: 0.2, power: 1.5, done: [1.0, 0.1], stalled: 8 }
+        Self { factor: 0.2, power: 1.5, done: 1.0, stalled: 8 }
     }
 }
 
 impl BarrierUpdate for Monotone {
     fn is_solved(&self, state: &BarrierState) -> bool {
-        let done = self.done[usize::from(state.has_equalities)];
-        let stalled = !state.has_equalities && state.stalled >= self.stalled;
-        state.decrease <= done * state.mu || stalled
+        state.decrease <= self.done * state.mu || state.stalled >= self.stalled
     }
 
     fn next(&self, state: &BarrierState) -> f64 {
@@ -101,6 +95,31 @@ impl BarrierUpdate for Monotone {
 }
 
 impl Barrier {
+    /// The slack and the elastic variable that minimise the barrier function for a value of the row.
+    pub fn split(&self, row: &Row, h: f64, nu: f64) -> [f64; 2] {
+        // The minimum is that of one penalty for the sum of both.
+        let mu = if row.is_equality { self.mu } else { 2.0 * self.mu };
+        let product = h * nu;
+        let root = product.hypot(mu);
+        // The root less the product and the root and the product, none of which loses digits.
+        let large = root + product.abs();
+        let small = mu * (mu / large);
+        let (less, more) = if product > 0.0 { (small, large) } else { (large, small) };
+        [(mu + less) * 0.5 / nu, (mu + more) * 0.5 / nu]
+    }
+
+    /// The state of a row with a value, as [`split`](Self::split), and the more accurate one of two multipliers.
+    pub fn central(&self, row: Row, h: f64, nu: f64) -> RowState {
+        let mu = self.mu;
+        if nu == f64::INFINITY {
+            return RowState { row, slack: -h, elastic: 0.0, multiplier: -mu / h, penalty: nu };
+        }
+        let [slack, elastic] = self.split(&row, h, nu);
+        let state = RowState { row, slack, elastic, multiplier: 0.0, penalty: nu };
+        let multiplier = if slack > elastic { state.least() + mu / slack } else { nu - mu / elastic };
+        RowState { multiplier, ..state }
+    }
+
     /// The parameters for a barrier parameter summed over all rows and relative to the objective.
     pub(super) fn of_total(total: f64, state: &State, options: &Options) -> Self {
         Self {

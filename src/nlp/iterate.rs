@@ -1,26 +1,20 @@
 //! Slacks, elastic variables and multipliers of the rows.
 
-use super::{Barrier, Equality, Options, Row, RowState, RowStep, Term};
+use super::{Barrier, Options, Row, RowState, RowStep, Term};
 
-/// The fraction of its violation that an equality may keep from one update to the next before its penalty grows: 1/4 as
-/// in NW, framework 17.3.
-const PROGRESS: f64 = 0.25;
+/// The part of a violation that is left after a step that hardly decreases it.
+const HARDLY: f64 = 0.9;
 
-/// The inequalities of the working set and the equalities, with their multipliers. Equalities have the terms
-/// $\lambda h + \tfrac12 \rho h^2$ of an augmented Lagrangian (NW 17.3), and steps are those of the primal-dual
-/// equations $\nabla f + y \nabla h = 0$, $y = \lambda + \rho h$ (Gill and Robinson, *A primal-dual augmented
-/// Lagrangian*, 2012): second derivatives have the weight $y$. With the weight $\lambda + \rho h$ a curved row would
-/// make the Hessian indefinite, and $\lambda$ is out of date until the barrier parameter changes.
+/// The rows of the working set with their multipliers.
 #[derive(Debug)]
 pub struct Iterate {
-    /// The inequalities of the working set, by their indices.
+    /// The rows of the working set, by their indices.
     pub working: Vec<RowState>,
     /// Memory for the next working set.
     spare: Vec<RowState>,
-    pub equalities: Vec<Equality>,
-    /// The largest equality at the last update of their multipliers.
-    before: f64,
     pub barrier: Barrier,
+    /// The least change of a row per change of its multiplier in the condensed equations.
+    pub compliance: f64,
     /// The factor, from 0 to 1, of the second derivatives of [curved](Row::is_curved) inequalities in the Hessian.
     pub curvature_weight: f64,
     /// The number of successive steps with a multiple of the norm and without any of these derivatives.
@@ -31,42 +25,40 @@ pub struct Iterate {
 
 impl Default for Iterate {
     fn default() -> Self {
-        Self::new(Barrier::default(), Vec::new())
+        Self::new(Barrier::default())
     }
 }
 
 // By hand, so that the memory of the copy is kept.
 impl Clone for Iterate {
     fn clone(&self) -> Self {
-        let mut clone = Self::new(self.barrier, Vec::new());
+        let mut clone = Self::new(self.barrier);
         clone.clone_from(self);
         clone
     }
 
     fn clone_from(&mut self, from: &Self) {
         self.working.clone_from(&from.working);
-        self.equalities.clone_from(&from.equalities);
-        (self.before, self.barrier) = (from.before, from.barrier);
+        (self.barrier, self.compliance) = (from.barrier, from.compliance);
         (self.curvature_weight, self.without_curvature) = (from.curvature_weight, from.without_curvature);
         self.is_lagrangian = from.is_lagrangian;
     }
 }
 
 impl Iterate {
-    pub fn new(barrier: Barrier, equalities: Vec<Equality>) -> Self {
+    pub fn new(barrier: Barrier) -> Self {
         Self {
             working: Vec::new(),
             spare: Vec::new(),
-            equalities,
-            before: f64::INFINITY,
             barrier,
+            compliance: 0.0,
             curvature_weight: 1.0,
             without_curvature: 0,
             is_lagrangian: false,
         }
     }
 
-    /// The multipliers by the indices of their rows, up to `count`; zero for inequalities outside the working set.
+    /// The multipliers by the indices of their rows, up to `count`; zero for those outside the working set.
     #[must_use]
     pub fn multipliers(&self, count: usize) -> Vec<f64> {
         let mut all = Vec::new();
@@ -79,9 +71,6 @@ impl Iterate {
         all.clear();
         all.resize(count, 0.0);
         for of in &self.working {
-            all[of.row.at] = of.multiplier;
-        }
-        for of in &self.equalities {
             all[of.row.at] = of.multiplier;
         }
     }
@@ -112,23 +101,19 @@ impl Iterate {
         raised
     }
 
-    /// The slack and the elastic variable that minimise the barrier function for a value of the row.
-    pub fn split(&self, h: f64, nu: f64) -> [f64; 2] {
-        let mu = self.barrier.mu;
-        let product = h * nu;
-        let root = product.hypot(2.0 * mu);
-        // The root less the product and the root and the product, none of which loses digits.
-        let large = root + product.abs();
-        let small = 4.0 * mu * (mu / large);
-        let (less, more) = if product > 0.0 { (small, large) } else { (large, small) };
-        [(2.0 * mu + less) * 0.5 / nu, (2.0 * mu + more) * 0.5 / nu]
-    }
-
-    /// The state of a row with a value, as [`split`](Self::split), and the more accurate one of two multipliers.
-    fn central(&self, row: Row, h: f64, nu: f64) -> RowState {
-        let mu = self.barrier.mu;
-        let [s, t] = self.split(h, nu);
-        RowState { row, slack: s, elastic: t, multiplier: if s > t { mu / s } else { nu - mu / t }, penalty: nu }
+    /// Raises the penalties of violated rows whose multipliers have nearly reached them and whose violation has hardly
+    /// decreased in a step, at most to `largest`; returns true if one is raised (Byrd, Nocedal and Waltz, *Steering
+    /// exact penalty methods for nonlinear programming*, 2008, by the step that was taken).
+    pub fn steer(&mut self, before: &[f64], h: &[f64], options: &Options, largest: f64) -> bool {
+        let mut raised = false;
+        for state in &mut self.working {
+            let [old, new] = [before, h].map(|h| state.row.violation(h[state.row.at]));
+            if new > HARDLY * old && state.needs_penalty(h, options.feasible) && state.penalty < largest {
+                state.penalty = (options.row_penalty_factor * state.penalty).min(largest);
+                raised = true;
+            }
+        }
+        raised
     }
 
     /// Replaces the working set by rows in ascending order. Those that were in it keep their state; new ones have the
@@ -141,16 +126,16 @@ impl Iterate {
             while before.next_if(|known| known.row.at < row.at).is_some() {}
             match before.next_if(|known| known.row.at == row.at) {
                 Some(known) => RowState { row: *row, ..known },
-                None => self.central(*row, h[row.at], self.barrier.nu),
+                None => self.barrier.central(*row, h[row.at], row.stiffness * self.barrier.nu),
             }
         }));
         self.spare = std::mem::replace(&mut self.working, states);
     }
 
-    /// Begins without rows but for these equalities.
-    pub(crate) fn restart(&mut self, barrier: Barrier, equalities: Vec<Equality>) {
+    /// Begins without rows.
+    pub(crate) fn restart(&mut self, barrier: Barrier) {
         self.working.clear();
-        (self.equalities, self.before, self.barrier) = (equalities, f64::INFINITY, barrier);
+        self.barrier = barrier;
         self.curvature_weight = 1.0;
     }
 
@@ -159,46 +144,29 @@ impl Iterate {
     /// to the [largest warm slack](Options::largest_warm_slack), and its penalty is raised to its
     /// [multiple](Options::row_penalty_of_multipliers) of the multiplier.
     pub fn set_multipliers(&mut self, known: &[f64], h: &[f64], options: &Options) {
-        let mu = self.barrier.mu;
+        let (barrier, mu) = (self.barrier, self.barrier.mu);
         for state in &mut self.working {
             let at = state.row.at;
             let Some(z) = known.get(at).filter(|known| **known != 0.0) else {
                 continue;
             };
-            let slack = (mu / z).min(options.largest_warm_slack);
-            if slack > state.slack {
-                state.slack = slack;
-                state.elastic = h[at] + slack;
+            let factor = match state.row.is_equality {
+                true => options.equality_penalty_of_multipliers,
+                false => options.row_penalty_of_multipliers,
+            };
+            state.penalty = state.penalty.max(factor * z.abs());
+            if state.row.is_equality {
+                *state = barrier.central(state.row, h[at], state.penalty);
+            } else {
+                let slack = (mu / z).min(options.largest_warm_slack);
+                if slack > state.slack {
+                    state.slack = slack;
+                    state.elastic = h[at] + slack;
+                }
             }
-            state.penalty = state.penalty.max(options.row_penalty_of_multipliers * z);
             state.multiplier = *z;
             state.safeguard(mu, options.multiplier_range);
         }
-        for equality in &mut self.equalities {
-            equality.multiplier = known.get(equality.row.at).copied().unwrap_or(0.0);
-            equality.estimate = equality.multiplier;
-        }
-    }
-
-    /// Updates the multipliers of equalities, $\lambda \leftarrow \lambda + \rho h$, and multiplies their penalties by
-    /// `factor`, at most to `largest`, if the largest equality exceeds its tolerance and is more than a quarter of the
-    /// one before (NW, framework 17.3).
-    pub fn update_equalities(&mut self, h: &[f64], factor: f64, largest: f64, feasible: f64) {
-        let mut most = 0.0_f64;
-        for equality in &mut self.equalities {
-            let value = h[equality.row.at];
-            equality.multiplier += equality.penalty * value;
-            equality.estimate = equality.multiplier;
-            most = most.max(value.abs());
-        }
-        if most > feasible && most > PROGRESS * self.before {
-            for equality in &mut self.equalities {
-                let now = equality.penalty;
-                // The objective may have been far smaller when the penalties were first set.
-                equality.penalty = (factor * now).min(largest.max(now));
-            }
-        }
-        self.before = most;
     }
 
     /// Replaces slacks and elastic variables by the best ones for these values of the rows.
@@ -206,7 +174,7 @@ impl Iterate {
         self.barrier = barrier;
         for k in 0..self.working.len() {
             let RowState { row, penalty, .. } = self.working[k];
-            self.working[k] = self.central(row, h[row.at], penalty);
+            self.working[k] = barrier.central(row, h[row.at], penalty);
         }
     }
 
@@ -238,15 +206,16 @@ impl Iterate {
     pub fn update_multipliers(&mut self, h: &[f64], range: f64) {
         let mu = self.barrier.mu;
         for k in 0..self.working.len() {
-            let slope = self.term(&self.working[k], h[self.working[k].row.at]).slope;
-            self.working[k].multiplier = slope.clamp(0.0, self.working[k].penalty);
+            let state = &self.working[k];
+            let slope = self.term(state, h[state.row.at]).slope;
+            self.working[k].multiplier = slope.clamp(state.least(), state.penalty);
             self.working[k].safeguard(mu, range);
         }
     }
 
     /// The sum of the products of slacks and multipliers, without the measure.
     pub fn gap(&self) -> f64 {
-        let product = |of: &RowState| of.row.weight * of.slack * of.multiplier;
+        let product = |of: &RowState| of.row.weight * of.slack * of.distances()[0];
         self.working.iter().map(product).sum()
     }
 
@@ -268,59 +237,50 @@ impl Iterate {
         };
     }
 
-    /// The terms of an inequality of this value.
+    /// The terms of a row of this value.
     pub fn term(&self, state: &RowState, h: f64) -> Term {
-        let mu = self.barrier.mu;
-        let RowState { slack: s, elastic: t, multiplier: z, penalty: nu, .. } = *state;
+        let (mu, z, [below, above]) = (self.barrier.mu, state.multiplier, state.distances());
         let curvature = self.curvature(state);
         let multiplier = if state.row.is_curved { self.curvature_weight * z } else { z };
         if self.is_lagrangian {
             return Term { slope: z, curvature, multiplier, cost: 0.0 };
         }
         Term {
-            slope: z + curvature * (h + mu / z - mu / (nu - z)),
+            slope: z + curvature * (h + mu / below - mu / above),
             curvature,
             multiplier,
-            cost: nu * t - mu * (s * t).ln(),
+            cost: state.barrier_term(mu),
         }
     }
 
-    /// The terms of an equality of this value.
-    #[inline]
-    pub fn equality_term(&self, equality: &Equality, h: f64) -> Term {
-        let (lambda, rho) = (equality.multiplier, equality.penalty);
-        Term {
-            slope: lambda + rho * h,
-            curvature: rho,
-            multiplier: equality.estimate,
-            cost: (lambda + 0.5 * rho * h) * h,
-        }
-    }
-
-    /// The weight of the product of the gradient of a row with itself, $1 / (s / \lambda + t / (\nu - \lambda))$.
+    /// The weight of the product of the gradient of a row with itself,
+    /// $1 / (s / (\lambda - \underline\lambda) + t / (\nu - \lambda))$.
     #[inline]
     fn curvature(&self, state: &RowState) -> f64 {
-        let RowState { slack: s, elastic: t, multiplier: z, penalty: nu, .. } = *state;
-        let upper = nu - z;
-        z * upper / (s * upper + t * z)
+        let (RowState { slack: s, elastic: t, .. }, [below, above]) = (*state, state.distances());
+        let least = if state.row.is_equality { self.compliance } else { 0.0 };
+        1.0 / (s / below + t / above + least)
     }
 
-    /// The Newton step of an inequality that changes by `change`.
+    /// The Newton step of a row that changes by `change`.
     #[inline]
     pub fn step(&self, state: &RowState, h: f64, change: f64) -> RowStep {
-        let mu = self.barrier.mu;
-        let RowState { slack: s, elastic: t, multiplier: z, penalty: nu, .. } = *state;
-        let upper = nu - z;
-        let multiplier = self.curvature(state) * (h + change + mu / z - mu / upper);
-        RowStep { slack: mu / z - s - s / z * multiplier, elastic: mu / upper - t + t / upper * multiplier, multiplier }
+        let (mu, [below, above]) = (self.barrier.mu, state.distances());
+        let RowState { slack: s, elastic: t, .. } = *state;
+        let multiplier = self.curvature(state) * (h + change + mu / below - mu / above);
+        RowStep {
+            slack: mu / below - s - s / below * multiplier,
+            elastic: mu / above - t + t / above * multiplier,
+            multiplier,
+        }
     }
 
     /// The curvature of slack and elastic variable along a step, and the part of it in the condensed matrix.
     #[inline]
     pub fn bend(&self, state: &RowState, step: &RowStep, change: f64) -> [f64; 2] {
-        let RowState { slack: s, elastic: t, multiplier: z, penalty: nu, .. } = *state;
-        let upper = nu - z;
-        let own = z / s * step.slack * step.slack + upper / t * step.elastic * step.elastic;
+        let (RowState { slack: s, elastic: t, .. }, [below, above]) = (*state, state.distances());
+        let elastic = if state.is_hard() { 0.0 } else { above / t * step.elastic * step.elastic };
+        let own = below / s * step.slack * step.slack + elastic;
         [own, self.curvature(state) * change * change]
     }
 
@@ -333,16 +293,10 @@ impl Iterate {
     }
 
     /// The terms of all rows in the barrier function for these measures of rows.
-    pub fn barrier_terms(&self, h: &[f64], measure: impl Fn(usize) -> f64) -> f64 {
+    pub fn barrier_terms(&self, measure: impl Fn(usize) -> f64) -> f64 {
         let (mut sum, mu) = (MeasuredSum::default(), self.barrier.mu);
         for of in &self.working {
-            let term = of.penalty * of.elastic - mu * (of.slack * of.elastic).ln();
-            sum.add(measure(of.row.at), of.row.weight * term);
-        }
-        for equality in &self.equalities {
-            let row = equality.row;
-            let term = self.equality_term(equality, h[row.at]).cost;
-            sum.add(measure(row.at), row.weight * term);
+            sum.add(measure(of.row.at), of.row.weight * of.barrier_term(mu));
         }
         sum.total()
     }

@@ -267,6 +267,11 @@ impl Kkt {
         Some(Step { x, slope })
     }
 
+    /// Replaces `b` by the solution for the matrix of the last step.
+    pub(super) fn solve(&self, b: &mut DVector<f64>) {
+        self.factor.solve(b);
+    }
+
     /// Keeps the memory of a step.
     pub fn reuse(&mut self, step: Step) {
         self.memory.step = step.x;

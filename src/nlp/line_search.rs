@@ -27,7 +27,10 @@ pub(super) fn line_search<P: Nlp>(
     trial.iterate.clone_from(&state.iterate);
     trial.set_tangent(problem, state, step, options)?;
     let whole = options.longest_step / state.progress.step;
-    let first = problem.max_step_fraction(&state.x, &step.x).min(whole);
+    let allowed = problem.max_step_fraction(&state.x, &step.x);
+    let first = allowed.min(whole);
+    // Without a longest step only bounds limit a step, which say nothing about the quadratic model.
+    let model = if whole.is_finite() { 1.0 } else { allowed };
     let (mut alpha, mut predicted) = (first, f64::NAN);
     for _ in 0..options.max_backtracks {
         let f = trial.evaluate(problem, state, &step.x, alpha)?;
@@ -39,7 +42,18 @@ pub(super) fn line_search<P: Nlp>(
             let after = trial.merit(problem, f);
             let (gained, rounding) = (highest - after, ROUNDING * before.abs().max(f.abs()));
             let hidden = gained.abs() <= rounding && (alpha * slope).abs() <= rounding;
-            if hidden || gained >= -options.sufficient_decrease * alpha * slope {
+            let mut is_taken = hidden || gained >= -options.sufficient_decrease * alpha * slope;
+            let (mut f, mut after) = (f, after);
+            if !is_taken && alpha == first && trial.correct(problem, state, step, alpha)? {
+                // The Maratos effect (NW 15.6, WB 2.4).
+                f = problem.value(&trial.x, &mut trial.h)?;
+                if f.is_finite() {
+                    let slope = step.slope + trial.take(problem, state, alpha, options);
+                    after = trial.merit(problem, f);
+                    is_taken = highest - after >= -options.sufficient_decrease * alpha * slope;
+                }
+            }
+            if is_taken {
                 let mut end = End { alpha, f, trial, merit: after };
                 if alpha == first {
                     let mut longer = std::mem::take(&mut state.longer);
@@ -47,6 +61,7 @@ pub(super) fn line_search<P: Nlp>(
                     state.longer = longer;
                 }
                 state.progress.alpha = end.alpha;
+                state.taken = end.alpha / model;
                 state.move_to(problem, end.f, end.trial, options);
                 return Ok(Some(predicted));
             }
@@ -54,7 +69,7 @@ pub(super) fn line_search<P: Nlp>(
         alpha *= options.backtracking;
     }
     state.trial = trial;
-    state.progress.alpha = 0.0;
+    (state.progress.alpha, state.taken) = (0.0, 0.0);
     Ok(None)
 }
 
@@ -113,7 +128,7 @@ impl End {
 pub(super) struct Trial {
     x: DVector<f64>,
     h: Vec<f64>,
-    /// The changes of the linearised rows of the working set, then of the equalities, along the whole step.
+    /// The changes of the linearised rows of the working set along the whole step.
     tangent: Vec<f64>,
     pub iterate: Iterate,
 }
@@ -126,10 +141,29 @@ impl Trial {
         problem.value(&self.x, &mut self.h)
     }
 
+    /// Moves the end of a fraction of a step by a second-order correction for the change of the rows beyond the linear
+    /// one; returns false if the problem has no gradients of single rows.
+    fn correct<P: Nlp>(&mut self, problem: &mut P, state: &State, step: &Step, alpha: f64) -> Result<bool> {
+        let (from, mut weights) = (&state.iterate, Vec::new());
+        for (of, tangent) in from.working.iter().zip(&self.tangent) {
+            let at = of.row.at;
+            let beyond = self.h[at] - state.h[at] - alpha * tangent;
+            let measure = problem.row_measure(&state.x, at);
+            weights.push((at, measure * of.row.weight * from.term(of, state.h[at]).curvature * beyond));
+        }
+        let mut correction = DVector::zeros(step.x.len());
+        if !problem.add_row_gradients(&state.x, &weights, &mut correction)? {
+            return Ok(false);
+        }
+        state.kkt.solve(&mut correction);
+        self.x -= correction;
+        Ok(self.x.iter().all(|x| x.is_finite()) && problem.max_step_fraction(&state.x, &(&self.x - &state.x)) >= 1.0)
+    }
+
     /// Sets the changes of the linearised rows along a step: those over a short part of it, relative to that.
     fn set_tangent<P: Nlp>(&mut self, problem: &mut P, state: &State, step: &Step, options: &Options) -> Result<()> {
-        let (working, held) = (&state.iterate.working, &state.iterate.equalities);
-        if working.is_empty() && held.is_empty() {
+        let working = &state.iterate.working;
+        if working.is_empty() {
             return Ok(());
         }
         let part = (options.tangent / state.progress.step).min(1.0);
@@ -138,7 +172,6 @@ impl Trial {
         problem.value(&self.x, &mut self.h)?;
         self.tangent.clear();
         let rows = working.iter().map(|of| of.row.at);
-        let rows = rows.chain(held.iter().map(|of| of.row.at));
         self.tangent.extend(rows.map(|at| (self.h[at] - state.h[at]) / part));
         Ok(())
     }
@@ -146,7 +179,7 @@ impl Trial {
     /// The barrier function for an objective.
     fn merit<P: Nlp>(&self, problem: &P, f: f64) -> f64 {
         let measure = |row| problem.row_measure(&self.x, row);
-        f + self.iterate.barrier_terms(&self.h, measure)
+        f + self.iterate.barrier_terms(measure)
     }
 
     /// Takes this fraction of the steps of the rows, whose values at its end are known. Returns the difference between
@@ -168,11 +201,6 @@ impl Trial {
             slope.add(measure(at), before.row.weight * (condensed - bend));
             *after = before.take(&step, alpha, options.fraction_to_boundary);
             after.meet(self.h[at]);
-        }
-        let held = from.equalities.iter().zip(&mut self.iterate.equalities);
-        for ((before, after), tangent) in held.zip(&self.tangent[from.working.len()..]) {
-            let end = from.equality_term(before, state.h[before.row.at] + tangent).slope;
-            after.estimate = before.estimate + alpha.min(1.0) * (end - before.estimate);
         }
         slope.total()
     }
@@ -206,6 +234,10 @@ impl State {
         std::mem::swap(&mut self.h, &mut trial.h);
         std::mem::swap(&mut self.iterate, &mut trial.iterate);
         (self.f, self.trial) = (f, trial);
+        let largest = options.largest_penalty * self.scale() / self.measure;
+        if options.steers && self.iterate.steer(&self.trial.h, &self.h, options, largest) {
+            self.forget_merits();
+        }
         self.iterate.safeguard_all(options.multiplier_range);
         self.list_rows(problem);
     }

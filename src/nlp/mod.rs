@@ -6,20 +6,24 @@
 //! multiplier (Gould, Orban and Toint, *An interior-point l1-penalty method for nonlinear optimization*, 2015). With
 //! the weights $w_j$ of the rows, which are those of a quadrature, the barrier problem is
 //!
-//! $$ \min_{x, s, t} f(x) + \sum_j w_j (\nu_j t_j - \mu \log s_j - \mu \log t_j)
-//!    \quad \text{subject to} \quad h_j(x) + s_j = t_j , $$
+//! $$ \min_{x, s, t} f(x) + \sum_j w_j (\nu_j t_j + \underline\nu_j s_j - \mu \log s_j - \mu \log t_j)
+//!    \quad \text{subject to} \quad h_j(x) + s_j = t_j . $$
 //!
-//! and equalities have the terms of an augmented Lagrangian. It has feasible points for any `x`, so a start may violate
-//! the rows and no restoration phase is needed; rows with elastic variables that do not vanish are those that cannot be
-//! kept. The loop of [`solve`] is that of Nocedal and Wright, *Numerical Optimization*, algorithm 19.2, and of Wächter
-//! and Biegler, *On the implementation of an interior-point filter line-search algorithm*, 2006 (WB):
+//! The slack of an inequality costs nothing, $\underline\nu_j = 0$; that of an equality is a violation too,
+//! $\underline\nu_j = \nu_j$, and its multiplier is between $-\nu_j$ and $\nu_j$. There are feasible points for any `x`,
+//! so a start may violate the rows and no restoration phase is needed; rows with elastic variables that do not vanish
+//! are those that cannot be kept. The condensed matrix is positive definite if and only if the saddle-point matrix of
+//! `x` and all multipliers has the inertia of a minimum (NW 16.3), dependent rows or not. The loop of [`solve`] is that
+//! of Nocedal and Wright, *Numerical Optimization*, algorithm 19.2, and of Wächter and Biegler, *On the implementation
+//! of an interior-point filter line-search algorithm*, 2006 (WB):
 //!
 //! 1. `kkt`: the Newton step of the primal-dual equations, condensed to `x`; multiples of a norm are added to the
 //!    Hessian until the condensed matrix is positive definite (WB 3.1).
 //! 2. `line_search`: backtracking until the barrier function is sufficiently below the largest of its last values; each
 //!    slack and each multiplier keeps a part of its distance from its bounds, row by row (WB 2.2). Slacks follow the
 //!    rows themselves, multipliers the linearised ones (NW 19.12). Along negative curvature a step is doubled while
-//!    that decreases the barrier function further.
+//!    that decreases the barrier function further. A whole step that the curvature of rows makes too long is corrected
+//!    once (NW 15.6, WB 2.4).
 //! 3. `barrier`: the barrier parameter is reduced when the predicted decrease of its problem is small, or after some
 //!    iterations with a small decrease ([`BarrierUpdate`]).
 //! 4. [`Nlp::tighten`]: after each reduction the rows are evaluated between the points of the quadrature, and violated
@@ -28,17 +32,21 @@
 mod barrier;
 mod iterate;
 mod kkt;
+mod kkt_error;
 mod line_search;
 mod options;
 mod row;
+mod smooth;
 mod state;
 
 pub use barrier::{Barrier, BarrierState, BarrierUpdate, Monotone};
 pub use iterate::Iterate;
 pub(crate) use kkt::Memory;
 pub use kkt::{Bordered, Kkt};
+pub use kkt_error::{KktError, Scales};
 pub use options::Options;
-pub use row::{Equality, Row, RowState, RowStep, Term};
+pub use row::{Row, RowState, RowStep, Term};
+pub use smooth::{SmoothDerivatives, SmoothProgram, SmoothSolution, solve_smooth};
 
 use crate::error::Result;
 use line_search::line_search;
@@ -70,13 +78,22 @@ pub trait Nlp {
         self.measure(x)
     }
 
-    /// The equalities, with their first penalties for an objective of this density.
-    fn equalities(&self, _density: f64) -> Vec<Equality> {
-        Vec::new()
+    /// Adds the gradients of rows at `x`, at which derivatives were last computed, each times its weight, to `out`;
+    /// returns false if the program does not give them, and steps have no second-order correction.
+    ///
+    /// # Errors
+    /// Those of [`value`](Self::value).
+    fn add_row_gradients(
+        &mut self,
+        _x: &DVector<f64>,
+        _weights: &[(usize, f64)],
+        _out: &mut DVector<f64>,
+    ) -> Result<bool> {
+        Ok(false)
     }
 
-    /// Lists the inequalities of the working set in ascending order, for the values `h` of the last evaluation, in
-    /// place of those in `rows`.
+    /// Lists the rows of the working set, which has all equalities, in ascending order, for the values `h` of the last
+    /// evaluation, in place of those in `rows`.
     fn working_set(&mut self, h: &[f64], rows: &mut Vec<Row>);
 
     /// The largest fraction of a step from `x` that may be tried, at most 1.
@@ -221,8 +238,8 @@ pub(crate) fn iterate<P: Nlp>(
         None => None,
     };
     observe(&state.progress);
-    let (alpha, used) = (state.progress.alpha, state.progress.regularisation);
-    state.kkt.adapt(alpha, used, options);
+    let used = state.progress.regularisation;
+    state.kkt.adapt(state.taken, used, options);
     state.iterate.adapt_curvature_weight(used > 0.0, options);
     let at = BarrierState::after(state, taken.unwrap_or_default(), options);
     let solved = taken.is_none() || options.barrier.is_solved(&at);

@@ -9,6 +9,9 @@ use std::sync::Arc;
 pub struct Options {
     /// The Newton decrement at the end, relative to the objective: half its square is the excess over the minimum.
     pub tolerance: f64,
+    /// The size of the objective, relative to which gradients and barriers are measured; `None` for a positive
+    /// objective, whose size is its value.
+    pub scale: Option<f64>,
     /// The accepted violation of a row, in its unit.
     pub feasible: f64,
     /// The largest number of iterations.
@@ -40,16 +43,23 @@ pub struct Options {
     /// acceptable. Direct searches raise penalties later, so that they use the multiple per row instead; the tracker
     /// and flows to rest use both.
     pub penalty_of_multipliers: f64,
-    /// The least first penalty of a row relative to its own known multiplier.
+    /// The least first penalty of an inequality and of an equality relative to its own known multiplier.
     pub row_penalty_of_multipliers: f64,
+    pub equality_penalty_of_multipliers: f64,
+    /// The least change of an equality per change of its multiplier in the condensed equations, for an objective of the
+    /// size 1, as $\delta_c$ of WB (13). Its error vanishes with the change of the multiplier. Without it rounding of
+    /// large penalties hides the Hessian along the equalities, and dependent ones make steps short. Equalities along
+    /// the whole way of a motion converge slowly with more.
+    pub compliance: f64,
+    /// True if penalties are also raised after steps that hardly decrease a violation: an objective without a lower
+    /// bound where rows are violated needs that.
+    pub steers: bool,
     /// The factor of the penalty of a violated row whose multiplier has reached it, and that of all penalties if the
     /// violations have decreased too little since the last raise. A large penalty of a row with a small multiplier
     /// makes steps along it short, so only rows that need a large penalty have one (tuned on 103 problems of Panda and
     /// Fetch: with 1 or 10 for all penalties fewer searches end at minima).
     pub row_penalty_factor: f64,
     pub penalty_factor: f64,
-    /// The factor of the penalties of equalities that decrease too little: 10 as in NW (17.4).
-    pub equality_factor: f64,
     /// The largest penalty: with it a violation of 1e-9 of the scale of its row costs as much as the whole motion.
     pub largest_penalty: f64,
     /// The cost of all violations with the penalty, relative to the objective, and the fraction of them that is left
@@ -108,6 +118,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             tolerance: 1e-6,
+            scale: None,
             feasible: 5e-7,
             iterations: 500,
             first_barrier: 0.1,
@@ -120,9 +131,11 @@ impl Default for Options {
             penalty: 1.0,
             penalty_of_multipliers: 2.0,
             row_penalty_of_multipliers: 2.0,
+            equality_penalty_of_multipliers: 2.0,
+            compliance: 1e-9,
+            steers: false,
             row_penalty_factor: 10.0,
             penalty_factor: 4.0,
-            equality_factor: 10.0,
             largest_penalty: 1e9,
             infeasible_cost: 0.3,
             infeasible_progress: 0.5,
@@ -171,6 +184,7 @@ impl Options {
             ("short_fraction", self.short_fraction),
             ("long_fraction", self.long_fraction),
             ("saddle_step", self.saddle_step),
+            ("scale", self.scale.unwrap_or(1.0)),
         ] {
             check_positive("nlp", what, value)?;
         }
@@ -187,16 +201,18 @@ impl Options {
         let [less, more] = self.curvature_factors;
         let [for_first, for_second, for_third] = [" for the first", " for the second", " for the third"];
         let of_row = self.row_penalty_of_multipliers;
-        for (what, value) in
-            [("penalty_of_multipliers", self.penalty_of_multipliers), ("row_penalty_of_multipliers", of_row)]
-        {
+        for (what, value) in [
+            ("penalty_of_multipliers", self.penalty_of_multipliers),
+            ("row_penalty_of_multipliers", of_row),
+            ("equality_penalty_of_multipliers", self.equality_penalty_of_multipliers),
+            ("compliance", self.compliance),
+        ] {
             let good = value >= 0.0 && value.is_finite();
             needs(what, value, good, "not negative", "")?;
         }
         for (what, value, which) in [
             ("penalty_factor", self.penalty_factor, ""),
             ("row_penalty_factor", self.row_penalty_factor, ""),
-            ("equality_factor", self.equality_factor, ""),
             ("multiplier_range", self.multiplier_range, ""),
             ("regularisation_factors", first, for_first),
             ("regularisation_factors", later, for_second),

@@ -13,40 +13,36 @@ pub struct Row {
     /// True for an inequality that makes the Hessian indefinite by itself, such as a clearance: of its second
     /// derivatives the Hessian has [a part](super::Iterate::curvature_weight).
     pub is_curved: bool,
+    pub is_equality: bool,
+    /// Its first penalty relative to [that of all](super::Barrier::nu), at least 1. An inequality whose penalty is
+    /// infinite holds at the start and is never violated.
+    pub stiffness: f64,
 }
 
 impl Row {
     /// A row all of whose second derivatives the Hessian has.
     #[must_use]
     pub const fn new(at: usize, weight: f64) -> Self {
-        Self { at, weight, is_curved: false }
+        Self { at, weight, is_curved: false, is_equality: false, stiffness: 1.0 }
     }
-}
 
-/// A row that is an equality.
-#[derive(Clone, Copy, Debug)]
-pub struct Equality {
-    pub row: Row,
-    /// The penalty of its square without a search before.
-    pub first: f64,
-    /// The penalty $\rho$ of its square.
-    pub penalty: f64,
-    /// $\lambda$.
-    pub multiplier: f64,
-    /// The estimate $y$ of the multiplier that takes the Newton steps of the primal-dual equations.
-    pub estimate: f64,
-}
-
-impl Equality {
-    /// An equality with its first penalty, and `factor` times that to begin with.
+    /// An equality.
     #[must_use]
-    pub fn new(row: Row, first: f64, factor: f64) -> Self {
-        Self { row, first, penalty: factor * first, multiplier: 0.0, estimate: 0.0 }
+    pub const fn equality(at: usize, weight: f64) -> Self {
+        Self { is_equality: true, ..Self::new(at, weight) }
+    }
+
+    /// The violation by a value of the row.
+    #[must_use]
+    pub fn violation(&self, h: f64) -> f64 {
+        if self.is_equality { h.abs() } else { h.max(0.0) }
     }
 }
 
-/// The slack $s$, the elastic variable $t$, the multiplier $\lambda$ and the penalty $\nu$ of an inequality, with the
-/// conditions $s \lambda = \mu$ and $t (\nu - \lambda) = \mu$.
+/// The slack $s$, the elastic variable $t$, the multiplier $\lambda$ and the penalty $\nu$ of a row, with the conditions
+/// $s (\lambda - \underline\lambda) = \mu$ and $t (\nu - \lambda) = \mu$. The slack of an inequality costs nothing:
+/// $\underline\lambda = 0$; that of an equality is a violation as the elastic variable is: $\underline\lambda = -\nu$. With
+/// an infinite penalty the elastic variable is zero.
 #[derive(Clone, Copy, Debug)]
 pub struct RowState {
     pub row: Row,
@@ -71,6 +67,11 @@ pub struct Term {
 }
 
 impl Term {
+    /// The term of a gradient alone.
+    pub fn gradient(slope: f64) -> Self {
+        Self { slope, curvature: 0.0, multiplier: 0.0, cost: 0.0 }
+    }
+
     /// The term times a factor.
     pub fn times(self, factor: f64) -> Self {
         Self {
@@ -91,14 +92,43 @@ pub struct RowStep {
 }
 
 impl RowState {
+    /// Returns true if the row is never violated.
+    #[inline]
+    pub fn is_hard(&self) -> bool {
+        self.penalty == f64::INFINITY
+    }
+
+    /// The least multiplier $\underline\lambda$.
+    #[inline]
+    pub fn least(&self) -> f64 {
+        if self.row.is_equality { -self.penalty } else { 0.0 }
+    }
+
+    /// The distances of the multiplier from its bounds, $\lambda - \underline\lambda$ and $\nu - \lambda$.
+    #[inline]
+    pub fn distances(&self) -> [f64; 2] {
+        [self.multiplier - self.least(), self.penalty - self.multiplier]
+    }
+
     /// Returns true if the multiplier has nearly reached the penalty.
     pub fn is_at_penalty(&self) -> bool {
-        self.multiplier > AT_PENALTY * self.penalty
+        let size = if self.row.is_equality { self.multiplier.abs() } else { self.multiplier };
+        size > AT_PENALTY * self.penalty
     }
 
     /// Returns true if the row is violated by more than `feasible` because its penalty is small.
     pub fn needs_penalty(&self, h: &[f64], feasible: f64) -> bool {
-        h[self.row.at] > feasible && self.is_at_penalty()
+        self.row.violation(h[self.row.at]) > feasible && self.is_at_penalty()
+    }
+
+    /// The terms of the row in the barrier function, without its weight.
+    #[inline]
+    pub fn barrier_term(&self, mu: f64) -> f64 {
+        if self.is_hard() {
+            return -mu * self.slack.ln();
+        }
+        let costly = if self.row.is_equality { self.slack + self.elastic } else { self.elastic };
+        self.penalty * costly - mu * (self.slack * self.elastic).ln()
     }
 
     /// The state after a fraction of a step; slack, elastic variable, multiplier and its distance from the penalty each
@@ -106,12 +136,13 @@ impl RowState {
     #[inline]
     pub fn take(&self, step: &RowStep, fraction: f64, tau: f64) -> Self {
         let moved = |value: f64, by: f64| (value + by).max((1.0 - tau) * value);
-        let (z, nu) = (self.multiplier, self.penalty);
-        let by = moved(z, fraction * step.multiplier) - z;
+        let ([below, above], nu) = (self.distances(), self.penalty);
+        let moved_below = moved(below, fraction * step.multiplier);
+        let by = moved_below - below;
         Self {
             slack: moved(self.slack, fraction * step.slack),
             elastic: moved(self.elastic, fraction * step.elastic),
-            multiplier: nu - moved(nu - z, -by),
+            multiplier: if self.is_hard() { moved_below } else { nu - moved(above, -by) },
             ..*self
         }
     }
@@ -119,6 +150,10 @@ impl RowState {
     /// Enlarges slack or elastic variable until $h + s = t$.
     #[inline]
     pub fn meet(&mut self, h: f64) {
+        if self.is_hard() {
+            self.slack = -h;
+            return;
+        }
         let excess = h + self.slack - self.elastic;
         if excess > 0.0 {
             self.elastic += excess;
@@ -129,16 +164,15 @@ impl RowState {
 
     /// Keeps the multiplier within a factor `range` of the one that belongs to slack and elastic variable (WB 16).
     pub(super) fn safeguard(&mut self, mu: f64, range: f64) {
-        let (s, t, nu) = (self.slack, self.elastic, self.penalty);
-        let z = &mut self.multiplier;
+        let (s, t, nu, least) = (self.slack, self.elastic, self.penalty, self.least());
+        let ([below, above], most) = (self.distances(), (1.0 - f64::EPSILON) * (nu - least));
+        // Not less than rounding leaves between a multiplier and a bound that is not zero.
         if s > t {
-            let most = (mu / s * range).min((1.0 - f64::EPSILON) * nu);
-            *z = z.max(mu / s / range).min(most);
+            let from = (mu / s / range).max(f64::EPSILON * least.abs());
+            self.multiplier = least + below.clamp(from, (mu / s * range).max(from)).min(most);
         } else {
-            // Not less than rounding leaves between a multiplier and the penalty.
-            let least = (mu / t / range).max(f64::EPSILON * nu);
-            let upper = (nu - *z).max(least).min((mu / t * range).max(least));
-            *z = nu - upper.min((1.0 - f64::EPSILON) * nu);
+            let from = (mu / t / range).max(f64::EPSILON * nu);
+            self.multiplier = nu - above.clamp(from, (mu / t * range).max(from)).min(most);
         }
     }
 }

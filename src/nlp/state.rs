@@ -14,6 +14,10 @@ pub(crate) struct State {
     pub kkt: Kkt,
     pub progress: Progress,
     pub measure: f64,
+    /// The given [size of the objective](Options::scale).
+    given_scale: Option<f64>,
+    /// The fraction of the last step that was taken, of the one that the quadratic model is to hold for.
+    pub(super) taken: f64,
     /// The numbers of iterations, and of times that rows were tightened at the last barrier parameter.
     pub(super) iterations: usize,
     rounds: usize,
@@ -60,6 +64,8 @@ impl State {
             kkt,
             progress: Progress::default(),
             measure: f64::NAN,
+            given_scale: None,
+            taken: 0.0,
             iterations: 0,
             rounds: 0,
             excess: f64::INFINITY,
@@ -82,6 +88,7 @@ impl State {
         multipliers: Option<&[f64]>,
         options: &Options,
     ) -> Result<()> {
+        self.given_scale = options.scale;
         self.f = problem.value(&self.x, &mut self.h)?;
         problem.working_set(&self.h, &mut self.rows);
         self.measure = problem.measure(&self.x);
@@ -100,8 +107,8 @@ impl State {
             mu: first.max(options.last_barrier) * scale / if weight > 0.0 { weight } else { 1.0 },
             nu: penalty.max(options.penalty_of_multipliers * largest),
         };
-        let equalities = problem.equalities(scale / measure);
-        self.iterate.restart(barrier, equalities);
+        self.iterate.restart(barrier);
+        self.iterate.compliance = options.compliance * measure / scale;
         self.iterate.set_working(&self.rows, &self.h);
         if let Some(lambda) = multipliers {
             self.iterate.set_multipliers(lambda, &self.h, options);
@@ -141,7 +148,7 @@ impl State {
             measure: self.measure,
             stationarity: f64::INFINITY,
             complementarity: self.complementarity(),
-            infeasibility: working.fold(0.0, |most, of| self.h[of.row.at].max(most)),
+            infeasibility: working.fold(0.0, |most, of| of.row.violation(self.h[of.row.at]).max(most)),
             ..Progress::default()
         };
         Ok(())
@@ -199,14 +206,8 @@ impl State {
         {
             self.raise_penalties(options);
         }
-        self.update_equalities(options);
         self.follow(problem, most, options)?;
         Ok(found)
-    }
-
-    fn update_equalities(&mut self, options: &Options) {
-        let most = options.largest_penalty * self.scale() / self.measure;
-        self.iterate.update_equalities(&self.h, options.equality_factor, most, options.feasible);
     }
 
     /// Raises the penalties of violated rows whose multipliers have reached them, and those of all rows if the
@@ -220,9 +221,9 @@ impl State {
         }
         let [mut sum, mut cost] = [0.0; 2];
         for of in &self.iterate.working {
-            let excess = self.measure * of.row.weight * self.h[of.row.at].max(0.0);
+            let excess = self.measure * of.row.weight * of.row.violation(self.h[of.row.at]);
             sum += excess;
-            cost += of.penalty * excess;
+            cost += if excess > 0.0 { of.penalty * excess } else { 0.0 };
         }
         let most = options.largest_penalty * self.scale() / self.measure;
         let Barrier { mu, nu } = self.iterate.barrier;
@@ -253,7 +254,6 @@ impl State {
             Tightened::Violation(violation) => violation,
         };
         if violation > options.feasible {
-            self.update_equalities(options);
             // Between the points margins help, at them only the penalty.
             let elastic = self.progress.infeasibility > options.feasible;
             let raised = self.raise_penalties(options);
@@ -265,7 +265,7 @@ impl State {
         }
         self.reset(problem, options)?;
         let gap = self.measure * self.iterate.gap() / self.scale();
-        if gap > options.tolerance && self.rounds <= options.rounds {
+        if gap > options.tolerance.max(2.0 * options.last_barrier) && self.rounds <= options.rounds {
             // Margins were too large: the barrier parameter follows, so that the rows can.
             let total = gap.min(options.warm_barrier);
             let mu = total * self.scale() / self.total_weight();
@@ -295,7 +295,7 @@ impl State {
                 0.0
             } else {
                 let moved = (self.h[of.row.at] - before[of.row.at]).abs();
-                of.row.weight * of.multiplier * moved
+                of.row.weight * of.multiplier.abs() * moved
             }
         };
         let change = self.measure * self.iterate.working.iter().map(change).sum::<f64>();
@@ -334,7 +334,7 @@ impl State {
 
     /// The size of the objective, relative to which gradients and barriers are measured.
     pub fn scale(&self) -> f64 {
-        self.f.abs().max(f64::EPSILON)
+        self.given_scale.unwrap_or(self.f.abs().max(f64::EPSILON))
     }
 
     /// The sum of the weights of the working set.
@@ -351,6 +351,6 @@ impl State {
     /// The barrier function.
     pub(super) fn merit<P: Nlp>(&self, problem: &P) -> f64 {
         let measure = |row| problem.row_measure(&self.x, row);
-        self.f + self.iterate.barrier_terms(&self.h, measure)
+        self.f + self.iterate.barrier_terms(measure)
     }
 }

@@ -1,19 +1,32 @@
 //! Slacks, elastic variables and multipliers: the condensed equations against the complete ones.
 
 use crate::common::config;
-use aghf::nlp::{Barrier, Equality, Iterate, Options, Row, RowState};
+use aghf::nlp::{Barrier, Iterate, Options, Row, RowState};
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 
 const ROW: Row = Row::new(0, 1.0);
+const EQUALITY: Row = Row::equality(0, 1.0);
 
-/// An inequality with a slack, an elastic variable and a multiplier at this fraction of the penalty.
-fn one_row(barrier: Barrier, [slack, elastic, fraction]: [f64; 3]) -> Iterate {
-    let mut iterate = Iterate::new(barrier, Vec::new());
-    iterate.set_working(&[ROW], &[0.0]);
-    let multiplier = fraction * barrier.nu;
-    iterate.working[0] = RowState { row: ROW, slack, elastic, multiplier, penalty: barrier.nu };
+/// A row with a slack, an elastic variable and a multiplier at this fraction of the way from its least one to the
+/// penalty.
+fn one(row: Row, barrier: Barrier, [slack, elastic, fraction]: [f64; 3]) -> Iterate {
+    let mut iterate = Iterate::new(barrier);
+    iterate.set_working(&[row], &[0.0]);
+    let state = RowState { row, slack, elastic, multiplier: 0.0, penalty: barrier.nu };
+    let multiplier = state.least() + fraction * (barrier.nu - state.least());
+    iterate.working[0] = RowState { multiplier, ..state };
     iterate
+}
+
+/// An inequality.
+fn one_row(barrier: Barrier, at: [f64; 3]) -> Iterate {
+    one(ROW, barrier, at)
+}
+
+/// An inequality or an equality.
+fn kinds() -> impl Strategy<Value = Row> {
+    prop_oneof![Just(ROW), Just(EQUALITY)]
 }
 
 /// Numbers of all orders of magnitude between these powers of ten.
@@ -35,31 +48,34 @@ fn regular() -> impl Strategy<Value = [f64; 3]> {
 proptest! {
     #![proptest_config(config(128))]
 
-    /// Slack and elastic variable satisfy $h + s = t$ and $\mu / s + \mu / t = \nu$, the conditions of the least barrier
-    /// function for a row, without loss of digits.
+    /// Slack and elastic variable satisfy $h + s = t$ and $\mu / s + \mu / t = \nu$, or $2 \nu$ for an equality, the
+    /// conditions of the least barrier function for a row, without loss of digits.
     #[test]
     fn a_split_is_the_minimum(
-        barrier in barriers([-12.0, 1.0], [-2.0, 9.0]), sign: bool, h in prop_oneof![Just(0.0), size(-12.0, 9.0)],
+        row in kinds(), barrier in barriers([-12.0, 1.0], [-2.0, 9.0]), sign: bool,
+        h in prop_oneof![Just(0.0), size(-12.0, 9.0)],
     ) {
         let h = if sign { h } else { -h };
-        let [s, t] = Iterate::new(barrier, Vec::new()).split(h, barrier.nu);
+        let [s, t] = barrier.split(&row, h, barrier.nu);
         prop_assert!(s > 0.0 && t > 0.0, "{s} {t}");
         prop_assert!((h + s - t).abs() <= 1e-14 * (h.abs() + s + t), "{h} {s} {t}");
         let sum = barrier.mu / s + barrier.mu / t;
-        prop_assert!((sum - barrier.nu).abs() <= 1e-13 * barrier.nu, "{sum}");
+        let penalties = if row.is_equality { 2.0 * barrier.nu } else { barrier.nu };
+        prop_assert!((sum - penalties).abs() <= 1e-13 * penalties, "{sum}");
     }
 
-    /// The step of a row solves the three linearised conditions $s z = \mu$, $t (\nu - z) = \mu$ and $h + s = t$, and the
-    /// condensed terms predict the multiplier at its end.
+    /// The step of a row solves the three linearised conditions $s (z - \underline z) = \mu$, $t (\nu - z) = \mu$ and
+    /// $h + s = t$, and the condensed terms predict the multiplier at its end.
     #[test]
     fn condensed_and_complete_equations_agree(
-        barrier in barriers([-4.0, 0.0], [-1.0, 2.0]), at in regular(), h in -1.0..1.0_f64, change in -1.0..1.0_f64,
+        row in kinds(), barrier in barriers([-4.0, 0.0], [-1.0, 2.0]), at in regular(), h in -1.0..1.0_f64,
+        change in -1.0..1.0_f64,
     ) {
-        let iterate = one_row(barrier, at);
-        let ([s, t, fraction], Barrier { mu, nu }) = (at, barrier);
-        let (z, upper) = (fraction * nu, (1.0 - fraction) * nu);
-        let matrix = Matrix3::new(z, 0.0, s, 0.0, upper, -t, 1.0, -1.0, 0.0);
-        let right = Vector3::new(mu - s * z, mu - t * upper, t - s - h - change);
+        let iterate = one(row, barrier, at);
+        let ([s, t, _], mu, z) = (at, barrier.mu, iterate.working[0].multiplier);
+        let [below, above] = iterate.working[0].distances();
+        let matrix = Matrix3::new(below, 0.0, s, 0.0, above, -t, 1.0, -1.0, 0.0);
+        let right = Vector3::new(mu - s * below, mu - t * above, t - s - h - change);
         let exact = matrix.lu().solve(&right).expect("the matrix is regular");
         let step = iterate.step(&iterate.working[0], h, change);
         assert_close!(&[step.slack, step.elastic, step.multiplier], exact.as_slice(), 1e-9);
@@ -73,16 +89,17 @@ proptest! {
     /// and elastic variable.
     #[test]
     fn slope_along_a_step(
-        barrier in barriers([-4.0, 0.0], [-1.0, 2.0]), at in regular(), change in -1.0..1.0_f64,
+        row in kinds(), barrier in barriers([-4.0, 0.0], [-1.0, 2.0]), at in regular(), change in -1.0..1.0_f64,
     ) {
-        let iterate = one_row(barrier, at);
+        let iterate = one(row, barrier, at);
         let ([s, t, _], Barrier { mu, nu }, h) = (at, barrier, at[1] - at[0]);
         let step = iterate.step(&iterate.working[0], h, change);
-        let exact = nu * step.elastic - mu * (step.slack / s + step.elastic / t);
+        let of_slack = if row.is_equality { nu } else { 0.0 };
+        let exact = nu * step.elastic + of_slack * step.slack - mu * (step.slack / s + step.elastic / t);
         let [own, condensed] = iterate.bend(&iterate.working[0], &step, change);
         let term = iterate.term(&iterate.working[0], h);
-        let value = nu * t - mu * (s.ln() + t.ln());
-        assert_close!(&[term.cost, iterate.barrier_terms(&[h], |_| 1.0)], &[value; 2], 1e-12);
+        let value = nu * t + of_slack * s - mu * (s.ln() + t.ln());
+        assert_close!(&[term.cost, iterate.barrier_terms(|_| 1.0)], &[value; 2], 1e-12);
         let found = term.slope * change + condensed - own;
         let size = 1.0 + own + nu * (step.slack.abs() + step.elastic.abs());
         prop_assert!((found - exact).abs() <= 1e-9 * size, "{found} {exact}");
@@ -92,21 +109,21 @@ proptest! {
     /// multiplier from the penalty; a step within these is taken as it is.
     #[test]
     fn a_step_stays_inside(
-        s in size(-9.0, 3.0), t in size(-9.0, 3.0), z in 1e-6..1.0 - 1e-6, h in -1e3..1e3_f64, change in -1e3..1e3_f64,
-        fraction in 0.0..1.0_f64,
+        row in kinds(), s in size(-9.0, 3.0), t in size(-9.0, 3.0), z in 1e-6..1.0 - 1e-6, h in -1e3..1e3_f64,
+        change in -1e3..1e3_f64, fraction in 0.0..1.0_f64,
     ) {
         let (barrier, tau) = (Barrier { mu: 1e-3, nu: 7.0 }, 0.9);
-        let from = one_row(barrier, [s, t, z]);
+        let from = one(row, barrier, [s, t, z]);
         let step = from.step(&from.working[0], h, change);
         let to = from.working[0].take(&step, fraction, tau);
-        let (z, least) = (from.working[0].multiplier, 1.0 - tau);
+        let (z, [below, above], least) = (from.working[0].multiplier, from.working[0].distances(), 1.0 - tau);
         let expected = [
             (s + fraction * step.slack).max(least * s),
             (t + fraction * step.elastic).max(least * t),
-            (z + fraction * step.multiplier).clamp(least * z, z + tau * (barrier.nu - z)),
+            (z + fraction * step.multiplier).clamp(z - tau * below, z + tau * above),
         ];
         for (found, expected) in [to.slack, to.elastic, to.multiplier].iter().zip(expected) {
-            prop_assert!((found - expected).abs() <= 1e-12 * (1.0 + expected), "{found} {expected}");
+            prop_assert!((found - expected).abs() <= 1e-12 * (1.0 + expected.abs()), "{found} {expected}");
         }
     }
 
@@ -114,27 +131,28 @@ proptest! {
     /// variable and multiplier alone, within its range.
     #[test]
     fn updated_multipliers_are_those_of_the_condensed_equations(
-        barrier in barriers([-4.0, 0.0], [-1.0, 2.0]), at in regular(),
+        row in kinds(), barrier in barriers([-4.0, 0.0], [-1.0, 2.0]), at in regular(),
     ) {
-        let mut iterate = one_row(barrier, at);
+        let mut iterate = one(row, barrier, at);
         let (h, state) = (at[1] - at[0], iterate.working[0]);
         let step = iterate.step(&state, h, 0.0);
         iterate.update_multipliers(&[h], 1e10);
-        let expected = (state.multiplier + step.multiplier).clamp(0.0, barrier.nu);
+        let expected = (state.multiplier + step.multiplier).clamp(state.least(), barrier.nu);
         let range = (barrier.mu / state.slack + barrier.mu / state.elastic) / 1e10;
         prop_assert!((iterate.working[0].multiplier - expected).abs() <= 1e-9 * barrier.nu + range);
         prop_assert_eq!(iterate.working[0].slack, state.slack);
     }
 
-    /// A multiplier, however wrong, ends between zero and the penalty, so that the condensed terms are numbers.
+    /// A multiplier, however wrong, ends between its bounds, so that the condensed terms are numbers.
     #[test]
     fn a_safeguarded_multiplier_is_in_its_range(
-        barrier in barriers([-12.0, 1.0], [-2.0, 9.0]), s in size(-12.0, 9.0), t in size(-12.0, 9.0), z in 0.0..1.0,
+        row in kinds(), barrier in barriers([-12.0, 1.0], [-2.0, 9.0]), s in size(-12.0, 9.0), t in size(-12.0, 9.0),
+        z in 0.0..1.0,
     ) {
-        let mut iterate = one_row(barrier, [s, t, z]);
+        let mut iterate = one(row, barrier, [s, t, z]);
         iterate.safeguard_all(1e10);
-        let z = iterate.working[0].multiplier;
-        prop_assert!(z > 0.0 && z < barrier.nu, "{z}");
+        let distances = iterate.working[0].distances();
+        prop_assert!(distances.iter().all(|distance| *distance > 0.0), "{distances:?}");
         let term = iterate.term(&iterate.working[0], t - s);
         prop_assert!(term.slope.is_finite() && term.curvature > 0.0, "{term:?}");
     }
@@ -172,7 +190,7 @@ fn known_multipliers_have_their_penalties() {
 #[test]
 fn penalties_of_violated_rows_grow() {
     let (barrier, options) = (Barrier { mu: 1e-6, nu: 2.0 }, Options::default());
-    let mut iterate = Iterate::new(barrier, Vec::new());
+    let mut iterate = Iterate::new(barrier);
     let rows = [0, 1, 2].map(|at| Row::new(at, 1.0));
     let h = [0.1, -0.1, 1e-4];
     iterate.set_working(&rows, &h);
@@ -201,7 +219,7 @@ fn a_returning_row_begins_anew() {
     iterate.set_working(&[], &[0.3]);
     assert!(iterate.working.is_empty());
     iterate.set_working(&[ROW], &[-0.3]);
-    assert_eq!([iterate.working[0].slack, iterate.working[0].elastic], iterate.split(-0.3, barrier.nu));
+    assert_eq!([iterate.working[0].slack, iterate.working[0].elastic], barrier.split(&ROW, -0.3, barrier.nu));
     assert_close!(&[iterate.working[0].multiplier], &[barrier.mu / iterate.working[0].slack], 1e-15);
 }
 
@@ -218,7 +236,7 @@ fn rows_at_the_penalty() {
 
 /// An iterate with one curved row.
 fn curved() -> Iterate {
-    let mut iterate = Iterate::new(Barrier { mu: 1e-6, nu: 2.0 }, Vec::new());
+    let mut iterate = Iterate::new(Barrier { mu: 1e-6, nu: 2.0 });
     iterate.set_working(&[Row { is_curved: true, ..ROW }], &[-1.0]);
     iterate
 }
@@ -268,27 +286,45 @@ fn all_second_derivatives_are_tried_again() {
     }
 }
 
-/// The terms of an equality are those of $\lambda h + \rho h^2 / 2$, with its estimate as weight of second derivatives,
-/// and an update moves multiplier and estimate to the slope. The penalty grows unless the equality has shrunk to a
-/// quarter or is accepted; another working set of inequalities changes neither.
+/// The known multiplier of an equality, of either sign, raises its penalty, and its slacks are those of its value.
 #[test]
-fn equalities_have_the_terms_of_an_augmented_lagrangian() {
-    let (row, penalty, h) = (Row::new(1, 0.5), 8.0, 0.25);
-    let equality = Equality { row, first: penalty, penalty, multiplier: 0.0, estimate: 0.0 };
-    let mut iterate = Iterate::new(Barrier { mu: 1e-3, nu: 1.0 }, vec![equality]);
-    iterate.set_multipliers(&[0.0, -3.0], &[0.0, h], &Options::default());
-    let term = iterate.equality_term(&iterate.equalities[0], h);
-    assert_eq!([term.cost, term.slope, term.multiplier, term.curvature], [-0.5, -1.0, -3.0, 8.0]);
-    assert_eq!(iterate.barrier_terms(&[0.0, h], |_| 1.0), -0.25);
-    let measure = |row| if row == 1 { 3.0 } else { 1.0 };
-    assert_eq!(iterate.barrier_terms(&[0.0, h], measure), -0.75);
-    // The first update has nothing to compare with.
-    iterate.update_equalities(&[0.0, h], 10.0, 100.0, 1e-6);
-    assert_eq!((iterate.equalities[0].multiplier, iterate.equalities[0].penalty), (-1.0, 8.0));
-    iterate.set_working(&[ROW], &[-0.3, h]);
-    assert_eq!((iterate.equalities[0].multiplier, iterate.equalities[0].penalty), (-1.0, 8.0));
-    for (h, expected) in [(0.05, 8.0), (0.04, 80.0), (1e-6, 80.0), (1e-6, 80.0), (0.04, 100.0)] {
-        iterate.update_equalities(&[0.0, h], 10.0, 100.0, 1e-6);
-        assert_eq!(iterate.equalities[0].penalty, expected, "{h}");
+fn known_multipliers_of_equalities() {
+    let barrier = Barrier { mu: 1e-6, nu: 1.0 };
+    for known in [-3.0, 0.2] {
+        let mut iterate = Iterate::new(barrier);
+        iterate.set_working(&[EQUALITY], &[0.1]);
+        iterate.set_multipliers(&[known], &[0.1], &Options::default());
+        let RowState { slack, elastic, multiplier, penalty, .. } = iterate.working[0];
+        assert_eq!(penalty, f64::max(1.0, 2.0 * known.abs()));
+        assert_close!(&[multiplier], &[known], 1e-14);
+        assert_eq!([slack, elastic], barrier.split(&EQUALITY, 0.1, penalty));
+    }
+}
+
+/// A row with an infinite penalty has the slack of its value and no elastic variable, whatever the step.
+#[test]
+fn a_hard_row_is_not_elastic() {
+    let barrier = Barrier { mu: 1e-3, nu: 1.0 };
+    let mut iterate = Iterate::new(barrier);
+    iterate.set_working(&[Row { stiffness: f64::INFINITY, ..ROW }], &[-0.2]);
+    let state = iterate.working[0];
+    assert_eq!([state.slack, state.elastic, state.multiplier], [0.2, 0.0, 5e-3]);
+    let step = iterate.step(&state, -0.2, 0.1);
+    assert_close!(&[step.slack, step.elastic, step.multiplier], &[-0.1, 0.0, 2.5e-3], 1e-15);
+    let mut after = state.take(&step, 1.0, 0.9);
+    after.meet(-0.05);
+    assert_close!(&[after.slack, after.elastic, after.multiplier], &[0.05, 0.0, 7.5e-3], 1e-15);
+    assert_close!(&[iterate.barrier_terms(|_| 1.0)], &[-1e-3 * f64::ln(0.2)], 1e-15);
+}
+
+/// Penalties grow after a step that hardly decreases a violation, of rows whose multipliers have nearly reached them.
+#[test]
+fn penalties_steer() {
+    let options = Options::default();
+    let barrier = Barrier { mu: 1e-6, nu: 2.0 };
+    for (h, fraction, raised) in [(0.95, 0.99, true), (0.8, 0.99, false), (0.95, 0.6, false), (-0.95, 0.99, true)] {
+        let mut iterate = one(EQUALITY, barrier, [1e-3, 1e-3, fraction]);
+        assert_eq!(iterate.steer(&[1.0], &[h], &options, 1e9), raised, "{h} {fraction}");
+        assert_eq!(iterate.working[0].penalty, if raised { 20.0 } else { 2.0 });
     }
 }

@@ -11,4 +11,5 @@ mod kkt;
 mod line_search;
 mod options;
 mod problems;
+mod smooth;
 mod state;

@@ -55,8 +55,16 @@ fn column(text: &str, i: usize) -> Vec<f64> {
 fn all_are_short() {
     let sources = sources();
     let names: BTreeSet<&str> = sources.iter().map(|source| name_of(source)).collect();
-    let tried =
-        ["another_robot", "code_to_file", "own_constraint", "own_jacobian", "own_lagrangian", "own_scalar", "tracker"];
+    let tried = [
+        "another_robot",
+        "code_to_file",
+        "own_constraint",
+        "own_jacobian",
+        "own_lagrangian",
+        "own_program",
+        "own_scalar",
+        "tracker",
+    ];
     // Whoever adds one adds its test below.
     assert_eq!(names, BTreeSet::from(tried));
     for source in &sources {
