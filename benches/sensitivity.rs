@@ -92,7 +92,7 @@ fn options() -> Vec<(&'static str, Change)> {
     let mut all = options! {
         scaled: search.points, search.points_of_segments, search.quadrature_on_the_way, search.scan_depth,
             search.reserve, search.near, search.share_of_cutoff, search.moved, search.last_barrier_of_bounds,
-            search.equality_penalty, search.passive_share, search.deviation,
+            search.motor_penalty, search.equality_penalty, search.passive_share, search.deviation,
             search.lower_tolerance, search.lower_quadrature_tolerance, search.lower_last_barrier, search.lower_feasible,
             search.planned_penalty, search.largest_planned_penalty, search.point_penalty, search.same_minimum;
         count: search.most_points, search.scan, search.last_scan, search.exact_margins, search.largest_passive_size,
@@ -103,15 +103,14 @@ fn options() -> Vec<(&'static str, Change)> {
         fraction: search.share_of_starts;
         scaled: nlp.feasible, nlp.first_barrier, nlp.warm_barrier, nlp.last_barrier, nlp.longest_step, nlp.tangent,
             nlp.penalty, nlp.penalty_of_multipliers, nlp.row_penalty_of_multipliers,
-            nlp.equality_penalty_of_multipliers, nlp.compliance, nlp.largest_penalty, nlp.infeasible_cost,
-            nlp.sufficient_decrease, nlp.largest_warm_slack,
+            nlp.largest_penalty, nlp.infeasible_cost, nlp.sufficient_decrease, nlp.largest_warm_slack,
             nlp.multiplier_range, nlp.first_regularisation, nlp.smallest_regularisation, nlp.largest_regularisation,
             nlp.saddle_step;
         count: nlp.memory, nlp.max_backtracks, nlp.rounds, nlp.max_steps_without_curvature;
         fraction: nlp.fraction_to_boundary, nlp.infeasible_progress, nlp.backtracking, nlp.short_fraction,
             nlp.long_fraction, nlp.min_curvature_weight;
         shares: nlp.curvature_factors;
-        factor: nlp.row_penalty_factor, nlp.penalty_factor;
+        factor: nlp.row_penalty_factor, nlp.penalty_factor, nlp.equality_factor;
         regularisation: nlp.regularisation_factors;
     }
     .to_vec();

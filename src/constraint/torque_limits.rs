@@ -126,6 +126,11 @@ impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
         scales
     }
 
+    /// Returns true if a row is the torque of a passive joint.
+    pub(crate) fn is_passive(&self, row: usize) -> bool {
+        row >= self.state.dim() && self.is_equality(row)
+    }
+
     /// Returns true if a row is an equality; see [`RowSet::is_equality`](super::RowSet::is_equality).
     #[must_use]
     pub fn is_equality(&self, row: usize) -> bool {

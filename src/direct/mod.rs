@@ -55,7 +55,7 @@ use crate::motion::{Problem, Watch};
 use crate::transcription::{Grids, Rows};
 use fixed_ends::check_ends;
 pub use minimise::Multipliers;
-pub(crate) use minimise::working_set::WorkingSet;
+pub(crate) use minimise::working_set::{WorkingSet, equalities};
 use minimise::{Candidate, Context, minimise};
 pub(crate) use minimise::{Integrand, Stage};
 pub(crate) use settings::Level;

@@ -1,17 +1,28 @@
 //! Slacks, elastic variables and multipliers of the rows.
 
-use super::{Barrier, Options, Row, RowState, RowStep, Term};
+use super::{Barrier, Equality, Options, Row, RowState, RowStep, Term};
+
+/// The fraction of its violation that an equality may keep from one update to the next before its penalty grows: 1/4 as
+/// in NW, framework 17.3.
+const PROGRESS: f64 = 0.25;
 
 /// The part of a violation that is left after a step that hardly decreases it.
 const HARDLY: f64 = 0.9;
 
-/// The rows of the working set with their multipliers.
+/// The rows of the working set and other equalities, with their multipliers. These equalities have the terms
+/// $\lambda h + \tfrac12 \rho h^2$ of an augmented Lagrangian (NW 17.3), and steps are those of the primal-dual
+/// equations $\nabla f + y \nabla h = 0$, $y = \lambda + \rho h$ (Gill and Robinson, *A primal-dual augmented
+/// Lagrangian*, 2012): second derivatives have the weight $y$. With the weight $\lambda + \rho h$ a curved row would
+/// make the Hessian indefinite, and $\lambda$ is out of date until the barrier parameter changes.
 #[derive(Debug)]
 pub struct Iterate {
     /// The rows of the working set, by their indices.
     pub working: Vec<RowState>,
     /// Memory for the next working set.
     spare: Vec<RowState>,
+    pub equalities: Vec<Equality>,
+    /// The largest equality at the last update of their multipliers.
+    before: f64,
     pub barrier: Barrier,
     /// The least change of a row per change of its multiplier in the condensed equations.
     pub compliance: f64,
@@ -25,31 +36,34 @@ pub struct Iterate {
 
 impl Default for Iterate {
     fn default() -> Self {
-        Self::new(Barrier::default())
+        Self::new(Barrier::default(), Vec::new())
     }
 }
 
 // By hand, so that the memory of the copy is kept.
 impl Clone for Iterate {
     fn clone(&self) -> Self {
-        let mut clone = Self::new(self.barrier);
+        let mut clone = Self::new(self.barrier, Vec::new());
         clone.clone_from(self);
         clone
     }
 
     fn clone_from(&mut self, from: &Self) {
         self.working.clone_from(&from.working);
-        (self.barrier, self.compliance) = (from.barrier, from.compliance);
+        self.equalities.clone_from(&from.equalities);
+        (self.before, self.barrier, self.compliance) = (from.before, from.barrier, from.compliance);
         (self.curvature_weight, self.without_curvature) = (from.curvature_weight, from.without_curvature);
         self.is_lagrangian = from.is_lagrangian;
     }
 }
 
 impl Iterate {
-    pub fn new(barrier: Barrier) -> Self {
+    pub fn new(barrier: Barrier, equalities: Vec<Equality>) -> Self {
         Self {
             working: Vec::new(),
             spare: Vec::new(),
+            equalities,
+            before: f64::INFINITY,
             barrier,
             compliance: 0.0,
             curvature_weight: 1.0,
@@ -71,6 +85,9 @@ impl Iterate {
         all.clear();
         all.resize(count, 0.0);
         for of in &self.working {
+            all[of.row.at] = of.multiplier;
+        }
+        for of in &self.equalities {
             all[of.row.at] = of.multiplier;
         }
     }
@@ -132,10 +149,10 @@ impl Iterate {
         self.spare = std::mem::replace(&mut self.working, states);
     }
 
-    /// Begins without rows.
-    pub(crate) fn restart(&mut self, barrier: Barrier) {
+    /// Begins without rows but for these equalities.
+    pub(crate) fn restart(&mut self, barrier: Barrier, equalities: Vec<Equality>) {
         self.working.clear();
-        self.barrier = barrier;
+        (self.equalities, self.before, self.barrier) = (equalities, f64::INFINITY, barrier);
         self.curvature_weight = 1.0;
     }
 
@@ -167,6 +184,31 @@ impl Iterate {
             state.multiplier = *z;
             state.safeguard(mu, options.multiplier_range);
         }
+        for equality in &mut self.equalities {
+            equality.multiplier = known.get(equality.row.at).copied().unwrap_or(0.0);
+            equality.estimate = equality.multiplier;
+        }
+    }
+
+    /// Updates the multipliers of equalities, $\lambda \leftarrow \lambda + \rho h$, and multiplies their penalties by
+    /// `factor`, at most to `largest`, if the largest equality exceeds its tolerance and is more than a quarter of the
+    /// one before (NW, framework 17.3).
+    pub fn update_equalities(&mut self, h: &[f64], factor: f64, largest: f64, feasible: f64) {
+        let mut most = 0.0_f64;
+        for equality in &mut self.equalities {
+            let value = h[equality.row.at];
+            equality.multiplier += equality.penalty * value;
+            equality.estimate = equality.multiplier;
+            most = most.max(value.abs());
+        }
+        if most > feasible && most > PROGRESS * self.before {
+            for equality in &mut self.equalities {
+                let now = equality.penalty;
+                // The objective may have been far smaller when the penalties were first set.
+                equality.penalty = (factor * now).min(largest.max(now));
+            }
+        }
+        self.before = most;
     }
 
     /// Replaces slacks and elastic variables by the best ones for these values of the rows.
@@ -253,13 +295,28 @@ impl Iterate {
         }
     }
 
+    /// The terms of an equality of this value.
+    #[inline]
+    pub fn equality_term(&self, equality: &Equality, h: f64) -> Term {
+        let (lambda, rho) = (equality.multiplier, equality.penalty);
+        Term {
+            slope: lambda + rho * h,
+            curvature: rho,
+            multiplier: equality.estimate,
+            cost: (lambda + 0.5 * rho * h) * h,
+        }
+    }
+
     /// The weight of the product of the gradient of a row with itself,
     /// $1 / (s / (\lambda - \underline\lambda) + t / (\nu - \lambda))$.
     #[inline]
     fn curvature(&self, state: &RowState) -> f64 {
         let (RowState { slack: s, elastic: t, .. }, [below, above]) = (*state, state.distances());
-        let least = if state.row.is_equality { self.compliance } else { 0.0 };
-        1.0 / (s / below + t / above + least)
+        if state.row.is_equality || state.is_hard() {
+            let least = if state.row.is_equality { self.compliance } else { 0.0 };
+            return 1.0 / (s / below + t / above + least);
+        }
+        below * above / (s * above + t * below)
     }
 
     /// The Newton step of a row that changes by `change`.
@@ -293,10 +350,15 @@ impl Iterate {
     }
 
     /// The terms of all rows in the barrier function for these measures of rows.
-    pub fn barrier_terms(&self, measure: impl Fn(usize) -> f64) -> f64 {
+    pub fn barrier_terms(&self, h: &[f64], measure: impl Fn(usize) -> f64) -> f64 {
         let (mut sum, mu) = (MeasuredSum::default(), self.barrier.mu);
         for of in &self.working {
             sum.add(measure(of.row.at), of.row.weight * of.barrier_term(mu));
+        }
+        for equality in &self.equalities {
+            let row = equality.row;
+            let term = self.equality_term(equality, h[row.at]).cost;
+            sum.add(measure(row.at), row.weight * term);
         }
         sum.total()
     }

@@ -128,12 +128,22 @@ impl End {
 pub(super) struct Trial {
     x: DVector<f64>,
     h: Vec<f64>,
-    /// The changes of the linearised rows of the working set along the whole step.
+    /// The changes of the linearised rows of the working set, then of the equalities, along the whole step.
     tangent: Vec<f64>,
+    /// The weights of the gradients of rows in a second-order correction, and that correction.
+    weights: Vec<(usize, f64)>,
+    correction: DVector<f64>,
     pub iterate: Iterate,
 }
 
 impl Trial {
+    /// Allocates memory for a working set of this number of rows and for this number of unknowns.
+    pub fn allocate(&mut self, rows: usize, unknowns: usize) {
+        self.iterate.allocate(rows);
+        self.weights.reserve(rows);
+        self.correction = DVector::zeros(unknowns);
+    }
+
     /// Evaluates the objective and the rows at the end of a fraction of a step; returns the objective.
     fn evaluate<P: Nlp>(&mut self, problem: &mut P, state: &State, step: &DVector<f64>, alpha: f64) -> Result<f64> {
         assign(&mut self.x, &state.x);
@@ -144,26 +154,30 @@ impl Trial {
     /// Moves the end of a fraction of a step by a second-order correction for the change of the rows beyond the linear
     /// one; returns false if the problem has no gradients of single rows.
     fn correct<P: Nlp>(&mut self, problem: &mut P, state: &State, step: &Step, alpha: f64) -> Result<bool> {
-        let (from, mut weights) = (&state.iterate, Vec::new());
+        let (from, mut weights) = (&state.iterate, std::mem::take(&mut self.weights));
+        weights.clear();
         for (of, tangent) in from.working.iter().zip(&self.tangent) {
             let at = of.row.at;
             let beyond = self.h[at] - state.h[at] - alpha * tangent;
             let measure = problem.row_measure(&state.x, at);
             weights.push((at, measure * of.row.weight * from.term(of, state.h[at]).curvature * beyond));
         }
-        let mut correction = DVector::zeros(step.x.len());
-        if !problem.add_row_gradients(&state.x, &weights, &mut correction)? {
+        assign(&mut self.correction, &step.x);
+        self.correction.fill(0.0);
+        let is_given = problem.add_row_gradients(&state.x, &weights, &mut self.correction)?;
+        self.weights = weights;
+        if !is_given {
             return Ok(false);
         }
-        state.kkt.solve(&mut correction);
-        self.x -= correction;
+        state.kkt.solve(&mut self.correction);
+        self.x -= &self.correction;
         Ok(self.x.iter().all(|x| x.is_finite()) && problem.max_step_fraction(&state.x, &(&self.x - &state.x)) >= 1.0)
     }
 
     /// Sets the changes of the linearised rows along a step: those over a short part of it, relative to that.
     fn set_tangent<P: Nlp>(&mut self, problem: &mut P, state: &State, step: &Step, options: &Options) -> Result<()> {
-        let working = &state.iterate.working;
-        if working.is_empty() {
+        let (working, held) = (&state.iterate.working, &state.iterate.equalities);
+        if working.is_empty() && held.is_empty() {
             return Ok(());
         }
         let part = (options.tangent / state.progress.step).min(1.0);
@@ -172,6 +186,7 @@ impl Trial {
         problem.value(&self.x, &mut self.h)?;
         self.tangent.clear();
         let rows = working.iter().map(|of| of.row.at);
+        let rows = rows.chain(held.iter().map(|of| of.row.at));
         self.tangent.extend(rows.map(|at| (self.h[at] - state.h[at]) / part));
         Ok(())
     }
@@ -179,7 +194,7 @@ impl Trial {
     /// The barrier function for an objective.
     fn merit<P: Nlp>(&self, problem: &P, f: f64) -> f64 {
         let measure = |row| problem.row_measure(&self.x, row);
-        f + self.iterate.barrier_terms(measure)
+        f + self.iterate.barrier_terms(&self.h, measure)
     }
 
     /// Takes this fraction of the steps of the rows, whose values at its end are known. Returns the difference between
@@ -201,6 +216,11 @@ impl Trial {
             slope.add(measure(at), before.row.weight * (condensed - bend));
             *after = before.take(&step, alpha, options.fraction_to_boundary);
             after.meet(self.h[at]);
+        }
+        let held = from.equalities.iter().zip(&mut self.iterate.equalities);
+        for ((before, after), tangent) in held.zip(&self.tangent[from.working.len()..]) {
+            let end = from.equality_term(before, state.h[before.row.at] + tangent).slope;
+            after.estimate = before.estimate + alpha.min(1.0) * (end - before.estimate);
         }
         slope.total()
     }

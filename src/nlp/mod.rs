@@ -12,7 +12,8 @@
 //! The slack of an inequality costs nothing, $\underline\nu_j = 0$; that of an equality is a violation too,
 //! $\underline\nu_j = \nu_j$, and its multiplier is between $-\nu_j$ and $\nu_j$. There are feasible points for any `x`,
 //! so a start may violate the rows and no restoration phase is needed; rows with elastic variables that do not vanish
-//! are those that cannot be kept. The condensed matrix is positive definite if and only if the saddle-point matrix of
+//! are those that cannot be kept. [`Nlp::equalities`] have the terms of an augmented Lagrangian instead: walks take
+//! fewer iterations with these. The condensed matrix is positive definite if and only if the saddle-point matrix of
 //! `x` and all multipliers has the inertia of a minimum (NW 16.3), dependent rows or not. The loop of [`solve`] is that
 //! of Nocedal and Wright, *Numerical Optimization*, algorithm 19.2, and of Wächter and Biegler, *On the implementation
 //! of an interior-point filter line-search algorithm*, 2006 (WB):
@@ -45,7 +46,7 @@ pub(crate) use kkt::Memory;
 pub use kkt::{Bordered, Kkt};
 pub use kkt_error::{KktError, Scales};
 pub use options::Options;
-pub use row::{Row, RowState, RowStep, Term};
+pub use row::{Equality, Row, RowState, RowStep, Term};
 pub use smooth::{SmoothDerivatives, SmoothProgram, SmoothSolution, solve_smooth};
 
 use crate::error::Result;
@@ -78,6 +79,12 @@ pub trait Nlp {
         self.measure(x)
     }
 
+    /// Equalities with the terms of an augmented Lagrangian, with their first penalties for an objective of this
+    /// density.
+    fn equalities(&self, _density: f64) -> Vec<Equality> {
+        Vec::new()
+    }
+
     /// Adds the gradients of rows at `x`, at which derivatives were last computed, each times its weight, to `out`;
     /// returns false if the program does not give them, and steps have no second-order correction.
     ///
@@ -92,8 +99,8 @@ pub trait Nlp {
         Ok(false)
     }
 
-    /// Lists the rows of the working set, which has all equalities, in ascending order, for the values `h` of the last
-    /// evaluation, in place of those in `rows`.
+    /// Lists the rows of the working set, which has all other equalities, in ascending order, for the values `h` of the
+    /// last evaluation, in place of those in `rows`.
     fn working_set(&mut self, h: &[f64], rows: &mut Vec<Row>);
 
     /// The largest fraction of a step from `x` that may be tried, at most 1.

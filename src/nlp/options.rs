@@ -48,8 +48,7 @@ pub struct Options {
     pub equality_penalty_of_multipliers: f64,
     /// The least change of an equality per change of its multiplier in the condensed equations, for an objective of the
     /// size 1, as $\delta_c$ of WB (13). Its error vanishes with the change of the multiplier. Without it rounding of
-    /// large penalties hides the Hessian along the equalities, and dependent ones make steps short. Equalities along
-    /// the whole way of a motion converge slowly with more.
+    /// large penalties hides the Hessian along the equalities, and dependent ones make steps short.
     pub compliance: f64,
     /// True if penalties are also raised after steps that hardly decrease a violation: an objective without a lower
     /// bound where rows are violated needs that.
@@ -60,6 +59,8 @@ pub struct Options {
     /// Fetch: with 1 or 10 for all penalties fewer searches end at minima).
     pub row_penalty_factor: f64,
     pub penalty_factor: f64,
+    /// The factor of the penalties of equalities that decrease too little: 10 as in NW (17.4).
+    pub equality_factor: f64,
     /// The largest penalty: with it a violation of 1e-9 of the scale of its row costs as much as the whole motion.
     pub largest_penalty: f64,
     /// The cost of all violations with the penalty, relative to the objective, and the fraction of them that is left
@@ -136,6 +137,7 @@ impl Default for Options {
             steers: false,
             row_penalty_factor: 10.0,
             penalty_factor: 4.0,
+            equality_factor: 10.0,
             largest_penalty: 1e9,
             infeasible_cost: 0.3,
             infeasible_progress: 0.5,
@@ -213,6 +215,7 @@ impl Options {
         for (what, value, which) in [
             ("penalty_factor", self.penalty_factor, ""),
             ("row_penalty_factor", self.row_penalty_factor, ""),
+            ("equality_factor", self.equality_factor, ""),
             ("multiplier_range", self.multiplier_range, ""),
             ("regularisation_factors", first, for_first),
             ("regularisation_factors", later, for_second),

@@ -39,6 +39,28 @@ impl Row {
     }
 }
 
+/// An equality with the terms of an augmented Lagrangian, those of problems with many equalities along a motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Equality {
+    pub row: Row,
+    /// The penalty of its square without a search before.
+    pub first: f64,
+    /// The penalty $\rho$ of its square.
+    pub penalty: f64,
+    /// $\lambda$.
+    pub multiplier: f64,
+    /// The estimate $y$ of the multiplier that takes the Newton steps of the primal-dual equations.
+    pub estimate: f64,
+}
+
+impl Equality {
+    /// An equality with its first penalty, and `factor` times that to begin with.
+    #[must_use]
+    pub fn new(row: Row, first: f64, factor: f64) -> Self {
+        Self { row, first, penalty: factor * first, multiplier: 0.0, estimate: 0.0 }
+    }
+}
+
 /// The slack $s$, the elastic variable $t$, the multiplier $\lambda$ and the penalty $\nu$ of a row, with the conditions
 /// $s (\lambda - \underline\lambda) = \mu$ and $t (\nu - \lambda) = \mu$. The slack of an inequality costs nothing:
 /// $\underline\lambda = 0$; that of an equality is a violation as the elastic variable is: $\underline\lambda = -\nu$. With

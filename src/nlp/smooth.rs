@@ -25,6 +25,10 @@ const SOLVED: f64 = 10.0;
 /// 313, 86 and 32 iterations with 1e-9 to 1e-6, the others at most as many).
 const COMPLIANCE: f64 = 1e-6;
 
+/// The cost of violations that do not decrease, with their penalties, beside an objective of the size 1, at which rows
+/// are given up: the objective itself says nothing about them.
+const INFEASIBLE_COST: f64 = 1e5;
+
 /// The largest penalty at the start, beyond which multipliers of nearly dependent rows say nothing, and the largest of
 /// all, with which a violation of the tolerance 1e-8 costs as much as the objective.
 const LARGEST_FIRST_PENALTY: f64 = 1e4;
@@ -218,12 +222,11 @@ impl<'p, P: SmoothProgram> Scaled<'p, P> {
             longest_step: f64::INFINITY,
             penalty: penalty.min(LARGEST_FIRST_PENALTY),
             largest_penalty: LARGEST_PENALTY,
-            // Rows are only given up at the largest penalty: the objective says nothing about them.
-            infeasible_cost: f64::MAX,
+            infeasible_cost: INFEASIBLE_COST,
             fraction_to_boundary: TO_BOUND,
             steers: true,
             compliance: COMPLIANCE,
-            barrier: Arc::new(Monotone { done: SOLVED, ..Monotone::default() }),
+            barrier: Arc::new(Monotone { done: [SOLVED; 2], ..Monotone::default() }),
             ..given.clone()
         })
     }

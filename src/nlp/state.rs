@@ -107,7 +107,8 @@ impl State {
             mu: first.max(options.last_barrier) * scale / if weight > 0.0 { weight } else { 1.0 },
             nu: penalty.max(options.penalty_of_multipliers * largest),
         };
-        self.iterate.restart(barrier);
+        let equalities = problem.equalities(scale / measure);
+        self.iterate.restart(barrier, equalities);
         self.iterate.compliance = options.compliance * measure / scale;
         self.iterate.set_working(&self.rows, &self.h);
         if let Some(lambda) = multipliers {
@@ -124,10 +125,9 @@ impl State {
     /// Allocates memory for a working set of all rows.
     pub(crate) fn allocate(&mut self, rows: usize) {
         self.rows.reserve(rows);
-        let trials = [&mut self.trial, &mut self.longer];
-        let iterates = trials.map(|trial| &mut trial.iterate).into_iter();
-        for iterate in iterates.chain([&mut self.iterate]) {
-            iterate.allocate(rows);
+        self.iterate.allocate(rows);
+        for trial in [&mut self.trial, &mut self.longer] {
+            trial.allocate(rows, self.x.len());
         }
     }
 
@@ -206,8 +206,14 @@ impl State {
         {
             self.raise_penalties(options);
         }
+        self.update_equalities(options);
         self.follow(problem, most, options)?;
         Ok(found)
+    }
+
+    fn update_equalities(&mut self, options: &Options) {
+        let most = options.largest_penalty * self.scale() / self.measure;
+        self.iterate.update_equalities(&self.h, options.equality_factor, most, options.feasible);
     }
 
     /// Raises the penalties of violated rows whose multipliers have reached them, and those of all rows if the
@@ -254,6 +260,7 @@ impl State {
             Tightened::Violation(violation) => violation,
         };
         if violation > options.feasible {
+            self.update_equalities(options);
             // Between the points margins help, at them only the penalty.
             let elastic = self.progress.infeasibility > options.feasible;
             let raised = self.raise_penalties(options);
@@ -265,7 +272,7 @@ impl State {
         }
         self.reset(problem, options)?;
         let gap = self.measure * self.iterate.gap() / self.scale();
-        if gap > options.tolerance.max(2.0 * options.last_barrier) && self.rounds <= options.rounds {
+        if gap > options.tolerance && self.rounds <= options.rounds {
             // Margins were too large: the barrier parameter follows, so that the rows can.
             let total = gap.min(options.warm_barrier);
             let mu = total * self.scale() / self.total_weight();
@@ -351,6 +358,6 @@ impl State {
     /// The barrier function.
     pub(super) fn merit<P: Nlp>(&self, problem: &P) -> f64 {
         let measure = |row| problem.row_measure(&self.x, row);
-        self.f + self.iterate.barrier_terms(measure)
+        self.f + self.iterate.barrier_terms(&self.h, measure)
     }
 }

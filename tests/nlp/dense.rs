@@ -3,7 +3,7 @@
 use aghf::Result;
 use aghf::cost::HyperDual64;
 use aghf::linalg::BlockTridiagonal;
-use aghf::nlp::{Bordered, Iterate, Kkt, Nlp, Options, Row, Solution, Tightened, solve};
+use aghf::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Options, Row, Solution, Term, Tightened, solve};
 use nalgebra::{DMatrix, DVector};
 
 /// The objective and the rows as functions of the unknowns.
@@ -40,7 +40,6 @@ pub fn accurate() -> Options {
         last_barrier: 1e-10,
         // Slacks are as small as that.
         tangent: 1e-7,
-        compliance: 1e-6,
         ..Options::default()
     }
 }
@@ -109,6 +108,13 @@ impl Dense {
         Kkt::new(Bordered::with_border(matrix, 0)).expect("the unit matrix is positive definite")
     }
 
+    /// The equalities or the inequalities.
+    fn all_rows(&self, equalities: bool) -> impl Iterator<Item = Row> {
+        let rows = self.rows.iter().enumerate();
+        let of_kind = rows.filter(move |(_, row)| row.3 == equalities);
+        of_kind.map(|(at, row)| Row { is_curved: !row.3, ..Row::new(at, row.2) })
+    }
+
     /// The solution from the start.
     pub fn solve(&mut self, options: &Options) -> Solution {
         self.solve_from(&self.start.clone(), None, options)
@@ -150,13 +156,18 @@ impl Nlp for Dense {
         let mut h = Vec::new();
         self.value(x, &mut h)?;
         let (mut gradient, mut hessian) = all[0].clone();
-        for state in &iterate.working {
-            let Row { at, weight, .. } = state.row;
-            let term = iterate.term(state, h[at]).times(self.measure * weight);
-            let (slope, second) = &all[1 + at];
+        let mut add = |row: &Row, term: Term| {
+            let (term, (slope, second)) = (term.times(self.measure * row.weight), &all[1 + row.at]);
             gradient.axpy(term.slope, slope, 1.0);
             hessian += second * term.multiplier;
             hessian.ger(term.curvature, slope, slope, 1.0);
+        };
+        for state in &iterate.working {
+            add(&state.row, iterate.term(state, h[state.row.at]));
+        }
+        for equality in &iterate.equalities {
+            let row = &equality.row;
+            add(row, iterate.equality_term(equality, h[row.at]));
         }
         out.gradient = gradient;
         out.hessian.matrix.diagonal[0] = hessian;
@@ -167,12 +178,14 @@ impl Nlp for Dense {
         self.measure
     }
 
+    fn equalities(&self, density: f64) -> Vec<Equality> {
+        let of = |row| Equality { row, first: density, penalty: density, multiplier: 0.0, estimate: 0.0 };
+        self.all_rows(true).map(of).collect()
+    }
+
     fn working_set(&mut self, _: &[f64], rows: &mut Vec<Row>) {
         rows.clear();
-        rows.extend(self.rows.iter().enumerate().map(|(at, row)| match row.3 {
-            true => Row::equality(at, row.2),
-            false => Row { is_curved: true, ..Row::new(at, row.2) },
-        }));
+        rows.extend(self.all_rows(false));
     }
 
     fn tighten(&mut self, x: &DVector<f64>, _: &mut Vec<f64>, round: usize) -> Result<Tightened> {

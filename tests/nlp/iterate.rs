@@ -1,7 +1,7 @@
 //! Slacks, elastic variables and multipliers: the condensed equations against the complete ones.
 
 use crate::common::config;
-use aghf::nlp::{Barrier, Iterate, Options, Row, RowState};
+use aghf::nlp::{Barrier, Equality, Iterate, Options, Row, RowState};
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 
@@ -11,7 +11,7 @@ const EQUALITY: Row = Row::equality(0, 1.0);
 /// A row with a slack, an elastic variable and a multiplier at this fraction of the way from its least one to the
 /// penalty.
 fn one(row: Row, barrier: Barrier, [slack, elastic, fraction]: [f64; 3]) -> Iterate {
-    let mut iterate = Iterate::new(barrier);
+    let mut iterate = Iterate::new(barrier, Vec::new());
     iterate.set_working(&[row], &[0.0]);
     let state = RowState { row, slack, elastic, multiplier: 0.0, penalty: barrier.nu };
     let multiplier = state.least() + fraction * (barrier.nu - state.least());
@@ -99,7 +99,7 @@ proptest! {
         let [own, condensed] = iterate.bend(&iterate.working[0], &step, change);
         let term = iterate.term(&iterate.working[0], h);
         let value = nu * t + of_slack * s - mu * (s.ln() + t.ln());
-        assert_close!(&[term.cost, iterate.barrier_terms(|_| 1.0)], &[value; 2], 1e-12);
+        assert_close!(&[term.cost, iterate.barrier_terms(&[0.0], |_| 1.0)], &[value; 2], 1e-12);
         let found = term.slope * change + condensed - own;
         let size = 1.0 + own + nu * (step.slack.abs() + step.elastic.abs());
         prop_assert!((found - exact).abs() <= 1e-9 * size, "{found} {exact}");
@@ -190,7 +190,7 @@ fn known_multipliers_have_their_penalties() {
 #[test]
 fn penalties_of_violated_rows_grow() {
     let (barrier, options) = (Barrier { mu: 1e-6, nu: 2.0 }, Options::default());
-    let mut iterate = Iterate::new(barrier);
+    let mut iterate = Iterate::new(barrier, Vec::new());
     let rows = [0, 1, 2].map(|at| Row::new(at, 1.0));
     let h = [0.1, -0.1, 1e-4];
     iterate.set_working(&rows, &h);
@@ -236,7 +236,7 @@ fn rows_at_the_penalty() {
 
 /// An iterate with one curved row.
 fn curved() -> Iterate {
-    let mut iterate = Iterate::new(Barrier { mu: 1e-6, nu: 2.0 });
+    let mut iterate = Iterate::new(Barrier { mu: 1e-6, nu: 2.0 }, Vec::new());
     iterate.set_working(&[Row { is_curved: true, ..ROW }], &[-1.0]);
     iterate
 }
@@ -291,7 +291,7 @@ fn all_second_derivatives_are_tried_again() {
 fn known_multipliers_of_equalities() {
     let barrier = Barrier { mu: 1e-6, nu: 1.0 };
     for known in [-3.0, 0.2] {
-        let mut iterate = Iterate::new(barrier);
+        let mut iterate = Iterate::new(barrier, Vec::new());
         iterate.set_working(&[EQUALITY], &[0.1]);
         iterate.set_multipliers(&[known], &[0.1], &Options::default());
         let RowState { slack, elastic, multiplier, penalty, .. } = iterate.working[0];
@@ -305,7 +305,7 @@ fn known_multipliers_of_equalities() {
 #[test]
 fn a_hard_row_is_not_elastic() {
     let barrier = Barrier { mu: 1e-3, nu: 1.0 };
-    let mut iterate = Iterate::new(barrier);
+    let mut iterate = Iterate::new(barrier, Vec::new());
     iterate.set_working(&[Row { stiffness: f64::INFINITY, ..ROW }], &[-0.2]);
     let state = iterate.working[0];
     assert_eq!([state.slack, state.elastic, state.multiplier], [0.2, 0.0, 5e-3]);
@@ -314,7 +314,7 @@ fn a_hard_row_is_not_elastic() {
     let mut after = state.take(&step, 1.0, 0.9);
     after.meet(-0.05);
     assert_close!(&[after.slack, after.elastic, after.multiplier], &[0.05, 0.0, 7.5e-3], 1e-15);
-    assert_close!(&[iterate.barrier_terms(|_| 1.0)], &[-1e-3 * f64::ln(0.2)], 1e-15);
+    assert_close!(&[iterate.barrier_terms(&[0.0], |_| 1.0)], &[-1e-3 * f64::ln(0.2)], 1e-15);
 }
 
 /// Penalties grow after a step that hardly decreases a violation, of rows whose multipliers have nearly reached them.
@@ -326,5 +326,30 @@ fn penalties_steer() {
         let mut iterate = one(EQUALITY, barrier, [1e-3, 1e-3, fraction]);
         assert_eq!(iterate.steer(&[1.0], &[h], &options, 1e9), raised, "{h} {fraction}");
         assert_eq!(iterate.working[0].penalty, if raised { 20.0 } else { 2.0 });
+    }
+}
+
+/// The terms of an equality are those of $\lambda h + \rho h^2 / 2$, with its estimate as weight of second derivatives,
+/// and an update moves multiplier and estimate to the slope. The penalty grows unless the equality has shrunk to a
+/// quarter or is accepted; another working set of inequalities changes neither.
+#[test]
+fn equalities_have_the_terms_of_an_augmented_lagrangian() {
+    let (row, penalty, h) = (Row::new(1, 0.5), 8.0, 0.25);
+    let equality = Equality { row, first: penalty, penalty, multiplier: 0.0, estimate: 0.0 };
+    let mut iterate = Iterate::new(Barrier { mu: 1e-3, nu: 1.0 }, vec![equality]);
+    iterate.set_multipliers(&[0.0, -3.0], &[0.0, h], &Options::default());
+    let term = iterate.equality_term(&iterate.equalities[0], h);
+    assert_eq!([term.cost, term.slope, term.multiplier, term.curvature], [-0.5, -1.0, -3.0, 8.0]);
+    assert_eq!(iterate.barrier_terms(&[0.0, h], |_| 1.0), -0.25);
+    let measure = |row| if row == 1 { 3.0 } else { 1.0 };
+    assert_eq!(iterate.barrier_terms(&[0.0, h], measure), -0.75);
+    // The first update has nothing to compare with.
+    iterate.update_equalities(&[0.0, h], 10.0, 100.0, 1e-6);
+    assert_eq!((iterate.equalities[0].multiplier, iterate.equalities[0].penalty), (-1.0, 8.0));
+    iterate.set_working(&[ROW], &[-0.3, h]);
+    assert_eq!((iterate.equalities[0].multiplier, iterate.equalities[0].penalty), (-1.0, 8.0));
+    for (h, expected) in [(0.05, 8.0), (0.04, 80.0), (1e-6, 80.0), (1e-6, 80.0), (0.04, 100.0)] {
+        iterate.update_equalities(&[0.0, h], 10.0, 100.0, 1e-6);
+        assert_eq!(iterate.equalities[0].penalty, expected, "{h}");
     }
 }

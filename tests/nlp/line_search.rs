@@ -43,3 +43,21 @@ fn multipliers_follow_the_linearised_rows() {
     assert!(end.x[0] > 0.1, "{}", end.x);
     assert!((state.multiplier - 1.0).abs() < 0.1, "{state:?}");
 }
+
+/// The estimate of the multiplier of an equality takes the Newton step of the linearised row as well, and the fraction
+/// of it that is taken of the step.
+#[test]
+fn estimates_follow_the_linearised_rows() {
+    let options = Options { iterations: 1, ..accurate() };
+    let start = [0.0, 0.5];
+    let mut program = Dense::new(above_a_parabola, &start, 1, 1);
+    let end = program.solve_from(&start, None, &options);
+    let [equality] = end.iterate.equalities[..] else {
+        panic!("there is one equality");
+    };
+    assert!(end.x[0] > 0.1, "{}", end.x);
+    // The whole step is one in the first unknown, and in the estimate from zero to the multiplier of the minimum.
+    assert_eq!(equality.multiplier, 0.0);
+    let off = equality.estimate - end.x[0];
+    assert!(off.abs() < 1e-6, "{equality:?} {}", end.x);
+}

@@ -21,6 +21,8 @@ pub(crate) struct Candidate {
     pub multipliers: Multipliers,
     /// The first penalty of a violation, if it is not that of the options.
     pub penalty: Option<f64>,
+    /// The penalties of equalities at the end of a search, relative to the first ones.
+    pub equality_penalty: f64,
     /// The integral of the running cost by a quadrature finer than that of the minimisation.
     pub cost: f64,
     /// The same with the cost of time.
@@ -145,6 +147,7 @@ impl Candidate {
             times: Vec::new(),
             multipliers: Multipliers::default(),
             penalty: None,
+            equality_penalty: 1.0,
             cost: f64::NAN,
             objective: f64::NAN,
             violation: f64::NAN,

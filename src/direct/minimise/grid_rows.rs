@@ -3,14 +3,14 @@
 use super::integrand::Integrand;
 use super::margins::{beside, share_in_phase};
 use super::unknowns::Unknowns;
-use super::working_set::WorkingSet;
+use super::working_set::{WorkingSet, equalities};
 use super::{Candidate, Context, Stage};
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::direct::SearchOptions;
 use crate::error::Result;
 use crate::motion::Problem;
-use crate::nlp::{Iterate, Row};
+use crate::nlp::{Equality, Iterate, Row};
 use crate::transcription::{Grid, Horizons, Objective, Scan, ScanWorkspace};
 use nalgebra::DMatrix;
 use std::sync::Arc;
@@ -113,8 +113,14 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> GridRows<'g, 'a, K, P> {
         for state in iterate.working.iter().filter(|of| of.row.at < all) {
             let at = state.row.at;
             let term = iterate.term(state, integrand.h[at] + margins[at]);
-            // The rule of equalities has a small share of the quadrature.
-            let term = if state.row.is_equality { term.times(1.0 / Grid::COLLOCATED) } else { term };
+            integrand.terms[at / count].push((at % count, term));
+        }
+        let held = iterate.equalities.iter();
+        for equality in held.filter(|held| held.row.at < all) {
+            let at = equality.row.at;
+            // Their rule has a small share of the quadrature.
+            let term = iterate.equality_term(equality, integrand.h[at]);
+            let term = term.times(1.0 / Grid::COLLOCATED);
             integrand.terms[at / count].push((at % count, term));
         }
     }
@@ -129,10 +135,15 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> GridRows<'g, 'a, K, P> {
         self.working.is_left(&self.objective.cost().rows, &h[..self.margins.len()])
     }
 
-    /// Lists the rows of the working set in `all`, for the values `h` of the rows.
+    /// Lists the inequalities of the working set in `all`, for the values `h` of the rows.
     pub fn list(&mut self, unknowns: &Unknowns, h: &[f64], all: &mut Vec<Row>) {
         let rows = &mut self.objective.cost_mut().rows;
         self.working.list(&unknowns.grid, rows, unknowns.fixed_ends(), h, all);
+    }
+
+    /// The equalities, with their first penalties for an objective of this density, `factor` times to begin with.
+    pub fn equalities(&self, grid: &Grid<f64>, search: &SearchOptions, factors: [f64; 2]) -> Vec<Equality> {
+        equalities(grid, &self.objective.cost().rows, search, factors)
     }
 
     /// Finds the local maxima of the rows between the points above `floor`; returns the largest violation between and

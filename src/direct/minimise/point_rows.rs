@@ -10,7 +10,7 @@ use crate::nlp::Term;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// The least sum of the rows of a goal or of a waypoint at the start by which their penalty is scaled, in m and rad.
+/// The least norm of the rows of a goal or of a waypoint at the start by which their penalty is scaled, in m and rad.
 const MIN_OFF: f64 = 0.01;
 
 /// The rows of constraints on the configuration at one time, equalities on single entries of it or of the slope, and
@@ -124,13 +124,21 @@ impl<'g> PointRows<'g> {
         self.first..self.first + self.h.len()
     }
 
+    /// The first penalties of equalities by the indices of their rows; `first` is that of rows which are one at the
+    /// start.
+    pub fn penalties(&self, first: f64) -> impl Iterator<Item = (usize, f64)> {
+        let rows = self.range().zip(&self.equalities);
+        let held = rows.filter(|(_, held)| **held);
+        held.map(move |(at, _)| (at, self.stiffness * first))
+    }
+
     /// Makes the penalty of equalities stiffer if the start of the motion nearly keeps them: on a free horizon a motion
-    /// that stays there in no time costs nothing but this penalty.
+    /// that stays there in no time costs nothing but this penalty, which is the square of little.
     pub fn stiffen(&mut self, start: &Place) -> Result<()> {
         self.evaluate(start)?;
         let held = self.h.iter().zip(&self.equalities).filter(|(_, held)| **held);
-        let off: f64 = held.map(|(h, _)| h.abs()).sum();
-        self.stiffness = off.clamp(MIN_OFF, 1.0).recip();
+        let off: f64 = held.map(|(h, _)| h * h).sum();
+        self.stiffness = off.clamp(MIN_OFF.powi(2), 1.0).recip();
         Ok(())
     }
 

@@ -5,11 +5,11 @@ use super::point_rows::{PointDerivatives, PointRows};
 use super::unknowns::Unknowns;
 use super::windows::Window;
 use crate::constraint::AnyConstraint;
-use crate::direct::Waypoint;
+use crate::direct::{SearchOptions, Waypoint};
 use crate::error::Result;
 use crate::linalg::BlockTridiagonal;
 use crate::model::Model;
-use crate::nlp::{Iterate, Kkt, Row, Term};
+use crate::nlp::{Equality, Iterate, Kkt, Row};
 use nalgebra::DMatrix;
 use std::ops::Range;
 
@@ -72,21 +72,18 @@ impl<'g> PointBlock<'g> {
         self.first..self.first + self.margins.len()
     }
 
-    /// Returns true if a row of this index among all is an equality at a point.
-    pub fn is_equality(&self, at: usize) -> bool {
-        let mut rows = self.rows.iter().filter(|rows| rows.range().contains(&at));
-        rows.any(|rows| rows.equalities[at - rows.first])
+    /// The indices of the inequalities among all rows.
+    pub fn inequalities(&self) -> impl Iterator<Item = usize> {
+        let held = self.rows.iter().flat_map(|rows| &rows.equalities);
+        let rows = self.range().zip(held);
+        rows.filter_map(|(at, held)| (!held).then_some(at))
     }
 
-    /// All rows, with this first penalty of equalities.
-    pub fn list(&self, penalty: f64) -> impl Iterator<Item = Row> {
-        self.rows.iter().flat_map(move |rows| {
-            let both = rows.range().zip(&rows.equalities);
-            both.map(move |(at, is_equality)| match is_equality {
-                true => Row { stiffness: penalty * rows.stiffness, ..Row::equality(at, 1.0) },
-                false => Row::new(at, 1.0),
-            })
-        })
+    /// The equalities, with their first penalties for an objective of this density, `factor` times to begin with.
+    pub fn equalities(&self, search: &SearchOptions, [density, factor]: [f64; 2]) -> impl Iterator<Item = Equality> {
+        let first = search.point_penalty * density;
+        let all = self.rows.iter().flat_map(move |rows| rows.penalties(first));
+        all.map(move |(at, first)| Equality::new(Row::new(at, 1.0), first, factor))
     }
 
     /// The values of the rows with their margins.
@@ -138,20 +135,6 @@ impl<'g> PointBlock<'g> {
         Ok(())
     }
 
-    /// Adds the gradients of rows, each times its weight by the indices of the rows, in the free coefficients alone.
-    pub fn add_row_gradients(&mut self, unknowns: &Unknowns, weights: &[(usize, f64)], out: &mut [f64]) -> Result<()> {
-        self.evaluate(unknowns)?;
-        for point in 0..self.rows.len() {
-            let own = self.rows[point].range();
-            let listed = weights.iter().filter(|(at, _)| own.contains(at));
-            let terms = listed.map(|(at, weight)| (*at, Term::gradient(*weight)));
-            let of = self.rows[point].derivatives(terms)?;
-            let place = self.place(point, unknowns, &unknowns.coefficients);
-            place.scatter(&unknowns.grid, &of.gradient, 0, 1.0, out);
-        }
-        Ok(())
-    }
-
     /// The places of all points, with the derivatives of their weighted rows.
     fn derivatives(&mut self, unknowns: &Unknowns, iterate: &Iterate) -> Result<Vec<(Place, PointDerivatives)>> {
         self.evaluate(unknowns)?;
@@ -159,8 +142,11 @@ impl<'g> PointBlock<'g> {
         for point in 0..self.rows.len() {
             let own = self.rows[point].range();
             let value = |at: usize| self.rows[point].h[at - own.start] + self.margins[at - self.first];
-            let listed = iterate.working.iter().filter(|of| own.contains(&of.row.at));
-            let terms = listed.map(|of| (of.row, iterate.term(of, value(of.row.at))));
+            let held = iterate.equalities.iter().filter(|of| own.contains(&of.row.at));
+            let held = held.map(|of| (of.row, iterate.equality_term(of, value(of.row.at))));
+            let near = iterate.working.iter().filter(|of| own.contains(&of.row.at));
+            let near = near.map(|of| (of.row, iterate.term(of, value(of.row.at))));
+            let terms = held.chain(near);
             let terms: Vec<_> = terms.map(|(row, term)| (row.at, term.times(row.weight))).collect();
             let place = self.place(point, unknowns, &unknowns.coefficients);
             let of = self.rows[point].derivatives(terms.into_iter())?;

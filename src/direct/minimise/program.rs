@@ -11,7 +11,7 @@ use crate::cost::CostWithControl;
 use crate::direct::SearchOptions;
 use crate::error::Result;
 use crate::motion::{Problem, Watch};
-use crate::nlp::{Bordered, Iterate, Kkt, Nlp, Row, Tightened};
+use crate::nlp::{Bordered, Equality, Iterate, Kkt, Nlp, Row, Tightened};
 use crate::transcription::{Derivatives, Grid};
 use nalgebra::DVector;
 use std::sync::Arc;
@@ -31,6 +31,8 @@ pub(in crate::direct) struct Program<'g, 'a: 'g, K, P> {
     multipliers: Vec<f64>,
     pub(super) stage: Stage,
     pub(super) search: SearchOptions,
+    /// The penalties of equalities to begin with, relative to those without a search before.
+    equality_penalty: f64,
     /// Unknowns that appeared to satisfy the constraints, the last one last.
     pub feasible_iterates: Vec<DVector<f64>>,
     watch: Watch,
@@ -57,6 +59,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             multipliers: Vec::new(),
             stage,
             search: context.settings.search.clone(),
+            equality_penalty: 1.0,
             feasible_iterates: Vec::new(),
             watch: context.watch.clone(),
             unknowns,
@@ -85,6 +88,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             let matrix = derivatives.hessian.clone();
             PeriodicEnds::new(period.clone(), Bordered::with_border(matrix, unknowns.border()))
         });
+        program.equality_penalty = candidate.equality_penalty;
         let x = program.unknowns.vector(candidate);
         program.set_first_margins(&x)?;
         Ok((program, x))
@@ -234,23 +238,6 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         found
     }
 
-    /// Of equalities at single times, in the coefficients: rows along the way would need all derivatives again.
-    fn add_row_gradients(
-        &mut self,
-        x: &DVector<f64>,
-        weights: &[(usize, f64)],
-        out: &mut DVector<f64>,
-    ) -> Result<bool> {
-        let of_points = weights.iter().filter(|(at, weight)| self.points.is_equality(*at) && *weight != 0.0);
-        let of_points: Vec<_> = of_points.copied().collect();
-        if of_points.is_empty() || self.unknowns.period.is_some() {
-            return Ok(false);
-        }
-        self.place(x);
-        self.points.add_row_gradients(&self.unknowns, &of_points, out.as_mut_slice())?;
-        Ok(true)
-    }
-
     fn measure(&self, x: &DVector<f64>) -> f64 {
         self.unknowns.whole_at(x)
     }
@@ -272,11 +259,17 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         self.unknowns.max_step_fraction(x, step)
     }
 
+    fn equalities(&self, density: f64) -> Vec<Equality> {
+        let factors = [density, self.equality_penalty];
+        let mut all = self.grid_rows.equalities(&self.unknowns.grid, &self.search, factors);
+        all.extend(self.points.equalities(&self.search, factors));
+        all
+    }
+
     fn working_set(&mut self, h: &[f64], all: &mut Vec<Row>) {
         self.grid_rows.list(&self.unknowns, h, all);
         let of_border = self.points.range().end..h.len();
-        all.extend(self.points.list(self.search.point_penalty));
-        all.extend(of_border.map(|at| Row::new(at, 1.0)));
+        all.extend(self.points.inequalities().chain(of_border).map(|at| Row::new(at, 1.0)));
     }
 
     fn tighten(&mut self, x: &DVector<f64>, h: &mut Vec<f64>, round: usize) -> Result<Tightened> {

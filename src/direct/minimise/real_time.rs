@@ -143,9 +143,9 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
             [(&mut before, &other.x, &other.h, &other.rows), (&mut after, &state.x, &state.h, &state.rows)]
         {
             // With the barrier of the search and the best slacks.
-            other.iterate.restart(barrier);
+            other.iterate.restart(barrier, Vec::new());
             other.iterate.set_working(rows, h);
-            *f += other.iterate.barrier_terms(|row| program.row_measure(x, row));
+            *f += other.iterate.barrier_terms(h, |row| program.row_measure(x, row));
         }
         program.put(&state.x, candidate);
         Ok(Iterations { count, converged, gain: (before - after) / state.scale() })

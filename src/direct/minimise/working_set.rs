@@ -1,14 +1,14 @@
-//! The rows of the working set.
+//! The equalities and the inequalities of the working set.
 
 use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::direct::SearchOptions;
 use crate::motion::Problem;
-use crate::nlp::Row;
+use crate::nlp::{Equality, Row};
 use crate::transcription::{Grid, Rows};
 
-/// The rows at the points of a grid that are in the working set: clearances while they are near their bound, since they
-/// are far from it most of the time, and all others always.
+/// The inequalities at the points of a grid that are in the working set: clearances while they are near their bound,
+/// since they are far from it most of the time, and all others always.
 pub(crate) struct WorkingSet {
     /// The value of each row of a point below which it is not in the working set.
     nearest: Vec<f64>,
@@ -19,7 +19,6 @@ pub(crate) struct WorkingSet {
     clearances: Vec<bool>,
     /// The reach of the problem, in m.
     reach: f64,
-    equality_penalty: f64,
 }
 
 impl WorkingSet {
@@ -33,7 +32,6 @@ impl WorkingSet {
             outside: Vec::new(),
             inside: Vec::new(),
             reach: 0.0,
-            equality_penalty: search.equality_penalty,
             clearances: rows.attributes().clearances.clone(),
         };
         working.restart(problem, rows, search);
@@ -99,9 +97,8 @@ impl WorkingSet {
         others
     }
 
-    /// Lists the rows of the working set in ascending order in `all`, for the values `h` of the rows at all points:
-    /// equalities at the collocated ones, inequalities at all others. The state at a fixed start or end does not
-    /// change, so its rows are neither listed nor refused.
+    /// Lists the inequalities of the working set in ascending order in `all`, for the values `h` of the rows at all
+    /// points. The state at a fixed start or end does not change, so its rows are neither listed nor refused.
     pub fn list<K: Constraint, P: CostWithControl>(
         &mut self,
         grid: &Grid<f64>,
@@ -115,37 +112,37 @@ impl WorkingSet {
         let equalities = &rows.attributes().equalities;
         let with_ends = grid.times[0] == 0.0;
         let is_fixed = |g| with_ends && ((g == 0 && fixed[0]) || (g + 1 == points && fixed[1]));
-        let is_collocated = |g: usize| grid.collocated[g % grid.points()];
-        let first = |g| if is_fixed(g) { rows.states() } else { 0 };
+        // At collocated points there are equalities alone.
+        let first = |g| match (grid.collocated[g % grid.points()], is_fixed(g)) {
+            (true, _) => count,
+            (false, true) => rows.states(),
+            (false, false) => 0,
+        };
         if self.outside.is_empty() {
             for g in 0..points {
                 self.outside.extend_from_slice(&self.clearances);
-                let unlisted = if is_collocated(g) { count } else { first(g) };
-                self.outside[g * count..][..unlisted].fill(false);
+                self.outside[g * count..][..first(g)].fill(false);
             }
         }
         for at in self.inside.drain(..) {
             self.outside[at] = true;
         }
         for g in (0..points).filter(|_| count > 0) {
-            let (collocated, weight) = (is_collocated(g), grid.weights[g % grid.points()]);
+            let weight = grid.weights[g % grid.points()];
             let (first, (listed, others)) = (first(g), rows.near_at(g));
             let listed = listed.iter().copied().filter(|row| *row >= first);
             listed.chain(others.start.max(first)..others.end).for_each(|row| {
                 let at = g * count + row;
                 // NaN counts as near.
                 let is_far = h[at] < self.nearest[row];
-                if is_far || equalities[row] != collocated {
+                if is_far || equalities[row] {
                     return;
                 }
                 if self.clearances[row] {
                     self.inside.push(at);
                     self.outside[at] = false;
                 }
-                all.push(match collocated {
-                    true => Row { stiffness: self.equality_penalty, ..Row::equality(at, weight / Grid::COLLOCATED) },
-                    false => Row { is_curved: self.clearances[row], ..Row::new(at, weight) },
-                });
+                all.push(Row { is_curved: self.clearances[row], ..Row::new(at, weight) });
             });
         }
         let listed = all.iter().map(|row| (row.at / count, row.at % count));
@@ -167,4 +164,30 @@ impl WorkingSet {
             others.fold(listed.fold(false, left), left)
         })
     }
+}
+
+/// The equalities at the collocated points, with their first penalties for an objective of this density; `factor`
+/// times these to begin with.
+pub(crate) fn equalities<K: Constraint, P: CostWithControl>(
+    grid: &Grid<f64>,
+    rows: &Rows<'_, K, P>,
+    search: &SearchOptions,
+    [density, factor]: [f64; 2],
+) -> Vec<Equality> {
+    let (count, mut all) = (rows.count(), Vec::new());
+    let held = rows.attributes().equalities.iter().enumerate();
+    let held: Vec<usize> = held.filter_map(|(row, held)| held.then_some(row)).collect();
+    for g in (0..grid.times.len()).filter(|g| grid.collocated[g % grid.points()]) {
+        let weight = grid.weights[g % grid.points()] / Grid::COLLOCATED;
+        all.extend(held.iter().map(|row| {
+            let first = if rows.constraints.is_passive(*row) {
+                search.motor_penalty
+            } else {
+                search.equality_penalty * density
+            };
+            let at = g * count + row;
+            Equality::new(Row::new(at, weight), first, factor)
+        }));
+    }
+    all
 }

@@ -3,11 +3,11 @@
 use super::free::Free;
 use crate::constraint::Constraint;
 use crate::cost::{CostWithControl, MIN_COST};
-use crate::direct::{Integrand, SearchOptions, Stage, WorkingSet};
+use crate::direct::{Integrand, SearchOptions, Stage, WorkingSet, equalities};
 use crate::error::Result;
 use crate::flow::weak::WithSlip;
 use crate::motion::{Path, Problem, Watch, violations};
-use crate::nlp::{Iterate, Kkt, Nlp, Row, Tightened};
+use crate::nlp::{Equality, Iterate, Kkt, Nlp, Row, Tightened};
 use crate::transcription::{Grid, Objective, Rows};
 use nalgebra::{DMatrix, DVector};
 
@@ -39,6 +39,8 @@ pub(super) struct Program<'g, 'a, K, P> {
     stage: Stage,
     /// True if the number of points may increase.
     refinable: bool,
+    /// The penalties of equalities to begin with, relative to those without a search before.
+    pub equality_penalty: f64,
 }
 
 impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
@@ -71,6 +73,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             search,
             stage,
             refinable,
+            equality_penalty: 1.0,
         };
         program.finer.set_horizon(problem.horizon());
         program
@@ -80,8 +83,11 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     pub fn action(&mut self, x: &DVector<f64>, iterate: &Iterate) -> Result<f64> {
         let mut h = Vec::new();
         let action = self.value(x, &mut h)?;
-        let held = iterate.working.iter().filter(|of| of.row.is_equality);
-        let terms = held.map(|of| of.row.weight * of.multiplier * h[of.row.at]);
+        let held = iterate.equalities.iter();
+        let terms = held.map(|held| {
+            let Row { at, weight, .. } = held.row;
+            weight * iterate.equality_term(held, h[at]).cost
+        });
         Ok(action + self.problem.horizon() * terms.sum::<f64>())
     }
 
@@ -95,8 +101,13 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         for state in &iterate.working {
             let at = state.row.at;
             let term = iterate.term(state, integrand.h[at] + margins[at % count]);
-            // The rule of equalities has a small share of the quadrature.
-            let term = if state.row.is_equality { term.times(1.0 / Grid::COLLOCATED) } else { term };
+            integrand.terms[at / count].push((at % count, term));
+        }
+        for equality in &iterate.equalities {
+            let at = equality.row.at;
+            // Their rule has a small share of the quadrature.
+            let term = iterate.equality_term(equality, integrand.h[at]);
+            let term = term.times(1.0 / Grid::COLLOCATED);
             integrand.terms[at / count].push((at % count, term));
         }
     }
@@ -227,6 +238,12 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
 
     fn measure(&self, _: &DVector<f64>) -> f64 {
         self.problem.horizon()
+    }
+
+    fn equalities(&self, density: f64) -> Vec<Equality> {
+        let rows = &self.free.objective.cost().cost.rows;
+        let factors = [density, self.equality_penalty];
+        equalities(self.free.grid, rows, self.search, factors)
     }
 
     fn working_set(&mut self, h: &[f64], all: &mut Vec<Row>) {

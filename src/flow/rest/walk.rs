@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::flow::weak::{Norm, RestMetric};
 use crate::flow::{ActuationMetric, Metric};
 use crate::motion::{Path, Problem, Watch, passive_share};
-use crate::nlp::{Bordered, Kkt, Options, Progress, Solution, Status, solve};
+use crate::nlp::{Bordered, Equality, Kkt, Options, Progress, Solution, Status, solve};
 use crate::transcription::{Derivatives, Grid, Grids, Objective, Rows};
 use nalgebra::DMatrix;
 use std::collections::VecDeque;
@@ -43,6 +43,8 @@ struct Walk {
     clock: Clock,
     /// The multipliers of the rows, and of the slips.
     multipliers: [Multipliers; 2],
+    /// The penalties of equalities, relative to the first ones.
+    equality_penalty: f64,
     /// The action without the terms of multipliers.
     exact: f64,
     found: RestSolution,
@@ -58,6 +60,7 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
             path: Path::of_states(&curve, levels[0].basis.clone()),
             clock: Clock::default(),
             multipliers: Default::default(),
+            equality_penalty: 1.0,
             exact: f64::NAN,
             found: RestSolution::new(curve, guess),
         };
@@ -150,6 +153,7 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
         {
             *program.slip_multipliers() = DMatrix::from_vec(n, grid.times.len(), known);
         }
+        program.equality_penalty = walk.equality_penalty;
         let norm = Norm {
             model: problem.model(),
             kind: settings.metric,
@@ -208,6 +212,9 @@ impl Walk {
         let mut multipliers = Multipliers::default();
         multipliers.put(grid, rows, &of_rows);
         self.multipliers = [multipliers, Multipliers { times, values: of_slips, of_points: Vec::new() }];
+        if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
+            self.equality_penalty = penalty / first;
+        }
         self.exact = program.exact;
         let found = &mut self.found;
         found.action = program.action(&end.x, &end.iterate)?;
