@@ -1,6 +1,6 @@
 //! The conditions of Karush, Kuhn and Tucker, from the derivatives alone.
 
-use super::smooth::{SmoothDerivatives, SmoothProgram};
+use super::{SmoothDerivatives, SmoothProgram};
 use crate::error::Result;
 use nalgebra::DVector;
 

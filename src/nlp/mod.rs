@@ -38,6 +38,7 @@ mod line_search;
 mod options;
 mod row;
 mod smooth;
+mod smooth_program;
 mod state;
 
 pub use barrier::{Barrier, BarrierState, BarrierUpdate, Monotone};
@@ -47,7 +48,8 @@ pub use kkt::{Bordered, Kkt};
 pub use kkt_error::{KktError, Scales};
 pub use options::Options;
 pub use row::{Equality, Row, RowState, RowStep, Term};
-pub use smooth::{SmoothDerivatives, SmoothProgram, SmoothSolution, solve_smooth};
+pub use smooth::{SmoothSolution, solve_smooth};
+pub use smooth_program::{SmoothDerivatives, SmoothProgram};
 
 use crate::error::Result;
 use line_search::line_search;

@@ -2,7 +2,8 @@
 
 use super::iterate;
 use super::{
-    Bordered, Iterate, Kkt, KktError, Monotone, Nlp, Options, Row, RowState, Scales, State, Status, Tightened,
+    Bordered, Iterate, Kkt, KktError, Monotone, Nlp, Options, Row, RowState, Scales, SmoothDerivatives, SmoothProgram,
+    State, Status, Tightened,
 };
 use crate::error::{Error, Result};
 use crate::linalg::BlockTridiagonal;
@@ -37,44 +38,6 @@ const LARGEST_PENALTY: f64 = 1e8;
 /// The part of its distance from a bound that an unknown or a slack moves at most in a step: 0.99 as in WB (8).
 const TO_BOUND: f64 = 0.99;
 
-/// A program in `n` unknowns with `m` rows:
-///
-/// $$ \min_x f(x) \quad \text{subject to} \quad \underline x \le x \le \overline x, \quad
-///    \underline g \le g(x) \le \overline g . $$
-///
-/// Bounds may be infinite; equal ones make an equality. Functions are evaluated inside the bounds of the unknowns
-/// alone; a value that is not finite makes the step shorter.
-pub trait SmoothProgram {
-    /// The lower and the upper bound of each unknown.
-    fn bounds(&self) -> Vec<[f64; 2]>;
-
-    /// The lower and the upper bound of each row.
-    fn row_bounds(&self) -> Vec<[f64; 2]>;
-
-    /// Evaluates the objective, and the rows into `g`, `m` entries.
-    ///
-    /// # Errors
-    /// Those of the functions.
-    fn value(&mut self, x: &DVector<f64>, g: &mut DVector<f64>) -> Result<f64>;
-
-    /// Computes the gradient of the objective, the Jacobian of the rows, and the Hessian of the Lagrangian $f + y^T g$.
-    ///
-    /// # Errors
-    /// Those of the functions.
-    fn derivatives(&mut self, x: &DVector<f64>, y: &DVector<f64>, out: &mut SmoothDerivatives) -> Result<()>;
-}
-
-/// The derivatives of a program.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SmoothDerivatives {
-    /// The gradient of the objective, `n` entries.
-    pub gradient: DVector<f64>,
-    /// The Jacobian of the rows, `m` by `n`.
-    pub jacobian: DMatrix<f64>,
-    /// The Hessian of the Lagrangian, `n` by `n`.
-    pub hessian: DMatrix<f64>,
-}
-
 /// A point with multipliers, which are positive at upper bounds.
 #[derive(Clone, Debug)]
 pub struct SmoothSolution {
@@ -88,14 +51,6 @@ pub struct SmoothSolution {
     pub iterations: usize,
     /// The errors of the conditions of Karush, Kuhn and Tucker of the program as it is scaled at the start.
     pub error: KktError,
-}
-
-impl SmoothDerivatives {
-    /// Zeros for `n` unknowns and `m` rows.
-    #[must_use]
-    pub fn new(n: usize, m: usize) -> Self {
-        Self { gradient: DVector::zeros(n), jacobian: DMatrix::zeros(m, n), hessian: DMatrix::zeros(n, n) }
-    }
 }
 
 /// Solves a program from `x`, moved inside the bounds of the unknowns. The options are those of a program whose

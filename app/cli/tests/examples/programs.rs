@@ -109,6 +109,13 @@ fn own_jacobian() {
     assert!((0.0..1e-6).contains(&difference), "{shown}");
 }
 
+/// The solution of the literature, to all of its digits that are shown.
+#[test]
+fn own_program() {
+    let shown = run("own_program", &empty_folder("own_program"), &[]);
+    assert!(shown.starts_with("Converged") && shown.contains("f = 17.014017"), "{shown}");
+}
+
 /// As many operations as there are, the same on every machine, and about as many for each further joint of a chain.
 #[test]
 fn own_scalar() {
