@@ -4,7 +4,7 @@ use crate::custom_terms::{Raised, array};
 use crate::error::raised;
 use aghf::Result;
 use aghf::nlp::{Options, SmoothDerivatives, SmoothProgram, solve_smooth};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
