@@ -5,6 +5,7 @@ from typing import Any, final
 
 import numpy as np
 
+from ._nlp import Program
 from ._verify import Constraint, RunningCost
 
 __all__ = [
@@ -34,6 +35,7 @@ __all__ = [
     "jacobians",
     "solve",
     "solve_many",
+    "solve_nlp",
     "tradeoff",
     "tradeoff_html",
     "judge",

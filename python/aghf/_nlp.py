@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._dynamics import array
+from ._model import array
 from ._native import _aghf
 
 
@@ -16,18 +16,23 @@ class Program(Protocol):
 
     def objective(self, x: np.ndarray) -> float:
         """The objective."""
+        ...
 
     def gradient(self, x: np.ndarray) -> np.ndarray:
         """The gradient of the objective, shape (n,)."""
+        ...
 
     def constraints(self, x: np.ndarray) -> np.ndarray:
         """The rows, shape (m,)."""
+        ...
 
     def jacobian(self, x: np.ndarray) -> np.ndarray:
         """The Jacobian of the rows, shape (m, n)."""
+        ...
 
     def hessian(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """The Hessian of the objective plus ``y`` times the rows, shape (n, n)."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -84,5 +89,6 @@ def solve_nlp(
     InputError
         Bounds exclude each other, or the tolerance is not positive.
     """
-    pairs = [np.asarray(each, dtype=float).reshape(-1, 2) for each in (bounds, row_bounds)]
-    return ProgramSolution(**_aghf.solve_nlp(program, array(x, "x"), *pairs, iterations, tolerance))
+    of_unknowns, of_rows = (np.asarray(each, dtype=float).reshape(-1, 2) for each in (bounds, row_bounds))
+    found = _aghf.solve_nlp(program, array(x, "x"), of_unknowns, of_rows, iterations, tolerance)
+    return ProgramSolution(**found)
