@@ -201,6 +201,9 @@ def attempt(name: str, solver: str, pipe) -> None:
 def record(options: argparse.Namespace) -> None:
     """Solves the problems and writes what was found."""
     which = "all" if options.all or options.name else "held" if options.held else "tuned"
+    unknown = sorted(set(options.name) - set(names("all")))
+    if unknown:
+        sys.exit(f"S2MPJ has no problems with at most {MOST} unknowns of these names: {', '.join(unknown)}")
     chosen = [name for name in names(which) if not options.name or name in options.name]
     found: dict[str, dict] = {}
     for name in chosen:

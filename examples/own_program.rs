@@ -25,13 +25,13 @@ impl SmoothProgram for Hs71 {
         let (a, b, c, d) = (x[0], x[1], x[2], x[3]);
         out.gradient = dvector![d * (2.0 * a + b + c), a * d, a * d + 1.0, a * (a + b + c)];
         out.jacobian = dmatrix![b * c * d, a * c * d, a * b * d, a * b * c; 2.0 * a, 2.0 * b, 2.0 * c, 2.0 * d];
-        let of_objective = Matrix4::new(
+        let objective = Matrix4::new(
             2.0 * d, d, d, 2.0 * a + b + c,  d, 0.0, 0.0, a,  d, 0.0, 0.0, a,  2.0 * a + b + c, a, a, 0.0,
         );
-        let of_product = Matrix4::new(
+        let product = Matrix4::new(
             0.0, c * d, b * d, b * c,  c * d, 0.0, a * d, a * c,  b * d, a * d, 0.0, a * b,  b * c, a * c, a * b, 0.0,
         );
-        let sum = of_objective + of_product * y[0] + Matrix4::identity() * (2.0 * y[1]);
+        let sum = objective + product * y[0] + Matrix4::identity() * (2.0 * y[1]);
         out.hessian = DMatrix::from_column_slice(4, 4, sum.as_slice());
         Ok(())
     }

@@ -89,6 +89,6 @@ def solve_nlp(
     InputError
         Bounds exclude each other, or the tolerance is not positive.
     """
-    of_unknowns, of_rows = (np.asarray(each, dtype=float).reshape(-1, 2) for each in (bounds, row_bounds))
-    found = _aghf.solve_nlp(program, array(x, "x"), of_unknowns, of_rows, iterations, tolerance)
+    unknowns, rows = (np.asarray(each, dtype=float).reshape(-1, 2) for each in (bounds, row_bounds))
+    found = _aghf.solve_nlp(program, array(x, "x"), unknowns, rows, iterations, tolerance)
     return ProgramSolution(**found)

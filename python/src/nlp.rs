@@ -19,10 +19,6 @@ struct PyProgram<'py> {
 }
 
 impl<'py> PyProgram<'py> {
-    fn number(&self, method: &str, x: &Bound<'py, PyArray1<f64>>) -> PyResult<f64> {
-        self.object.call_method1(method, (x,))?.extract()
-    }
-
     fn fill(&self, found: &Bound<'py, PyAny>, name: &str, shape: &[usize], to: &mut [f64]) -> PyResult<()> {
         let found = array(found, name, shape)?;
         // In the order of columns, which is that of nalgebra.
@@ -38,7 +34,7 @@ impl<'py> PyProgram<'py> {
             let rows = self.object.call_method1("constraints", (&at,))?;
             self.fill(&rows, "constraints", &[g.len()], g.as_mut_slice())?;
         }
-        self.number("objective", &at)
+        self.object.call_method1("objective", (&at,))?.extract()
     }
 
     fn all_derivatives(&self, x: &DVector<f64>, y: &DVector<f64>, out: &mut SmoothDerivatives) -> PyResult<()> {

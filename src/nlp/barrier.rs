@@ -117,8 +117,8 @@ impl Barrier {
     /// The state of a row with a value, as [`split`](Self::split), and the more accurate one of two multipliers.
     pub fn central(&self, row: Row, h: f64, nu: f64) -> RowState {
         let mu = self.mu;
-        if nu == f64::INFINITY {
-            return RowState { row, slack: -h, elastic: 0.0, multiplier: -mu / h, penalty: nu };
+        if row.is_hard {
+            return RowState { row, slack: -h, elastic: 0.0, multiplier: -mu / h, penalty: f64::INFINITY };
         }
         let [slack, elastic] = self.split(&row, h, nu);
         let state = RowState { row, slack, elastic, multiplier: 0.0, penalty: nu };

@@ -143,7 +143,7 @@ impl Iterate {
             while before.next_if(|known| known.row.at < row.at).is_some() {}
             match before.next_if(|known| known.row.at == row.at) {
                 Some(known) => RowState { row: *row, ..known },
-                None => self.barrier.central(*row, h[row.at], row.stiffness * self.barrier.nu),
+                None => self.barrier.central(*row, h[row.at], self.barrier.nu),
             }
         }));
         self.spare = std::mem::replace(&mut self.working, states);
@@ -167,12 +167,8 @@ impl Iterate {
             let Some(z) = known.get(at).filter(|known| **known != 0.0) else {
                 continue;
             };
-            let factor = match state.row.is_equality {
-                true => options.equality_penalty_of_multipliers,
-                false => options.row_penalty_of_multipliers,
-            };
-            state.penalty = state.penalty.max(factor * z.abs());
-            if state.row.is_equality {
+            state.penalty = state.penalty.max(options.row_penalty_of_multipliers * z.abs());
+            if state.row.is_equality || state.row.is_hard {
                 *state = barrier.central(state.row, h[at], state.penalty);
             } else {
                 let slack = (mu / z).min(options.largest_warm_slack);
@@ -310,9 +306,9 @@ impl Iterate {
     /// The weight of the product of the gradient of a row with itself,
     /// $1 / (s / (\lambda - \underline\lambda) + t / (\nu - \lambda))$.
     #[inline]
-    fn curvature(&self, state: &RowState) -> f64 {
+    pub(super) fn curvature(&self, state: &RowState) -> f64 {
         let (RowState { slack: s, elastic: t, .. }, [below, above]) = (*state, state.distances());
-        if state.row.is_equality || state.is_hard() {
+        if state.row.is_equality || state.row.is_hard {
             let least = if state.row.is_equality { self.compliance } else { 0.0 };
             return 1.0 / (s / below + t / above + least);
         }
@@ -336,7 +332,7 @@ impl Iterate {
     #[inline]
     pub fn bend(&self, state: &RowState, step: &RowStep, change: f64) -> [f64; 2] {
         let (RowState { slack: s, elastic: t, .. }, [below, above]) = (*state, state.distances());
-        let elastic = if state.is_hard() { 0.0 } else { above / t * step.elastic * step.elastic };
+        let elastic = if state.row.is_hard { 0.0 } else { above / t * step.elastic * step.elastic };
         let own = below / s * step.slack * step.slack + elastic;
         [own, self.curvature(state) * change * change]
     }

@@ -18,18 +18,13 @@ pub struct Scales {
 }
 
 impl Scales {
-    /// Those with which no slope at `x` is larger than 100.
-    ///
-    /// # Errors
-    /// Those of the program.
-    pub fn at<P: SmoothProgram>(program: &mut P, x: &DVector<f64>) -> Result<Self> {
-        let m = program.row_bounds().len();
-        let (mut g, mut derivatives) = (DVector::zeros(m), SmoothDerivatives::new(x.len(), m));
-        program.value(x, &mut g)?;
-        program.derivatives(x, &DVector::zeros(m), &mut derivatives)?;
+    /// Those with which no slope among these derivatives is larger than 100.
+    #[must_use]
+    pub fn new(derivatives: &SmoothDerivatives) -> Self {
         let scale = |slope: f64| if slope > MAX_SLOPE { MAX_SLOPE / slope } else { 1.0 };
-        let rows = derivatives.jacobian.row_iter().map(|row| scale(row.amax()));
-        Ok(Self { objective: scale(derivatives.gradient.amax()), rows: DVector::from_iterator(m, rows) })
+        let SmoothDerivatives { gradient, jacobian, .. } = derivatives;
+        let rows = jacobian.row_iter().map(|row| scale(row.amax()));
+        Self { objective: scale(gradient.amax()), rows: DVector::from_iterator(jacobian.nrows(), rows) }
     }
 }
 
@@ -55,34 +50,33 @@ impl KktError {
         program: &mut P,
         scales: &Scales,
         x: &DVector<f64>,
-        [of_rows, of_bounds]: [&DVector<f64>; 2],
+        [row_multipliers, bound_multipliers]: [&DVector<f64>; 2],
     ) -> Result<Self> {
         let (bounds, row_bounds) = (program.bounds(), program.row_bounds());
-        let mut g = DVector::zeros(of_rows.len());
+        let mut g = DVector::zeros(row_multipliers.len());
         let mut derivatives = SmoothDerivatives::new(x.len(), g.len());
         program.value(x, &mut g)?;
-        program.derivatives(x, of_rows, &mut derivatives)?;
+        program.derivatives(x, row_multipliers, &mut derivatives)?;
         let SmoothDerivatives { gradient, jacobian, .. } = &derivatives;
-        let of_lagrangian = (gradient + jacobian.tr_mul(of_rows) + of_bounds) * scales.objective;
+        let lagrangian = (gradient + jacobian.tr_mul(row_multipliers) + bound_multipliers) * scales.objective;
         let factors = scales.rows.iter().copied().chain(std::iter::repeat(1.0));
-        let scaled = of_rows.iter().chain(of_bounds).zip(factors.clone());
+        let scaled = row_multipliers.iter().chain(bound_multipliers).zip(factors.clone());
         let multipliers: Vec<_> = scaled.map(|(multiplier, factor)| multiplier * scales.objective / factor).collect();
         let sum: f64 = multipliers.iter().map(|multiplier| multiplier.abs()).sum();
         let scale = (sum / multipliers.len() as f64 / LARGE_MULTIPLIER).max(1.0);
-        let mut error = Self { stationarity: of_lagrangian.amax(), feasibility: 0.0, complementarity: 0.0 };
+        let stationarity = lagrangian.iter().fold(0.0, |most, entry| larger(most, entry.abs()));
+        let mut error = Self { stationarity, feasibility: 0.0, complementarity: 0.0 };
         let values = g.iter().chain(x).zip(row_bounds.iter().chain(&bounds));
         for (((value, [lower, upper]), multiplier), factor) in values.zip(&multipliers).zip(factors) {
-            let excess = factor * (value - upper).max(lower - value);
-            // `max` would drop NaN.
-            error.feasibility = if excess > error.feasibility || excess.is_nan() { excess } else { error.feasibility };
+            error.feasibility = larger(error.feasibility, factor * (value - upper).max(lower - value));
             if lower == upper {
                 continue;
             }
             let distance = if *multiplier > 0.0 { upper - value } else { value - lower };
-            if distance.is_finite() {
-                error.complementarity = error.complementarity.max((factor * multiplier * distance).abs());
+            if distance.is_infinite() {
+                error.stationarity = larger(error.stationarity, multiplier.abs());
             } else {
-                error.stationarity = error.stationarity.max(multiplier.abs());
+                error.complementarity = larger(error.complementarity, (factor * multiplier * distance).abs());
             }
         }
         error.stationarity /= scale;
@@ -93,7 +87,11 @@ impl KktError {
     /// The largest of the three.
     #[must_use]
     pub fn largest(&self) -> f64 {
-        let all = [self.stationarity, self.feasibility, self.complementarity];
-        all.into_iter().fold(0.0, |most, error| if error.is_nan() { f64::INFINITY } else { error.max(most) })
+        [self.stationarity, self.feasibility, self.complementarity].into_iter().fold(0.0, larger)
     }
+}
+
+/// The larger of two errors, infinite if one is not a number.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }

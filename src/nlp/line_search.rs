@@ -44,7 +44,7 @@ pub(super) fn line_search<P: Nlp>(
             let hidden = gained.abs() <= rounding && (alpha * slope).abs() <= rounding;
             let mut is_taken = hidden || gained >= -options.sufficient_decrease * alpha * slope;
             let (mut f, mut after) = (f, after);
-            if !is_taken && alpha == first && trial.correct(problem, state, step, alpha)? {
+            if P::HAS_ROW_GRADIENTS && !is_taken && alpha == first && trial.correct(problem, state, alpha) {
                 // The Maratos effect (NW 15.6, WB 2.4).
                 f = problem.value(&trial.x, &mut trial.h)?;
                 if f.is_finite() {
@@ -130,20 +130,10 @@ pub(super) struct Trial {
     h: Vec<f64>,
     /// The changes of the linearised rows of the working set, then of the equalities, along the whole step.
     tangent: Vec<f64>,
-    /// The weights of the gradients of rows in a second-order correction, and that correction.
-    weights: Vec<(usize, f64)>,
-    correction: DVector<f64>,
     pub iterate: Iterate,
 }
 
 impl Trial {
-    /// Allocates memory for a working set of this number of rows and for this number of unknowns.
-    pub fn allocate(&mut self, rows: usize, unknowns: usize) {
-        self.iterate.allocate(rows);
-        self.weights.reserve(rows);
-        self.correction = DVector::zeros(unknowns);
-    }
-
     /// Evaluates the objective and the rows at the end of a fraction of a step; returns the objective.
     fn evaluate<P: Nlp>(&mut self, problem: &mut P, state: &State, step: &DVector<f64>, alpha: f64) -> Result<f64> {
         assign(&mut self.x, &state.x);
@@ -152,26 +142,23 @@ impl Trial {
     }
 
     /// Moves the end of a fraction of a step by a second-order correction for the change of the rows beyond the linear
-    /// one; returns false if the problem has no gradients of single rows.
-    fn correct<P: Nlp>(&mut self, problem: &mut P, state: &State, step: &Step, alpha: f64) -> Result<bool> {
-        let (from, mut weights) = (&state.iterate, std::mem::take(&mut self.weights));
-        weights.clear();
-        for (of, tangent) in from.working.iter().zip(&self.tangent) {
-            let at = of.row.at;
-            let beyond = self.h[at] - state.h[at] - alpha * tangent;
-            let measure = problem.row_measure(&state.x, at);
-            weights.push((at, measure * of.row.weight * from.term(of, state.h[at]).curvature * beyond));
-        }
-        assign(&mut self.correction, &step.x);
-        self.correction.fill(0.0);
-        let is_given = problem.add_row_gradients(&state.x, &weights, &mut self.correction)?;
-        self.weights = weights;
-        if !is_given {
-            return Ok(false);
-        }
-        state.kkt.solve(&mut self.correction);
-        self.x -= &self.correction;
-        Ok(self.x.iter().all(|x| x.is_finite()) && problem.max_step_fraction(&state.x, &(&self.x - &state.x)) >= 1.0)
+    /// one; returns false if the problem does not allow that end.
+    fn correct<P: Nlp>(&mut self, problem: &P, state: &State, alpha: f64) -> bool {
+        let from = &state.iterate;
+        let rows = from.working.iter().zip(&self.tangent);
+        let weights: Vec<_> = rows
+            .map(|(of, tangent)| {
+                let at = of.row.at;
+                let beyond = self.h[at] - state.h[at] - alpha * tangent;
+                let weight = problem.row_measure(&state.x, at) * of.row.weight;
+                (at, weight * from.curvature(of) * beyond)
+            })
+            .collect();
+        let mut correction = DVector::zeros(self.x.len());
+        problem.add_row_gradients(&weights, &mut correction);
+        state.kkt.solve(&mut correction);
+        self.x -= correction;
+        self.x.iter().all(|x| x.is_finite()) && problem.max_step_fraction(&state.x, &(&self.x - &state.x)) >= 1.0
     }
 
     /// Sets the changes of the linearised rows along a step: those over a short part of it, relative to that.

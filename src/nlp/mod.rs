@@ -10,13 +10,13 @@
 //!    \quad \text{subject to} \quad h_j(x) + s_j = t_j . $$
 //!
 //! The slack of an inequality costs nothing, $\underline\nu_j = 0$; that of an equality is a violation too,
-//! $\underline\nu_j = \nu_j$, and its multiplier is between $-\nu_j$ and $\nu_j$. There are feasible points for any `x`,
-//! so a start may violate the rows and no restoration phase is needed; rows with elastic variables that do not vanish
-//! are those that cannot be kept. [`Nlp::equalities`] have the terms of an augmented Lagrangian instead: walks take
-//! fewer iterations with these. The condensed matrix is positive definite if and only if the saddle-point matrix of
-//! `x` and all multipliers has the inertia of a minimum (NW 16.3), dependent rows or not. The loop of [`solve`] is that
-//! of Nocedal and Wright, *Numerical Optimization*, algorithm 19.2, and of Wächter and Biegler, *On the implementation
-//! of an interior-point filter line-search algorithm*, 2006 (WB):
+//! $\underline\nu_j = \nu_j$, and its multiplier is between $-\nu_j$ and $\nu_j$. There are feasible points for any
+//! `x`, so a start may violate the rows and no restoration phase is needed; rows with elastic variables that do not
+//! vanish are those that cannot be kept. [`Nlp::equalities`] have the terms of an augmented Lagrangian instead: walks
+//! take fewer iterations with these. The condensed matrix is positive definite if and only if the saddle-point matrix
+//! of `x` and all multipliers has the inertia of a minimum (NW 16.3), dependent rows or not. The loop of [`solve`] is
+//! that of Nocedal and Wright, *Numerical Optimization*, algorithm 19.2, and of Wächter and Biegler, *On the
+//! implementation of an interior-point filter line-search algorithm*, 2006 (WB):
 //!
 //! 1. `kkt`: the Newton step of the primal-dual equations, condensed to `x`; multiples of a norm are added to the
 //!    Hessian until the condensed matrix is positive definite (WB 3.1).
@@ -87,19 +87,13 @@ pub trait Nlp {
         Vec::new()
     }
 
-    /// Adds the gradients of rows at `x`, at which derivatives were last computed, each times its weight, to `out`;
-    /// returns false if the program does not give them, and steps have no second-order correction.
-    ///
-    /// # Errors
-    /// Those of [`value`](Self::value).
-    fn add_row_gradients(
-        &mut self,
-        _x: &DVector<f64>,
-        _weights: &[(usize, f64)],
-        _out: &mut DVector<f64>,
-    ) -> Result<bool> {
-        Ok(false)
-    }
+    /// True if the program [adds gradients of single rows](Self::add_row_gradients), with which steps have a
+    /// second-order correction.
+    const HAS_ROW_GRADIENTS: bool = false;
+
+    /// Adds the gradients of rows at the point at which derivatives were last computed, each times its weight, to
+    /// `out`.
+    fn add_row_gradients(&self, _weights: &[(usize, f64)], _out: &mut DVector<f64>) {}
 
     /// Lists the rows of the working set, which has all other equalities, in ascending order, for the values `h` of the
     /// last evaluation, in place of those in `rows`.

@@ -43,12 +43,12 @@ pub struct Options {
     /// acceptable. Direct searches raise penalties later, so that they use the multiple per row instead; the tracker
     /// and flows to rest use both.
     pub penalty_of_multipliers: f64,
-    /// The least first penalty of an inequality and of an equality relative to its own known multiplier.
+    /// The least first penalty of a row relative to its own known multiplier.
     pub row_penalty_of_multipliers: f64,
-    pub equality_penalty_of_multipliers: f64,
     /// The least change of an equality per change of its multiplier in the condensed equations, for an objective of the
     /// size 1, as $\delta_c$ of WB (13). Its error vanishes with the change of the multiplier. Without it rounding of
-    /// large penalties hides the Hessian along the equalities, and dependent ones make steps short.
+    /// large penalties hides the Hessian along the equalities, and dependent ones make steps short (of 20 problems of
+    /// S2MPJ with equalities HS26 takes 602, 313, 86 and 32 iterations with 1e-9 to 1e-6, the others at most as many).
     pub compliance: f64,
     /// True if penalties are also raised after steps that hardly decrease a violation: an objective without a lower
     /// bound where rows are violated needs that.
@@ -132,8 +132,7 @@ impl Default for Options {
             penalty: 1.0,
             penalty_of_multipliers: 2.0,
             row_penalty_of_multipliers: 2.0,
-            equality_penalty_of_multipliers: 2.0,
-            compliance: 1e-9,
+            compliance: 1e-6,
             steers: false,
             row_penalty_factor: 10.0,
             penalty_factor: 4.0,
@@ -206,7 +205,6 @@ impl Options {
         for (what, value) in [
             ("penalty_of_multipliers", self.penalty_of_multipliers),
             ("row_penalty_of_multipliers", of_row),
-            ("equality_penalty_of_multipliers", self.equality_penalty_of_multipliers),
             ("compliance", self.compliance),
         ] {
             let good = value >= 0.0 && value.is_finite();

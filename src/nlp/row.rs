@@ -14,16 +14,15 @@ pub struct Row {
     /// derivatives the Hessian has [a part](super::Iterate::curvature_weight).
     pub is_curved: bool,
     pub is_equality: bool,
-    /// Its first penalty relative to [that of all](super::Barrier::nu), at least 1. An inequality whose penalty is
-    /// infinite holds at the start and is never violated.
-    pub stiffness: f64,
+    /// True for an inequality that holds at the start and is never violated: its penalty is infinite.
+    pub is_hard: bool,
 }
 
 impl Row {
     /// A row all of whose second derivatives the Hessian has.
     #[must_use]
     pub const fn new(at: usize, weight: f64) -> Self {
-        Self { at, weight, is_curved: false, is_equality: false, stiffness: 1.0 }
+        Self { at, weight, is_curved: false, is_equality: false, is_hard: false }
     }
 
     /// An equality.
@@ -61,10 +60,10 @@ impl Equality {
     }
 }
 
-/// The slack $s$, the elastic variable $t$, the multiplier $\lambda$ and the penalty $\nu$ of a row, with the conditions
-/// $s (\lambda - \underline\lambda) = \mu$ and $t (\nu - \lambda) = \mu$. The slack of an inequality costs nothing:
-/// $\underline\lambda = 0$; that of an equality is a violation as the elastic variable is: $\underline\lambda = -\nu$. With
-/// an infinite penalty the elastic variable is zero.
+/// The slack $s$, the elastic variable $t$, the multiplier $\lambda$ and the penalty $\nu$ of a row, with the
+/// conditions $s (\lambda - \underline\lambda) = \mu$ and $t (\nu - \lambda) = \mu$. The slack of an inequality
+/// costs nothing: $\underline\lambda = 0$; that of an equality is a violation as the elastic variable is:
+/// $\underline\lambda = -\nu$. With an infinite penalty the elastic variable is zero.
 #[derive(Clone, Copy, Debug)]
 pub struct RowState {
     pub row: Row,
@@ -89,11 +88,6 @@ pub struct Term {
 }
 
 impl Term {
-    /// The term of a gradient alone.
-    pub fn gradient(slope: f64) -> Self {
-        Self { slope, curvature: 0.0, multiplier: 0.0, cost: 0.0 }
-    }
-
     /// The term times a factor.
     pub fn times(self, factor: f64) -> Self {
         Self {
@@ -114,12 +108,6 @@ pub struct RowStep {
 }
 
 impl RowState {
-    /// Returns true if the row is never violated.
-    #[inline]
-    pub fn is_hard(&self) -> bool {
-        self.penalty == f64::INFINITY
-    }
-
     /// The least multiplier $\underline\lambda$.
     #[inline]
     pub fn least(&self) -> f64 {
@@ -146,7 +134,7 @@ impl RowState {
     /// The terms of the row in the barrier function, without its weight.
     #[inline]
     pub fn barrier_term(&self, mu: f64) -> f64 {
-        if self.is_hard() {
+        if self.row.is_hard {
             return -mu * self.slack.ln();
         }
         let costly = if self.row.is_equality { self.slack + self.elastic } else { self.elastic };
@@ -164,7 +152,7 @@ impl RowState {
         Self {
             slack: moved(self.slack, fraction * step.slack),
             elastic: moved(self.elastic, fraction * step.elastic),
-            multiplier: if self.is_hard() { moved_below } else { nu - moved(above, -by) },
+            multiplier: if self.row.is_hard { moved_below } else { nu - moved(above, -by) },
             ..*self
         }
     }
@@ -172,7 +160,7 @@ impl RowState {
     /// Enlarges slack or elastic variable until $h + s = t$.
     #[inline]
     pub fn meet(&mut self, h: f64) {
-        if self.is_hard() {
+        if self.row.is_hard {
             self.slack = -h;
             return;
         }

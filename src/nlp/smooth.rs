@@ -22,12 +22,8 @@ const LAST_BARRIER: f64 = 0.1;
 /// The predicted decrease relative to the barrier parameter at which that is reduced: 10 as in WB (3.1).
 const SOLVED: f64 = 10.0;
 
-/// The compliance of equalities whose slopes are of the size 1 (of 20 problems of S2MPJ with equalities HS26 takes 602,
-/// 313, 86 and 32 iterations with 1e-9 to 1e-6, the others at most as many).
-const COMPLIANCE: f64 = 1e-6;
-
-/// The cost of violations that do not decrease, with their penalties, beside an objective of the size 1, at which rows
-/// are given up: the objective itself says nothing about them.
+/// The cost of violations that do not decrease, with their penalties and relative to an objective of the size 1, at
+/// which rows are given up: the objective itself says nothing about them.
 const INFEASIBLE_COST: f64 = 1e5;
 
 /// The largest penalty at the start, beyond which multipliers of nearly dependent rows say nothing, and the largest of
@@ -53,9 +49,12 @@ pub struct SmoothSolution {
     pub error: KktError,
 }
 
-/// Solves a program from `x`, moved inside the bounds of the unknowns. The options are those of a program whose
-/// objective has the size 1; barrier parameters are per row. It has converged if and only if the largest
+/// Solves a program from `x`, moved inside the bounds of the unknowns. It has converged if and only if the largest
 /// [error](KktError) is at most the tolerance. One iteration costs $O(n^3 + m n^2)$.
+///
+/// Of the options those are replaced that depend on the size of the objective or are tuned for motions: the scale, the
+/// last barrier parameter and its update (the first one is per row), the tolerance of rows, the longest step, the part
+/// up to the boundary, and the rules for penalties but the first one.
 ///
 /// # Errors
 /// Those of the program; a length, a bound or an option is not acceptable.
@@ -63,8 +62,8 @@ pub fn solve_smooth<P: SmoothProgram>(program: &mut P, x: &DVector<f64>, options
     options.check()?;
     let mut scaled = Scaled::new(program, x)?;
     let x = scaled.inside(x);
-    scaled.scales = Scales::at(scaled.program, &x)?;
-    let options = scaled.options(&x, options)?;
+    scaled.set_scales(&x)?;
+    let options = scaled.options(options);
     let mut norm = BlockTridiagonal::new(&[x.len()], 0);
     norm.diagonal[0].fill_with_identity();
     let kkt = Kkt::new(Bordered::with_border(norm, 0));
@@ -92,7 +91,7 @@ pub fn solve_smooth<P: SmoothProgram>(program: &mut P, x: &DVector<f64>, options
 /// A bound of a row or of an unknown: `sign * (value - bound)` is at most zero.
 struct OneSided {
     /// The index of the row, or that of the unknown after all rows.
-    of: usize,
+    source: usize,
     sign: f64,
     bound: f64,
     is_equality: bool,
@@ -110,8 +109,8 @@ struct Scaled<'p, P> {
 
 impl<'p, P: SmoothProgram> Scaled<'p, P> {
     fn new(program: &'p mut P, x: &DVector<f64>) -> Result<Self> {
-        let (bounds, of_rows) = (program.bounds(), program.row_bounds());
-        let (n, m) = (bounds.len(), of_rows.len());
+        let (bounds, row_bounds) = (program.bounds(), program.row_bounds());
+        let (n, m) = (bounds.len(), row_bounds.len());
         if x.len() != n {
             let condition = format!("it has {} entries, and there are bounds of {n} unknowns", x.len());
             return Err(Error::input("nlp", "x", condition));
@@ -120,19 +119,19 @@ impl<'p, P: SmoothProgram> Scaled<'p, P> {
             return Err(Error::input("nlp", format!("x[{k}]"), format!("it is {}", x[k])));
         }
         let mut rows = Vec::new();
-        for (of, [lower, upper]) in of_rows.iter().chain(&bounds).copied().enumerate() {
+        for (source, [lower, upper]) in row_bounds.iter().chain(&bounds).copied().enumerate() {
             let good = lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY;
             if !good {
-                let (what, k) = if of < m { ("row", of) } else { ("unknown", of - m) };
+                let (what, k) = if source < m { ("row", source) } else { ("unknown", source - m) };
                 let condition = format!("its bounds are {lower} and {upper}");
                 return Err(Error::input("nlp", format!("{what} {k}"), condition));
             }
             if lower == upper {
-                rows.push(OneSided { of, sign: 1.0, bound: upper, is_equality: true });
+                rows.push(OneSided { source, sign: 1.0, bound: upper, is_equality: true });
                 continue;
             }
             let sides = [(-1.0, lower), (1.0, upper)].into_iter().filter(|(_, bound)| bound.is_finite());
-            rows.extend(sides.map(|(sign, bound)| OneSided { of, sign, bound, is_equality: false }));
+            rows.extend(sides.map(|(sign, bound)| OneSided { source, sign, bound, is_equality: false }));
         }
         Ok(Self {
             program,
@@ -159,16 +158,18 @@ impl<'p, P: SmoothProgram> Scaled<'p, P> {
         DVector::from_fn(x.len(), |i, _| inside(i))
     }
 
-    /// The factor of a row, or of an unknown after all rows.
-    fn scale(&self, of: usize) -> f64 {
-        self.scales.rows.get(of).copied().unwrap_or(1.0)
+    /// Sets the scales by the derivatives at the start.
+    fn set_scales(&mut self, x: &DVector<f64>) -> Result<()> {
+        self.program.derivatives(x, &DVector::zeros(self.g.len()), &mut self.derivatives)?;
+        self.scales = Scales::new(&self.derivatives);
+        Ok(())
     }
 
     /// The options for these rows, from those per row.
-    fn options(&mut self, x: &DVector<f64>, given: &Options) -> Result<Options> {
+    fn options(&self, given: &Options) -> Options {
         let count = self.rows.len().max(1) as f64;
-        let penalty = given.penalty.max(given.penalty_of_multipliers * self.largest_multiplier(x)?);
-        Ok(Options {
+        let penalty = given.penalty.max(given.penalty_of_multipliers * self.largest_multiplier());
+        Options {
             scale: Some(1.0),
             first_barrier: count * given.first_barrier,
             last_barrier: count * LAST_BARRIER * given.tolerance,
@@ -180,133 +181,140 @@ impl<'p, P: SmoothProgram> Scaled<'p, P> {
             infeasible_cost: INFEASIBLE_COST,
             fraction_to_boundary: TO_BOUND,
             steers: true,
-            compliance: COMPLIANCE,
             barrier: Arc::new(Monotone { done: [SOLVED; 2], ..Monotone::default() }),
             ..given.clone()
-        })
+        }
     }
 
     /// The largest of the multipliers of the scaled rows for which the gradient of the Lagrangian at the start is least
     /// (WB 3.6).
-    fn largest_multiplier(&mut self, x: &DVector<f64>) -> Result<f64> {
-        let none = DVector::zeros(self.g.len());
-        self.program.value(x, &mut self.g)?;
-        self.program.derivatives(x, &none, &mut self.derivatives)?;
+    fn largest_multiplier(&self) -> f64 {
         let SmoothDerivatives { gradient, jacobian, .. } = &self.derivatives;
         if jacobian.is_empty() || !jacobian.iter().all(|x| x.is_finite()) {
-            return Ok(0.0);
+            return 0.0;
         }
         let mut slopes = jacobian.transpose();
-        for (mut slope, scale) in slopes.column_iter_mut().zip(self.scales.rows.iter()) {
+        for (mut slope, scale) in slopes.column_iter_mut().zip(&self.scales.rows) {
             slope *= *scale;
         }
         let found = slopes.svd(true, true).solve(&(gradient * self.scales.objective), 1e-8);
-        Ok(found.map_or(0.0, |y| y.amax()))
+        found.map_or(0.0, |y| y.amax())
+    }
+
+    /// The factor of the value of a one-sided row.
+    fn factor(&self, row: &OneSided) -> f64 {
+        row.sign * self.scales.rows.get(row.source).copied().unwrap_or(1.0)
+    }
+
+    /// The gradient of a one-sided row by the last derivatives.
+    fn slope(&self, at: usize) -> DVector<f64> {
+        let (row, m) = (&self.rows[at], self.g.len());
+        let mut slope = DVector::zeros(self.bounds.len());
+        if row.source < m {
+            slope.copy_from(&self.derivatives.jacobian.row(row.source).transpose());
+        } else {
+            slope[row.source - m] = 1.0;
+        }
+        slope * self.factor(row)
+    }
+
+    /// A one-sided row as one of the interior-point method.
+    fn row(&self, at: usize) -> Row {
+        let OneSided { source, is_equality, .. } = self.rows[at];
+        Row { is_equality, is_hard: !is_equality && source >= self.g.len(), ..Row::new(at, 1.0) }
     }
 
     /// The multipliers of the rows, then of the unknowns, from those of the one-sided rows.
-    fn multipliers(&self, of_rows: impl Iterator<Item = (usize, f64)>) -> DVector<f64> {
-        let mut all = DVector::zeros(self.g.len() + self.bounds.len());
-        for (at, multiplier) in of_rows {
-            let OneSided { of, sign, .. } = self.rows[at];
-            all[of] += sign * self.scale(of) * multiplier / self.scales.objective;
+    fn multipliers(&self, one_sided: impl Iterator<Item = (usize, f64)>) -> [DVector<f64>; 2] {
+        let mut all = [DVector::zeros(self.g.len()), DVector::zeros(self.bounds.len())];
+        for (at, multiplier) in one_sided {
+            let (row, m) = (&self.rows[at], self.g.len());
+            let of_row = if row.source < m { &mut all[0][row.source] } else { &mut all[1][row.source - m] };
+            *of_row += self.factor(row) * multiplier / self.scales.objective;
         }
         all
     }
 
     /// The multipliers of the working set after a step of the equations of the first order,
-    /// $\min \|r + A^T d\|^2 + \sum_j \delta_j d_j^2$: the condensed equations give them with the relative accuracy of
-    /// rounding over the slacks.
+    /// $\min_d (r + A^T d)^T (r + A^T d) + \sum_j \delta_j d_j^2$: the condensed equations give them with the relative
+    /// accuracy of rounding over the slacks.
     fn refined_multipliers(&mut self, x: &DVector<f64>, iterate: &Iterate) -> Result<Vec<f64>> {
-        let (n, m) = (x.len(), self.g.len());
-        let working = &iterate.working;
-        let known: Vec<_> = working.iter().map(|of| of.multiplier).collect();
-        let y = self.multipliers(working.iter().map(|of| (of.row.at, of.multiplier)));
-        self.program.value(x, &mut self.g)?;
-        self.program.derivatives(x, &y.rows(0, m).into_owned(), &mut self.derivatives)?;
-        let mut slopes = DMatrix::zeros(n, working.len());
-        for (mut slope, of) in slopes.column_iter_mut().zip(working) {
-            let OneSided { of, sign, .. } = self.rows[of.row.at];
-            if of < m {
-                slope.copy_from(&self.derivatives.jacobian.row(of).transpose());
-            } else {
-                slope[of - m] = 1.0;
-            }
-            slope *= self.scale(of) * sign;
-        }
-        let residual =
-            &self.derivatives.gradient * self.scales.objective + &slopes * DVector::from_column_slice(&known);
-        // Without dependent slopes the product is positive definite by the slacks alone.
+        let (n, working) = (x.len(), &iterate.working);
+        let known: Vec<_> = working.iter().map(|state| state.multiplier).collect();
+        let [y, _] = self.multipliers(working.iter().map(|state| (state.row.at, state.multiplier)));
+        self.program.derivatives(x, &y, &mut self.derivatives)?;
+        let slopes: Vec<_> = working.iter().map(|state| self.slope(state.row.at)).collect();
+        let mut residual = &self.derivatives.gradient * self.scales.objective;
         let mut product = DMatrix::identity(n, n);
-        let weight = |of: &RowState| of.distances()[0] / of.slack.max(f64::MIN_POSITIVE);
-        for (slope, of) in slopes.column_iter().zip(working) {
-            product.ger(weight(of), &slope, &slope, 1.0);
+        let weight = |state: &RowState| state.distances()[0] / state.slack.max(f64::MIN_POSITIVE);
+        for (slope, state) in slopes.iter().zip(working) {
+            residual.axpy(state.multiplier, slope, 1.0);
+            product.ger(weight(state), slope, slope, 1.0);
         }
+        // Positive definite but for numbers that are not finite.
         let Some(factor) = product.cholesky() else {
             return Ok(known);
         };
         let scaled = factor.solve(&residual);
-        let changed = known.iter().zip(slopes.column_iter()).zip(working).map(|((z, slope), of)| {
-            let z = z - weight(of) * slope.dot(&scaled);
-            if of.row.is_equality { z } else { z.max(0.0) }
+        let changed = slopes.iter().zip(working).map(|(slope, state)| {
+            let multiplier = state.multiplier - weight(state) * slope.dot(&scaled);
+            if state.row.is_equality { multiplier } else { multiplier.max(0.0) }
         });
         Ok(changed.collect())
     }
 
+    /// The solution at the last evaluated point.
     fn solution(&mut self, x: &DVector<f64>, iterate: &Iterate, iterations: usize) -> Result<SmoothSolution> {
-        let m = self.g.len();
         let refined = self.refined_multipliers(x, iterate)?;
-        let known = iterate.working.iter().zip(&refined).map(|(of, multiplier)| (of.row.at, *multiplier));
-        let all = self.multipliers(known);
-        let (multipliers, of_bounds) = (all.rows(0, m).into_owned(), all.rows(m, x.len()).into_owned());
-        let objective = self.program.value(x, &mut self.g)?;
+        let known = iterate.working.iter().zip(&refined).map(|(state, multiplier)| (state.row.at, *multiplier));
+        let [multipliers, bound_multipliers] = self.multipliers(known);
         Ok(SmoothSolution {
             x: x.clone(),
-            objective,
-            error: KktError::new(self.program, &self.scales, x, [&multipliers, &of_bounds])?,
+            objective: self.program.value(x, &mut self.g)?,
+            error: KktError::new(self.program, &self.scales, x, [&multipliers, &bound_multipliers])?,
             multipliers,
-            bound_multipliers: of_bounds,
+            bound_multipliers,
             status: Status::NoDescent,
             iterations,
         })
+    }
+
+    /// Puts the values of the one-sided rows at `x`, the last evaluated point, into `h`.
+    fn put_rows(&self, x: &DVector<f64>, h: &mut Vec<f64>) {
+        let value = |source: usize| self.g.get(source).copied().unwrap_or_else(|| x[source - self.g.len()]);
+        h.clear();
+        h.extend(self.rows.iter().map(|row| self.factor(row) * (value(row.source) - row.bound)));
     }
 }
 
 impl<P: SmoothProgram> Nlp for Scaled<'_, P> {
     fn value(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
         let f = self.program.value(x, &mut self.g)?;
-        let m = self.g.len();
-        let value = |of: usize| if of < m { self.g[of] } else { x[of - m] };
-        h.clear();
-        h.extend(self.rows.iter().map(|row| self.scale(row.of) * row.sign * (value(row.of) - row.bound)));
+        self.put_rows(x, h);
         let is_finite = f.is_finite() && h.iter().all(|h| h.is_finite());
         Ok(if is_finite { self.scales.objective * f } else { f64::INFINITY })
     }
 
     fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
         let mut h = Vec::new();
-        self.value(x, &mut h)?;
-        let m = self.g.len();
-        let terms = iterate.working.iter().map(|of| (of.row.at, iterate.term(of, h[of.row.at])));
+        self.put_rows(x, &mut h);
+        let terms = iterate.working.iter().map(|state| (state.row.at, iterate.term(state, h[state.row.at])));
         let terms: Vec<_> = terms.collect();
-        let y = self.multipliers(terms.iter().map(|(at, term)| (*at, term.multiplier)));
-        self.program.derivatives(x, &y.rows(0, m).into_owned(), &mut self.derivatives)?;
-        let SmoothDerivatives { gradient, jacobian, hessian } = &self.derivatives;
-        let to = &mut out.hessian.matrix.diagonal[0];
-        to.copy_from(hessian);
-        *to *= self.scales.objective;
-        out.gradient.copy_from(gradient);
+        let [y, _] = self.multipliers(terms.iter().map(|(at, term)| (*at, term.multiplier)));
+        self.program.derivatives(x, &y, &mut self.derivatives)?;
+        out.gradient.copy_from(&self.derivatives.gradient);
         out.gradient *= self.scales.objective;
+        let hessian = &mut out.hessian.matrix.diagonal[0];
+        hessian.copy_from(&self.derivatives.hessian);
+        *hessian *= self.scales.objective;
         for (at, term) in terms {
-            let OneSided { of, sign, .. } = self.rows[at];
-            let factor = self.scale(of) * sign;
-            if of < m {
-                let slope = jacobian.row(of).transpose();
-                out.gradient.axpy(factor * term.slope, &slope, 1.0);
-                to.ger(factor * factor * term.curvature, &slope, &slope, 1.0);
+            let slope = self.slope(at);
+            out.gradient.axpy(term.slope, &slope, 1.0);
+            if self.rows[at].source < self.g.len() {
+                hessian.ger(term.curvature, &slope, &slope, 1.0);
             } else {
-                out.gradient[of - m] += factor * term.slope;
-                to[(of - m, of - m)] += factor * factor * term.curvature;
+                let i = self.rows[at].source - self.g.len();
+                hessian[(i, i)] += term.curvature * slope[i] * slope[i];
             }
         }
         Ok(())
@@ -318,31 +326,15 @@ impl<P: SmoothProgram> Nlp for Scaled<'_, P> {
 
     fn working_set(&mut self, _: &[f64], rows: &mut Vec<Row>) {
         rows.clear();
-        let (m, all) = (self.g.len(), self.rows.iter().enumerate());
-        rows.extend(all.map(|(at, row)| match row.is_equality {
-            true => Row::equality(at, 1.0),
-            false if row.of < m => Row::new(at, 1.0),
-            false => Row { stiffness: f64::INFINITY, ..Row::new(at, 1.0) },
-        }));
+        rows.extend((0..self.rows.len()).map(|at| self.row(at)));
     }
 
-    fn add_row_gradients(
-        &mut self,
-        _: &DVector<f64>,
-        weights: &[(usize, f64)],
-        out: &mut DVector<f64>,
-    ) -> Result<bool> {
-        let m = self.g.len();
+    const HAS_ROW_GRADIENTS: bool = true;
+
+    fn add_row_gradients(&self, weights: &[(usize, f64)], out: &mut DVector<f64>) {
         for (at, weight) in weights {
-            let OneSided { of, sign, .. } = self.rows[*at];
-            let factor = self.scale(of) * sign * weight;
-            if of < m {
-                out.axpy(factor, &self.derivatives.jacobian.row(of).transpose(), 1.0);
-            } else {
-                out[of - m] += factor;
-            }
+            out.axpy(*weight, &self.slope(*at), 1.0);
         }
-        Ok(true)
     }
 
     /// Unknowns remain inside their bounds.
@@ -359,8 +351,7 @@ impl<P: SmoothProgram> Nlp for Scaled<'_, P> {
 
     fn tighten(&mut self, x: &DVector<f64>, h: &mut Vec<f64>, _: usize) -> Result<Tightened> {
         self.value(x, h)?;
-        let rows = self.rows.iter().zip(h.iter());
-        let violations = rows.map(|(row, h)| if row.is_equality { h.abs() } else { *h });
+        let violations = h.iter().enumerate().map(|(at, h)| self.row(at).violation(*h));
         Ok(Tightened::Violation(violations.fold(0.0, f64::max)))
     }
 }

@@ -125,9 +125,10 @@ impl State {
     /// Allocates memory for a working set of all rows.
     pub(crate) fn allocate(&mut self, rows: usize) {
         self.rows.reserve(rows);
-        self.iterate.allocate(rows);
-        for trial in [&mut self.trial, &mut self.longer] {
-            trial.allocate(rows, self.x.len());
+        let trials = [&mut self.trial, &mut self.longer];
+        let iterates = trials.map(|trial| &mut trial.iterate).into_iter();
+        for iterate in iterates.chain([&mut self.iterate]) {
+            iterate.allocate(rows);
         }
     }
 

@@ -8,8 +8,7 @@ use proptest::prelude::*;
 const ROW: Row = Row::new(0, 1.0);
 const EQUALITY: Row = Row::equality(0, 1.0);
 
-/// A row with a slack, an elastic variable and a multiplier at this fraction of the way from its least one to the
-/// penalty.
+/// A row with a slack, an elastic variable and a multiplier at this fraction between its bounds.
 fn one(row: Row, barrier: Barrier, [slack, elastic, fraction]: [f64; 3]) -> Iterate {
     let mut iterate = Iterate::new(barrier, Vec::new());
     iterate.set_working(&[row], &[0.0]);
@@ -17,11 +16,6 @@ fn one(row: Row, barrier: Barrier, [slack, elastic, fraction]: [f64; 3]) -> Iter
     let multiplier = state.least() + fraction * (barrier.nu - state.least());
     iterate.working[0] = RowState { multiplier, ..state };
     iterate
-}
-
-/// An inequality.
-fn one_row(barrier: Barrier, at: [f64; 3]) -> Iterate {
-    one(ROW, barrier, at)
 }
 
 /// An inequality or an equality.
@@ -164,12 +158,12 @@ proptest! {
 fn known_multipliers_have_their_slacks() {
     let barrier = Barrier { mu: 1e-3, nu: 1.0 };
     for (known, expected) in [(0.5, 2e-3), (1e-3, 0.02)] {
-        let mut iterate = one_row(barrier, [1e-6, 1e-6, 0.9]);
+        let mut iterate = one(ROW, barrier, [1e-6, 1e-6, 0.9]);
         iterate.set_multipliers(&[known], &[0.0], &Options::default());
         assert_close!(&[iterate.working[0].slack, iterate.working[0].elastic], &[expected; 2], 1e-15);
         assert_close!(&[iterate.working[0].multiplier], &[known], 1e-14);
     }
-    let mut iterate = one_row(barrier, [1e-6, 1e-6, 0.9]);
+    let mut iterate = one(ROW, barrier, [1e-6, 1e-6, 0.9]);
     iterate.set_multipliers(&[0.0], &[0.0], &Options::default());
     assert_eq!((iterate.working[0].slack, iterate.working[0].multiplier), (1e-6, 0.9));
 }
@@ -179,7 +173,7 @@ fn known_multipliers_have_their_slacks() {
 fn known_multipliers_have_their_penalties() {
     let barrier = Barrier { mu: 1e-3, nu: 1.0 };
     for (known, penalty) in [(0.4, 1.0), (3.0, 6.0)] {
-        let mut iterate = one_row(barrier, [1e-6, 1e-6, 0.9]);
+        let mut iterate = one(ROW, barrier, [1e-6, 1e-6, 0.9]);
         iterate.set_multipliers(&[known], &[0.0], &Options::default());
         assert_eq!(iterate.working[0].penalty, penalty);
     }
@@ -215,7 +209,7 @@ fn penalties_of_violated_rows_grow() {
 #[test]
 fn a_returning_row_begins_anew() {
     let barrier = Barrier { mu: 1e-3, nu: 1.0 };
-    let mut iterate = one_row(barrier, [5.0, 6.0, 0.9]);
+    let mut iterate = one(ROW, barrier, [5.0, 6.0, 0.9]);
     iterate.set_working(&[], &[0.3]);
     assert!(iterate.working.is_empty());
     iterate.set_working(&[ROW], &[-0.3]);
@@ -227,7 +221,7 @@ fn a_returning_row_begins_anew() {
 #[test]
 fn rows_at_the_penalty() {
     let barrier = Barrier { mu: 1e-6, nu: 2.0 };
-    let at = |fraction| one_row(barrier, [1e-3, 1e-3, fraction]);
+    let at = |fraction| one(ROW, barrier, [1e-3, 1e-3, fraction]);
     assert!(at(0.95).is_at_penalty(&[1e-3], 1e-6));
     assert!(!at(0.85).is_at_penalty(&[1e-3], 1e-6));
     assert!(!at(0.95).is_at_penalty(&[1e-7], 1e-6));
@@ -306,7 +300,7 @@ fn known_multipliers_of_equalities() {
 fn a_hard_row_is_not_elastic() {
     let barrier = Barrier { mu: 1e-3, nu: 1.0 };
     let mut iterate = Iterate::new(barrier, Vec::new());
-    iterate.set_working(&[Row { stiffness: f64::INFINITY, ..ROW }], &[-0.2]);
+    iterate.set_working(&[Row { is_hard: true, ..ROW }], &[-0.2]);
     let state = iterate.working[0];
     assert_eq!([state.slack, state.elastic, state.multiplier], [0.2, 0.0, 5e-3]);
     let step = iterate.step(&state, -0.2, 0.1);
@@ -320,8 +314,7 @@ fn a_hard_row_is_not_elastic() {
 /// Penalties grow after a step that hardly decreases a violation, of rows whose multipliers have nearly reached them.
 #[test]
 fn penalties_steer() {
-    let options = Options::default();
-    let barrier = Barrier { mu: 1e-6, nu: 2.0 };
+    let (barrier, options) = (Barrier { mu: 1e-6, nu: 2.0 }, Options::default());
     for (h, fraction, raised) in [(0.95, 0.99, true), (0.8, 0.99, false), (0.95, 0.6, false), (-0.95, 0.99, true)] {
         let mut iterate = one(EQUALITY, barrier, [1e-3, 1e-3, fraction]);
         assert_eq!(iterate.steer(&[1.0], &[h], &options, 1e9), raised, "{h} {fraction}");

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 const INFINITE: f64 = f64::INFINITY;
 
-/// A quadratic program with one square row if there is one: $\tfrac12 x^T Q x + c^T x$, $A x$, $x^T x$.
+/// $\tfrac12 x^T Q x + c^T x$ with the rows $A x$ and, if there is a square one, $x^T x$.
 #[derive(Clone, Debug)]
 struct Quadratic {
     hessian: DMatrix<f64>,
@@ -127,8 +127,7 @@ proptest! {
     }
 }
 
-/// The least $x + y$ on a circle, from both sides: a curved equality with a multiplier of either sign, and an objective
-/// that is negative.
+/// The least $x + y$ on a circle, from both sides: a curved equality, and an objective that is negative.
 #[test]
 fn a_curved_equality_of_either_sign() {
     for (sign, start) in [(1.0, 3.0), (-1.0, 0.1)] {
@@ -182,6 +181,18 @@ fn no_lower_bound() {
     let found = Quadratic::new(DMatrix::zeros(1, 1), dvector![1.0]).solve(&dvector![0.0]);
     assert_ne!(found.status, Status::Converged);
     assert!(found.error.stationarity > 0.5);
+}
+
+/// A derivative or a multiplier that is not a number is no solution, however small all others are.
+#[test]
+fn errors_that_are_not_numbers() {
+    for (slope, multiplier) in [(f64::NAN, 0.0), (0.0, f64::NAN)] {
+        let mut program = Quadratic::new(DMatrix::identity(1, 1), dvector![slope]);
+        let (rows, x) = (DVector::zeros(0), dvector![0.0]);
+        let scales = Scales { objective: 1.0, rows: rows.clone() };
+        let found = KktError::new(&mut program, &scales, &x, [&rows, &dvector![multiplier]]).expect("no failure");
+        assert_eq!(found.largest(), INFINITE, "{found:?}");
+    }
 }
 
 /// Bad input is refused with its place.
