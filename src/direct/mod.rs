@@ -208,7 +208,9 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Direct<'a, K, P> {
             minimise(context, higher, settings.highest(), &mut log)
         })?;
         outcome.best = best;
-        Ok(DirectSolution { stopped: watch.stopped(), adapted, iterations, ..DirectSolution::of(&from, outcome)? })
+        let found = DirectSolution::of(&from, outcome)?;
+        let free_horizon = settings.free_horizon;
+        Ok(DirectSolution { stopped: watch.stopped(), adapted, iterations, free_horizon, ..found })
     }
 
     /// Refuses multipliers of another number of rows.

@@ -188,6 +188,11 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> DirectSequence<'_, K, P> {
         settings.free_horizon = self.weighted(weight_before);
         settings.time_limit = settings.time_limit.map(|limit| limit.mul_f64(part_of_starts));
         let mut first = self.first_with(settings)?;
+        // A start may be the last of such motions.
+        let is_last = weight * first.curve.horizon() >= last_time_share * first.cost;
+        if self.settings.start.is_some() && is_last && first.converged && first.is_feasible() {
+            return Ok((first, Vec::new()));
+        }
         let (mut others, mut share, mut again) = (Vec::new(), time_share, 0);
         for _ in 0..self.options.max_weights {
             let before = others.last().unwrap_or(&first);
@@ -299,6 +304,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> DirectSequence<'_, K, P> {
             segments: curve.segments(),
             start: Some(curve.stretched(horizon)?),
             multipliers,
+            start_is_minimum: false,
             free_horizon,
             goal,
             time_limit: limit.map(|limit| limit.saturating_sub(self.started.elapsed())),

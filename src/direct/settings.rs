@@ -57,6 +57,10 @@ pub struct DirectSettings {
     pub start: Option<Curve>,
     /// The multipliers of the rows at the initial curve; with these the first barrier parameter is smaller.
     pub multipliers: Option<Multipliers>,
+    /// True if the initial curve and the multipliers are those of a minimum of this problem or of one that differs
+    /// little: the search then begins with the margins of that minimum and the last barrier parameter that its
+    /// conditions of optimality allow.
+    pub start_is_minimum: bool,
     /// True if the final velocity is free. That of the goal then serves only as the first guess.
     pub free_final_velocity: bool,
     /// True if the acceleration is continuous: between segments, and with the rest before and after, so that it is zero
@@ -114,6 +118,7 @@ impl Default for DirectSettings {
             longest_horizon: None,
             start: None,
             multipliers: None,
+            start_is_minimum: false,
             free_final_velocity: false,
             continuous_acceleration: false,
             free_horizon: None,

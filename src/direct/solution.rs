@@ -1,7 +1,7 @@
 //! The results of the direct method.
 
 use super::strategy::MultistartOutcome;
-use super::{DegreeRefinement, LocalMinimum, Multipliers};
+use super::{DegreeRefinement, FreeHorizon, LocalMinimum, Multipliers};
 use crate::curve::Curve;
 use crate::error::Result;
 use crate::motion::{Problem, Stopped};
@@ -94,6 +94,8 @@ pub struct DirectSolution {
     pub first_guess: Curve,
     /// The multipliers of the rows.
     pub multipliers: Multipliers,
+    /// The bounds and the weight of the horizon in the search to which the multipliers belong, if it was free.
+    pub free_horizon: Option<FreeHorizon>,
     /// All iterations, of all starts and degrees.
     pub iterations: Vec<Iteration>,
 }
@@ -136,6 +138,7 @@ impl DirectSolution {
             waypoint_times: found.times.iter().map(|time| found.time(*time)).collect(),
             first_guess: guess.curve(problem)?,
             multipliers: found.multipliers,
+            free_horizon: None,
             iterations: Vec::new(),
         })
     }

@@ -40,6 +40,7 @@ mod row;
 mod smooth;
 mod smooth_program;
 mod state;
+mod warm_start;
 
 pub use barrier::{Barrier, BarrierState, BarrierUpdate, Monotone};
 pub use iterate::Iterate;
@@ -199,6 +200,10 @@ pub fn solve<P: Nlp>(
 ) -> Result<Solution> {
     options.check()?;
     let mut state = State::new(problem, x, multipliers, kkt, options)?;
+    if state.is_solution(problem, options)? {
+        observe(&state.progress);
+        return Ok(state.end(Status::Converged));
+    }
     loop {
         if let Some(status) = iterate(problem, &mut state, options, observe)? {
             return Ok(state.end(status));
@@ -218,7 +223,11 @@ pub(crate) fn iterate<P: Nlp>(
         observe(&state.progress);
         return Ok(Some(status));
     }
-    let step = state.kkt.step(state.scale(), &mut state.progress, options);
+    let mut step = state.kkt.step(state.scale(), &mut state.progress, options);
+    if let Some(step) = step.take_if(|_| state.raise_first_barrier(options)) {
+        state.kkt.reuse(step);
+        return Ok(None);
+    }
     let is_part = state.iterate.curvature_weight < 1.0;
     if is_part && state.is_within_tolerance(options) {
         // A minimum counts only with all second derivatives.

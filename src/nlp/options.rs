@@ -18,8 +18,11 @@ pub struct Options {
     pub iterations: usize,
     /// The first barrier parameter, relative to the objective and summed over all rows: 0.1 as in WB.
     pub first_barrier: f64,
-    /// The first barrier parameter with known multipliers: large enough for rows to move away from their bounds.
+    /// The largest first barrier parameter with known multipliers: large enough for rows to move away from their
+    /// bounds.
     pub warm_barrier: f64,
+    /// The least one, above which it is the change of the objective that the multipliers predict.
+    pub min_warm_barrier: f64,
     /// The last barrier parameter: the relative excess of the objective over its minimum.
     pub last_barrier: f64,
     /// The rule by which the barrier parameter changes.
@@ -124,6 +127,7 @@ impl Default for Options {
             iterations: 500,
             first_barrier: 0.1,
             warm_barrier: 1e-2,
+            min_warm_barrier: 0.0,
             last_barrier: 1e-7,
             barrier: Arc::new(Monotone::default()),
             longest_step: 1.0,
@@ -203,6 +207,7 @@ impl Options {
         let [for_first, for_second, for_third] = [" for the first", " for the second", " for the third"];
         let of_row = self.row_penalty_of_multipliers;
         for (what, value) in [
+            ("min_warm_barrier", self.min_warm_barrier),
             ("penalty_of_multipliers", self.penalty_of_multipliers),
             ("row_penalty_of_multipliers", of_row),
             ("compliance", self.compliance),

@@ -14,6 +14,8 @@ pub(crate) struct State {
     pub kkt: Kkt,
     pub progress: Progress,
     pub measure: f64,
+    /// The multipliers with which the search began.
+    pub(super) known: Option<Vec<f64>>,
     /// The given [size of the objective](Options::scale).
     given_scale: Option<f64>,
     /// The fraction of the last step that was taken, of the one that the quadratic model is to hold for.
@@ -64,6 +66,7 @@ impl State {
             kkt,
             progress: Progress::default(),
             measure: f64::NAN,
+            known: None,
             given_scale: None,
             taken: 0.0,
             iterations: 0,
@@ -93,33 +96,39 @@ impl State {
         problem.working_set(&self.h, &mut self.rows);
         self.measure = problem.measure(&self.x);
         let measure = self.measure;
-        let weight: f64 = self.rows.iter().map(|row| measure * row.weight).sum();
         let scale = self.scale();
-        let first = match multipliers {
-            Some(_) => options.warm_barrier,
-            None => options.first_barrier,
-        };
         let known = multipliers.iter().copied().flatten();
         let largest = known.fold(0.0_f64, |most, z| most.max(z.abs()));
         let penalty = options.penalty * scale / measure;
-        let barrier = Barrier {
-            // Without rows any value is sufficient.
-            mu: first.max(options.last_barrier) * scale / if weight > 0.0 { weight } else { 1.0 },
-            nu: penalty.max(options.penalty_of_multipliers * largest),
-        };
+        let nu = penalty.max(options.penalty_of_multipliers * largest);
         let equalities = problem.equalities(scale / measure);
-        self.iterate.restart(barrier, equalities);
+        self.iterate.restart(Barrier { mu: 0.0, nu }, equalities);
         self.iterate.compliance = options.compliance * measure / scale;
-        self.iterate.set_working(&self.rows, &self.h);
-        if let Some(lambda) = multipliers {
-            self.iterate.set_multipliers(lambda, &self.h, options);
-        }
+        self.known = multipliers.map(<[f64]>::to_vec);
+        let first = match self.known {
+            Some(_) => options.min_warm_barrier.min(options.warm_barrier),
+            None => options.first_barrier,
+        };
+        self.set_first_barrier(first, options);
         self.progress = Progress::default();
         (self.iterations, self.rounds) = (0, 0);
         (self.excess, self.residual) = (f64::INFINITY, f64::INFINITY);
         self.is_infeasible = false;
         self.forget_merits();
         Ok(())
+    }
+
+    /// Sets the first barrier parameter, summed over all rows and relative to the objective, and the rows with it.
+    pub(super) fn set_first_barrier(&mut self, total: f64, options: &Options) {
+        let weight: f64 = self.rows.iter().map(|row| self.measure * row.weight).sum();
+        // Without rows any value is sufficient.
+        let weight = if weight > 0.0 { weight } else { 1.0 };
+        self.iterate.barrier.mu = total.max(options.last_barrier) * self.scale() / weight;
+        self.iterate.working.clear();
+        self.iterate.set_working(&self.rows, &self.h);
+        if let Some(lambda) = &self.known {
+            self.iterate.set_multipliers(lambda, &self.h, options);
+        }
     }
 
     /// Allocates memory for a working set of all rows.
@@ -319,7 +328,7 @@ impl State {
     }
 
     /// Evaluates the rows again after a change of margins.
-    fn reset<P: Nlp>(&mut self, problem: &mut P, options: &Options) -> Result<()> {
+    pub(super) fn reset<P: Nlp>(&mut self, problem: &mut P, options: &Options) -> Result<()> {
         self.forget_merits();
         self.f = problem.value(&self.x, &mut self.h)?;
         problem.working_set(&self.h, &mut self.rows);

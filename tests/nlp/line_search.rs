@@ -32,7 +32,7 @@ fn above_a_parabola(x: &[HyperDual64]) -> (HyperDual64, Vec<HyperDual64>) {
 /// violation, its penalty.
 #[test]
 fn multipliers_follow_the_linearised_rows() {
-    let options = Options { iterations: 1, warm_barrier: 1e-6, ..accurate() };
+    let options = Options { iterations: 1, warm_barrier: 1e-6, min_warm_barrier: 1e-6, ..accurate() };
     let start = [0.0, 1e-6];
     let mut program = Dense::new(above_a_parabola, &start, 0, 1);
     let end = program.solve_from(&start, Some(&[1.0]), &options);

@@ -13,3 +13,4 @@ mod options;
 mod problems;
 mod smooth;
 mod state;
+mod warm_start;

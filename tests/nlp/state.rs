@@ -1,25 +1,9 @@
 //! The beginning and the end of a search.
 
 use crate::dense::{Dense, accurate};
-use crate::problems::{assert_near, corner, hs43, hs71};
+use crate::problems::{assert_near, corner, hs71};
 use aghf::cost::HyperDual64;
 use aghf::nlp::{Options, Status};
-
-/// With the multipliers of a solution a search near it is shorter than one without, and ends at the same point.
-#[test]
-fn known_multipliers_shorten_a_search() {
-    let program = Dense::new(hs43, &[0.0; 4], 0, 3);
-    let near = [0.01, 1.01, 1.99, -1.01];
-    let count = |known: Option<&[f64]>| {
-        let mut program = program.clone();
-        let end = program.solve_from(&near, known, &accurate());
-        assert_eq!(end.status, Status::Converged);
-        assert_near("HS43", end.x.as_slice(), &[0.0, 1.0, 2.0, -1.0], 1e-6);
-        program.evaluations
-    };
-    let (with, without) = (count(Some(&[1.0, 0.0, 2.0])), count(None));
-    assert!(with < without, "{with} evaluations, and {without} without");
-}
 
 /// Each way to stop before the end is reported.
 #[test]

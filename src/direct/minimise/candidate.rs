@@ -21,8 +21,6 @@ pub(crate) struct Candidate {
     pub multipliers: Multipliers,
     /// The first penalty of a violation, if it is not that of the options.
     pub penalty: Option<f64>,
-    /// The penalties of equalities at the end of a search, relative to the first ones.
-    pub equality_penalty: f64,
     /// The integral of the running cost by a quadrature finer than that of the minimisation.
     pub cost: f64,
     /// The same with the cost of time.
@@ -85,13 +83,21 @@ fn unstretch(path: &mut Path, horizons: &Horizons<f64>) {
 }
 
 /// Multipliers of all rows at given normalised times, with which a search can begin.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Multipliers {
     pub(crate) times: Vec<f64>,
     /// The multipliers, row by row for each time.
     pub(crate) values: Vec<f64>,
     /// The multipliers of the rows of waypoints and of a goal.
     pub(crate) of_points: Vec<f64>,
+    /// The penalties of the squares of equalities at the end of the search, relative to the first ones.
+    pub equality_penalty: f64,
+}
+
+impl Default for Multipliers {
+    fn default() -> Self {
+        Self { times: Vec::new(), values: Vec::new(), of_points: Vec::new(), equality_penalty: 1.0 }
+    }
 }
 
 impl Candidate {
@@ -147,7 +153,6 @@ impl Candidate {
             times: Vec::new(),
             multipliers: Multipliers::default(),
             penalty: None,
-            equality_penalty: 1.0,
             cost: f64::NAN,
             objective: f64::NAN,
             violation: f64::NAN,
@@ -188,7 +193,7 @@ impl Multipliers {
             }
             values[at * rows + row] = *value;
         }
-        Ok(Self { times, values, of_points })
+        Ok(Self { times, values, of_points, ..Self::default() })
     }
 
     /// The normalised times.
@@ -240,7 +245,7 @@ impl Multipliers {
                 let held = Self {
                     times: with.iter().map(|g| times[*g]).collect(),
                     values: with.iter().map(|g| values[g * count + row]).collect(),
-                    of_points: Vec::new(),
+                    ..Self::default()
                 };
                 for g in without {
                     let between = held.at(&times[g..=g], 1);
@@ -254,7 +259,7 @@ impl Multipliers {
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         let by = |values: &[f64]| values.iter().map(|z| factor * z).collect();
-        Self { times: self.times.clone(), values: by(&self.values), of_points: by(&self.of_points) }
+        Self { values: by(&self.values), of_points: by(&self.of_points), ..self.clone() }
     }
 
     /// Takes over other multipliers in the memory of these.
@@ -262,6 +267,7 @@ impl Multipliers {
         self.times.clone_from(&from.times);
         self.values.clone_from(&from.values);
         self.of_points.clone_from(&from.of_points);
+        self.equality_penalty = from.equality_penalty;
     }
 
     /// Changes the times to those of the rest of a motion after this share of it, from 0 to less than 1.

@@ -101,6 +101,9 @@ pub(super) fn minimise<K: Constraint, P: CostWithControl>(
         candidate.horizons = parts::horizons(parts, |_| whole, whole);
     }
     candidate.points = (per_degree * basis.degree() as f64) as usize + 4;
+    if context.settings.start_is_minimum {
+        candidate.points = candidate.points.max(points_of_start(context, &candidate));
+    }
     loop {
         let status = on_grid(context, &mut candidate, stage, observe)?;
         check_integral(candidate.cost)?;
@@ -113,6 +116,14 @@ pub(super) fn minimise<K: Constraint, P: CostWithControl>(
         look_at_passive_joints(context, &mut candidate)?;
     }
     Ok(candidate)
+}
+
+/// The number of quadrature points per segment for which a candidate has multipliers.
+fn points_of_start<K: Constraint, P: CostWithControl>(context: Context<'_, '_, K, P>, candidate: &Candidate) -> usize {
+    let basis = &candidate.path.basis;
+    let held = context.rows.attributes().equalities.contains(&true);
+    let held = if held { collocated_points(context, basis) } else { 0 };
+    (candidate.multipliers.times.len() / basis.segments()).saturating_sub(held)
 }
 
 /// Minimises with the number of points of the candidate.
@@ -156,7 +167,7 @@ fn take_end<K: Constraint, P: CostWithControl>(
     let mut violation = program.violation(&end.x)?;
     program.put_all_multipliers(&end.iterate, candidate);
     if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
-        candidate.equality_penalty = penalty / first;
+        candidate.multipliers.equality_penalty = penalty / first;
     }
     candidate.converged = end.status == Status::Converged && program.finer.cost[1] <= stage.quadrature_tolerance;
     let mut x = end.x.clone();
@@ -206,6 +217,7 @@ fn options_of(settings: &DirectSettings, stage: Stage, penalty: Option<f64>, row
             None => 0.0,
         },
         iterations: stage.iterations,
+        min_warm_barrier: if settings.start_is_minimum { 0.0 } else { settings.nlp.warm_barrier },
         last_barrier: match rows {
             0 => of_bounds.min(stage.last_barrier),
             _ => stage.last_barrier,

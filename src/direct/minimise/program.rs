@@ -88,9 +88,13 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             let matrix = derivatives.hessian.clone();
             PeriodicEnds::new(period.clone(), Bordered::with_border(matrix, unknowns.border()))
         });
-        program.equality_penalty = candidate.equality_penalty;
+        program.equality_penalty = candidate.multipliers.equality_penalty;
         let x = program.unknowns.vector(candidate);
         program.set_first_margins(&x)?;
+        if settings.start_is_minimum && stage.0.last {
+            program.maxima(true)?;
+            program.set_margins(false);
+        }
         Ok((program, x))
     }
 

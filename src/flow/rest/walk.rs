@@ -188,6 +188,7 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
             last_barrier: stage.last_barrier / factor,
             first_barrier: default.first_barrier / factor,
             warm_barrier: default.warm_barrier / factor,
+            min_warm_barrier: default.warm_barrier / factor,
             penalty: default.penalty / factor,
             rounds: ROUNDS,
             longest_step: longest_step(self.settings.metric, &default),
@@ -211,7 +212,7 @@ impl Walk {
         let of_rows = end.iterate.multipliers(grid.times.len() * rows.count());
         let mut multipliers = Multipliers::default();
         multipliers.put(grid, rows, &of_rows);
-        self.multipliers = [multipliers, Multipliers { times, values: of_slips, of_points: Vec::new() }];
+        self.multipliers = [multipliers, Multipliers { times, values: of_slips, ..Multipliers::default() }];
         if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
             self.equality_penalty = penalty / first;
         }

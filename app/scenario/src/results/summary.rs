@@ -196,6 +196,9 @@ pub struct DirectDetails {
     /// The multipliers of the rows, from which another search can start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub multipliers: Option<MultipliersFile>,
+    /// The bounds of the duration and the cost of a second in the last search, to which the multipliers belong.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub last_search: Option<LastSearch>,
     /// The duration of the motion, s: that of the scenario, or the optimal one if it is free.
     pub horizon_s: f64,
     /// The shortest horizon that the limits of the joints allow, if the horizon is free; `None` without such limits.
@@ -246,6 +249,18 @@ pub struct DirectDetails {
     /// The end in a goal that is a set; `None` without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end: Option<ReachedEnd>,
+}
+
+/// The bounds of a free horizon and its weight in the last search.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LastSearch {
+    /// The shortest horizon, s.
+    pub shortest_s: f64,
+    /// The longest horizon, s.
+    pub longest_s: f64,
+    /// The cost of a second.
+    pub weight: f64,
 }
 
 /// A lower bound of the duration of a motion: no motion between the ends is shorter.

@@ -1,7 +1,7 @@
 //! Solving a scenario by the direct method.
 
 use crate::results::report::{Record, Solution, Trace};
-use crate::results::summary::{Details, DirectDetails, HorizonBound, ReachedEnd};
+use crate::results::summary::{Details, DirectDetails, HorizonBound, LastSearch, ReachedEnd};
 use crate::solve::search::Search;
 use crate::solve::warm_start::{MultipliersFile, start_from};
 use crate::{DirectOptions, Scenario, Solved};
@@ -28,7 +28,7 @@ pub(crate) fn search_directly(
     };
     let observe = &mut |iteration: &Iteration| observe(&Record::Direct(*iteration));
     let mut own = Search::new(scenario, settings, observe);
-    let start = start.map(|start| start_from(start, &mut own)).transpose()?;
+    let start = start.map(|start| start_from(start, options, &mut own)).transpose()?;
     let found = search(&mut own)?;
     let seconds = started.elapsed().as_secs_f64();
     let solution = solution_of(scenario, (&own.settings, own.tried), (start, found.clone()), seconds)?;
@@ -58,6 +58,7 @@ pub(crate) fn solution_of(
     let details = Details::Direct(Box::new(DirectDetails {
         start,
         multipliers: MultipliersFile::new(&solution.multipliers),
+        last_search: solution.free_horizon.map(LastSearch::from),
         horizon_s: horizon,
         horizon_bound: settings.free_horizon.and_then(|_| scenario.horizon_bound()),
         cost: solution.cost + time.unwrap_or(0.0),

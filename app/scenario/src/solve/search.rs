@@ -3,7 +3,7 @@
 use crate::{Preset, Scenario};
 use aghf::constraint::{AnyConstraint, Constraints};
 use aghf::cost::CostWithControl;
-use aghf::direct::{DirectSequence, DirectSettings, DirectSolution, Iteration, SequenceOptions};
+use aghf::direct::{DirectSequence, DirectSettings, DirectSolution, FreeHorizon, Iteration, SequenceOptions};
 use aghf::error::Result;
 use aghf::motion::Problem;
 use std::time::Instant;
@@ -20,6 +20,10 @@ pub(crate) struct Search<'s, 'o> {
     pub end: Option<Vec<f64>>,
     /// The number of ends of a goal that is a set to which motions were compared one by one.
     pub tried: Option<usize>,
+    /// The last search of the solve from which this one starts, if it led to a minimum of the same scenario.
+    pub last: Option<FreeHorizon>,
+    /// The first weight of time, if this search starts from the motion of another scenario.
+    pub first_weight: Option<f64>,
 }
 
 impl<'s, 'o> Search<'s, 'o> {
@@ -32,11 +36,21 @@ impl<'s, 'o> Search<'s, 'o> {
             started: Instant::now(),
             end: None,
             tried: None,
+            last: None,
+            first_weight: None,
         }
     }
 
     /// Finds the motion of the objective.
     pub fn run(&mut self) -> Result<DirectSolution> {
+        if let Some(last) = self.last.take() {
+            let free_horizon = self.settings.free_horizon.replace(last);
+            let found = self.solves()?.first()?;
+            self.settings.free_horizon = free_horizon;
+            if found.converged && found.is_feasible() {
+                return Ok(found);
+            }
+        }
         match self.scenario.file.objective.preset() {
             None | Some(Preset::LeastEffort) => self.solves()?.first(),
             Some(Preset::LeastTime) => self.least_time(),
@@ -55,8 +69,11 @@ impl<'s, 'o> Search<'s, 'o> {
         })
     }
 
-    /// The weight of time that counts as much as the effort of the straight motion.
+    /// The weight of time that counts as much as the effort of the straight motion, or that of a start.
     fn first_weight(&self) -> Result<f64> {
+        if let Some(weight) = self.first_weight {
+            return Ok(weight);
+        }
         let scenario = self.scenario;
         let goal = self.first_end().unwrap_or(&scenario.file.q_goal);
         let unit = scenario.cost_of_straight(&mut scenario.running_cost()?, goal)?;
@@ -87,7 +104,12 @@ impl<'s, 'o> Search<'s, 'o> {
                 let first = self.scenario.first_horizon(end);
                 problem.with_horizon(first.clamp(free.shortest, free.longest))
             }
-            _ => Ok(problem),
+            // The longest horizon may be that of another search.
+            (_, Some(free)) => {
+                let given = problem.horizon();
+                problem.with_horizon(given.clamp(free.shortest, free.longest))
+            }
+            (_, None) => Ok(problem),
         }
     }
 

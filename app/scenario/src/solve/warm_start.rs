@@ -1,14 +1,16 @@
 //! A start from the motion of another solve.
 
+use crate::results::provenance::Provenance;
+use crate::results::summary::{DirectDetails, LastSearch, Verdict};
 use crate::solve::search::Search;
-use crate::{Details, Solved};
-use aghf::direct::Multipliers;
-use aghf::error::{Error, Result};
+use crate::{Details, DirectOptions, Preset, Solved};
+use aghf::direct::{DirectSettings, FreeHorizon, Multipliers, SequenceOptions};
+use aghf::error::{Error, Result, check_positive};
 use serde::{Deserialize, Serialize};
 
 /// The share of the largest multiplier below which others are not written: those of rows far from their bounds, which
 /// are of the order of the barrier parameter.
-const MIN_SHARE: f64 = 1e-7;
+const MIN_SHARE: f64 = 1e-10;
 
 /// The multipliers of the rows of a direct solve in a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,6 +24,14 @@ pub struct MultipliersFile {
     entries: Vec<(usize, usize, f64)>,
     /// Those of the rows of a goal.
     of_points: Vec<f64>,
+    /// The penalties of the squares of equalities, relative to the first ones.
+    #[serde(default = "first")]
+    equality_penalty: f64,
+}
+
+/// The first penalties of equalities, relative to themselves.
+fn first() -> f64 {
+    1.0
 }
 
 impl MultipliersFile {
@@ -33,7 +43,14 @@ impl MultipliersFile {
             rows: multipliers.rows(),
             entries,
             of_points: multipliers.of_points().to_vec(),
+            equality_penalty: multipliers.equality_penalty,
         })
+    }
+}
+
+impl From<FreeHorizon> for LastSearch {
+    fn from(free: FreeHorizon) -> Self {
+        Self { shortest_s: free.shortest, longest_s: free.longest, weight: free.weight }
     }
 }
 
@@ -42,25 +59,69 @@ impl MultipliersFile {
 ///
 /// # Errors
 /// The motion is that of other joints, or a multiplier is wrong.
-pub(crate) fn start_from(start: &Solved, search: &mut Search<'_, '_>) -> Result<String> {
+pub(crate) fn start_from(start: &Solved, options: &DirectOptions, search: &mut Search<'_, '_>) -> Result<String> {
     let name = &start.scenario.name;
     let motion = format!("start: the motion of '{name}'");
     (start.summary.curve).check_joints(&search.scenario.model, &motion)?;
     search.settings.start = Some(start.curve.clone());
     let rows = search.constraints.dim();
-    let known = match &start.summary.details {
-        Details::Direct(details) => details.multipliers.as_ref(),
+    let details = match &start.summary.details {
+        Details::Direct(details) => Some(details),
         Details::Flow(_) | Details::Rest(_) => None,
     };
-    let kept = match known {
+    let growth = match details {
+        Some(details) => begin_at_the_last_search(start, details, options, search)?,
+        None => 1.0,
+    };
+    let kept = match details.and_then(|details| details.multipliers.as_ref()) {
         Some(of) if of.rows == rows => {
-            let times = of.times.clone();
-            let known = Multipliers::of_entries(times, rows, &of.entries, of.of_points.clone());
-            search.settings.multipliers = Some(known.map_err(|e| Error::input("start", "multipliers", e.to_string()))?);
+            let known = Multipliers::of_entries(of.times.clone(), rows, &of.entries, of.of_points.clone());
+            let mut known = known.map_err(|e| Error::input("start", "multipliers", e.to_string()))?;
+            check_positive("start", "multipliers.equality_penalty", of.equality_penalty)?;
+            known.equality_penalty = of.equality_penalty;
+            search.settings.multipliers = Some(known.scaled(growth));
+            search.settings.start_is_minimum = true;
             "with its multipliers"
         }
         Some(_) => "without its multipliers, as the constraints are others",
         None => "without multipliers, as it has none",
     };
     Ok(format!("start: the search began with the motion of '{name}', {kept}"))
+}
+
+/// Makes a search begin in the basis of a motion, if that is finer than its own, and with the last search that led to
+/// the motion if the scenario is the same; in others with a weight of time as in the last search for the least time.
+/// Returns the factor by which that weight makes multipliers grow.
+fn begin_at_the_last_search(
+    start: &Solved,
+    details: &DirectDetails,
+    options: &DirectOptions,
+    search: &mut Search<'_, '_>,
+) -> Result<f64> {
+    let (degree, segments) = (start.curve.degree(), start.curve.segments());
+    let settings = &mut search.settings;
+    let is_finer = degree >= settings.degree && segments >= settings.segments;
+    if is_finer
+        && options.degree.is_none()
+        && options.segments.is_none()
+        && degree * segments <= DirectSettings::MAX_SIZE
+    {
+        (settings.degree, settings.segments) = (degree, segments);
+    }
+    let Some(LastSearch { shortest_s: shortest, longest_s: longest, weight }) = details.last_search.clone() else {
+        return Ok(1.0);
+    };
+    let before = &start.summary.provenance;
+    let is_same = Provenance::new(search.scenario, &before.options)?.scenario == before.scenario;
+    if is_same && start.summary.verdict == Verdict::Optimal {
+        search.last = Some(FreeHorizon { shortest, longest, weight });
+        return Ok(1.0);
+    }
+    if !matches!(search.scenario.file.objective.preset(), Some(Preset::LeastTime | Preset::Balanced)) {
+        return Ok(1.0);
+    }
+    let density = details.cost / details.horizon_s;
+    let faster = weight.max(SequenceOptions::default().time_share * density);
+    search.first_weight = Some(faster);
+    Ok((density + faster) / (density + weight))
 }

@@ -1,7 +1,7 @@
 //! Starts from the motion of another solve.
 
 use crate::written::{load, solved_once};
-use aghf_scenario::{Details, DirectDetails, Method, Scenario, Solve, SolveOptions, SolveReport, Solved};
+use aghf_scenario::{Details, DirectDetails, Method, Scenario, Solve, SolveOptions, SolveReport, Solved, Verdict};
 use serde_json::{Value, json};
 
 /// An arm that has to keep its limits, with these.
@@ -56,6 +56,24 @@ fn a_solve_starts_from_another_one_and_says_so() {
     let other = Solve::new(&fewer).start(&first).run().expect("it is good");
     let noted = |words: &str| other.summary.notes.iter().any(|note| note.contains(words));
     assert!(noted("the constraints are others"), "{:?}", other.summary.notes);
+}
+
+/// From its own solution a problem is solved at once, whatever the objective.
+#[test]
+fn an_unchanged_problem_is_solved_at_once() {
+    for objective in ["least-effort", "least-time", "balanced"] {
+        let mut scenario = arm(1.4, all());
+        scenario.file.objective = serde_json::from_value(json!(objective)).expect("it is one");
+        let cold = solved_once(&scenario);
+        assert_eq!(cold.summary.verdict, Verdict::Optimal);
+        let warm = Solve::new(&scenario).start(&written(&cold, objective)).run().expect("it is good");
+        assert_eq!(warm.summary.verdict, Verdict::Optimal);
+        assert!(details(&warm).iterations <= 5, "{objective}: {}", details(&warm).iterations);
+        let of = |report: &SolveReport| [report.curve.horizon(), details(report).cost];
+        for (is, was) in of(&warm).into_iter().zip(of(&cold)) {
+            assert!((is - was).abs() <= 1e-6 * was, "{objective}: {is} {was}");
+        }
+    }
 }
 
 /// A given horizon is that of the scenario, whatever that of the other motion was.
