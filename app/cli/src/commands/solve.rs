@@ -63,7 +63,7 @@ pub(super) struct SolveArgs {
     /// Prints only the summary, as JSON.
     #[arg(long)]
     json: bool,
-    /// Prints a line for every stage of the search to the standard error.
+    /// Prints the numbers of the method, too, and a line for every stage of the search to the standard error.
     #[arg(long, short)]
     verbose: bool,
 }
@@ -143,10 +143,10 @@ impl SolveArgs {
         if self.json {
             print_json(&outcome.summary)?;
         } else {
-            print(&summary_table(&outcome.summary))?;
-            for file in files {
-                print(&format!("wrote {}", file.display()))?;
-            }
+            print(&summary_table(&outcome.summary, self.verbose))?;
+            let names = files.iter().filter_map(|file| file.file_name()).map(|name| name.to_string_lossy());
+            let folder = files.first().and_then(|file| file.parent()).unwrap_or(Path::new(""));
+            print(&format!("wrote {} in {}", names.collect::<Vec<_>>().join(", "), folder.display()))?;
         }
         Ok(code(outcome.summary.success))
     }

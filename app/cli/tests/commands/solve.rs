@@ -30,9 +30,21 @@ fn without_arguments_it_plans_over_the_table() {
     let expected =
         ["out/kinova_table_01/report.html", "out/kinova_table_01/summary.json", "out/kinova_table_01/trajectory.csv"];
     assert_eq!(files(&folder), expected.map(str::to_owned).into());
-    for words in expected.iter().chain(&["kinova_table_01 (kinova_gen3)", "verdict", "optimal"]) {
+    let rows = [
+        "kinova_table_01 (kinova_gen3)",
+        "verdict",
+        "optimal",
+        "% above the",
+        "nearest approach",
+        "acceleration 100 %",
+        "wrote trajectory.csv, summary.json, report.html in out/kinova_table_01",
+    ];
+    for words in rows {
         assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
     }
+    let is_narrow = run.stdout.lines().all(|line| line.chars().count() <= 100);
+    assert!(is_narrow && run.stdout.lines().count() <= 12, "{}", run.stdout);
+    assert!(!run.stdout.contains("gradient norm"), "those are numbers of the method: {}", run.stdout);
     let duration = assert_table_01(&folder.join(expected[2]));
     assert_summary_01(&folder.join(expected[1]), duration);
     assert_around_the_post(&folder, expected[2]);
@@ -162,7 +174,7 @@ fn options_of_the_direct_method_show_in_the_summary() {
 #[test]
 fn segments_and_an_adaptive_degree_show_in_the_summary() {
     let folder = empty_folder("direct_pieces");
-    let arguments = "solve pendulum_1_swingup --degree 7 --segments 2 --degree-tolerance 0.05";
+    let arguments = "solve pendulum_1_swingup --degree 7 --segments 2 --degree-tolerance 0.05 --verbose";
     let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     for words in ["2 segments of degree 9", "effort by degree", "converged to 0.05"] {
