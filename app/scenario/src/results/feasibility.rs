@@ -251,7 +251,8 @@ fn unlimited_acceleration(scenario: &Scenario, samples: &[Sample]) -> Option<Acc
 
 /// The largest share of the enforced limits of positions, velocities, accelerations and torques.
 fn limit_shares(scenario: &Scenario, samples: &[Sample]) -> Vec<LimitShare> {
-    let values: [(Quantity, fn(&Sample) -> &[f64]); 4] = [
+    type Values = fn(&Sample) -> &[f64];
+    let values: [(Quantity, Values); 4] = [
         (Quantity::Position, |at| &at.q),
         (Quantity::Velocity, |at| &at.v),
         (Quantity::Acceleration, |at| &at.a),
