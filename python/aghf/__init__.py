@@ -29,6 +29,7 @@ from ._model import Model
 from ._native import _aghf
 from ._nlp import Program, ProgramSolution, solve_nlp
 from ._pinocchio import pinocchio_configuration
+from ._solution import stack
 from ._solve import InputError, Samples, Solution, Tradeoff, solve, solve_many, sweep, tradeoff
 from ._table import Table
 from ._tracker import Command, Step, Tracker, Violation
@@ -81,6 +82,7 @@ __all__ = [
     "solve",
     "solve_many",
     "solve_nlp",
+    "stack",
     "sweep",
     "tradeoff",
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import os
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -129,6 +130,28 @@ class Solution:
     def __repr__(self) -> str:
         effort = self.summary["control_effort"]
         return f"Solution('{self.summary['scenario']}', {self.verdict}, {self.horizon:.4g} s, effort {effort:.4g})"
+
+
+def stack(solutions: Iterable[Solution], samples: int = 201) -> Samples:
+    """The motions of solutions for robots of as many joints, as arrays for learning.
+
+    Parameters
+    ----------
+    solutions : iterable of Solution
+        The B motions, at least one.
+    samples : int
+        The number T of equidistant times of each motion, both ends included.
+
+    Returns
+    -------
+    Samples
+        The times, (B, T), and positions, velocities, accelerations and torques, each (B, T, N).
+    """
+    motions = [solution.sample(samples) for solution in solutions]
+    joints = sorted({motion.q.shape[1] for motion in motions})
+    if len(joints) != 1:
+        raise ValueError(f"solutions: their numbers of joints are {joints} and must be one number")
+    return Samples(*(np.stack(part) for part in zip(*motions, strict=True)))
 
 
 class Tradeoff:

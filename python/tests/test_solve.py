@@ -140,6 +140,18 @@ def test_solutions_are_pickled_and_copied():
     assert goal == {"frame": "tool", "tolerance_m": 0.1} and isinstance(goal, aghf.Goal)
 
 
+def test_motions_of_several_solutions_are_stacked():
+    solutions = aghf.solve_many([SWING, "pendulum_2_swingup"], starts=1)
+    motions = aghf.stack(solutions, 11)
+    assert motions.t.shape == (2, 11)
+    assert all(part.shape == (2, 11, 2) for part in motions[1:])
+    for i, solution in enumerate(solutions):
+        assert all(np.array_equal(all_of[i], own) for all_of, own in zip(motions, solution.sample(11), strict=True))
+    for wrong in [[], [*solutions, aghf.solve("pendulum_1_swingup", starts=1)]]:
+        with pytest.raises(ValueError, match="solutions: their numbers of joints are"):
+            aghf.stack(wrong)
+
+
 def test_many_are_those_one_by_one():
     names = ["pendulum_2_swingup", "limits_03", SWING]
     many = aghf.solve_many(names, starts=2)

@@ -47,7 +47,7 @@ pub use moveit::{MoveIt, MoveItHorizon, moveit_fields};
 pub use options::{DirectOptions, FlowOptions, Method, RestOptions, SolveOptions};
 pub use promise::{Promise, Scope, promise_in_words};
 pub use results::curve_file::CurveFile;
-pub use results::feasibility::{Acceleration, Feasibility, LimitViolation, Nearest};
+pub use results::feasibility::{Acceleration, Feasibility, LimitShare, LimitViolation, Nearest};
 pub use results::joint_trajectory::{Header, JointTrajectory, JointTrajectoryPoint, Stamp};
 pub use results::provenance::{Provenance, Solved};
 pub use results::report::{Record, Solve, SolveReport, Trace};

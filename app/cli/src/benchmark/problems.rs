@@ -48,7 +48,7 @@ impl Problem {
 /// with meshes in `packages`; scenarios name their robot.
 ///
 /// # Errors
-/// The folder cannot be read, contains neither, or a request is missing.
+/// The folder cannot be read, or contains neither.
 pub fn problems(folder: &Path, robot: &str, packages: &BTreeMap<String, PathBuf>) -> Result<Vec<Problem>> {
     let mut found = Vec::new();
     for path in entries(folder)? {
@@ -92,10 +92,6 @@ fn of_moveit(
             continue;
         };
         let request = folder.join(format!("request{number}.yaml"));
-        if !request.is_file() {
-            let condition = format!("there is no '{}' for it", request.display());
-            return Err(Error::input(scene.display().to_string(), "scene", condition));
-        }
         let files = MoveIt {
             scene,
             request,

@@ -1,13 +1,13 @@
 //! The solves of a benchmark.
 
 use super::Problem;
-use crate::output::verdict;
+use crate::output::{ResultsFile, one_line, verdict};
+use crate::sweep::caught;
 use aghf::error::{Error, Result};
 use aghf::motion::sample;
 use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge, sufficient_samples};
 use aghf_scenario::{DirectOptions, Solve, Verdict};
 use serde::{Deserialize, Serialize};
-use std::fs::OpenOptions;
 use std::path::Path;
 
 /// The outcome of a problem.
@@ -22,6 +22,8 @@ pub enum End {
     NotValid,
     /// The problem is known to be infeasible.
     Impossible,
+    /// The problem was not solved: its files are faulty, or no end of the motion was found.
+    Refused,
 }
 
 impl End {
@@ -44,25 +46,44 @@ pub struct Row {
     /// The time of the search on one core, s.
     pub solve_seconds: f64,
     /// The control effort of the motion, N^2 m^2 s.
-    pub control_effort: f64,
+    pub control_effort: Option<f64>,
     /// The duration of the motion, s.
-    pub duration_s: f64,
+    pub duration_s: Option<f64>,
     /// The least clearance from obstacles and between links, as proved by the judge, m.
     pub least_clearance_m: Option<f64>,
     /// The reason why the motion is not valid.
     pub reason: String,
 }
 
-/// Solves and judges the problems that have no line in the file at `path` yet, and appends their lines; returns all
-/// lines, in the order of the problems. `observe` is called after each.
+impl Row {
+    /// The row of a problem that is not solved yet.
+    fn new(problem: &Problem) -> Self {
+        Self {
+            family: problem.family.clone(),
+            problem: problem.name.clone(),
+            end: End::Refused,
+            solve_seconds: 0.0,
+            control_effort: None,
+            duration_s: None,
+            least_clearance_m: None,
+            reason: String::new(),
+        }
+    }
+}
+
+/// Solves and judges the problems, at least one, that have no line in the file at `path` yet, and appends their lines;
+/// returns all lines, in the order of the problems. `observe` is called after each. A problem that is refused has a
+/// line like any other.
 ///
 /// # Errors
-/// A problem cannot be read, or the file cannot be read or written.
+/// The file cannot be read or written.
 pub fn run(problems: &[Problem], path: &Path, observe: &mut dyn FnMut(&Row)) -> Result<Vec<Row>> {
-    let mut known = if path.exists() { read(path)? } else { Vec::new() };
-    let file = OpenOptions::new().create(true).append(true).open(path);
-    let file = file.map_err(|error| Error::io(path, error))?;
-    let mut writer = csv::WriterBuilder::new().has_headers(known.is_empty()).from_writer(file);
+    let (mut file, lines) = ResultsFile::open(path, &Row::new(&problems[0]))?;
+    let known = lines.iter().enumerate().map(|(i, line)| {
+        let row = line.deserialize::<Row>(None);
+        row.map_err(|e| Error::input(path.display().to_string(), format!("line {}", i + 2), e.to_string()))
+    });
+    let mut known = known.collect::<Result<Vec<_>>>()?;
     let mut rows = Vec::new();
     for problem in problems {
         let before = known.iter().position(|row| row.problem == problem.name);
@@ -70,52 +91,37 @@ pub fn run(problems: &[Problem], path: &Path, observe: &mut dyn FnMut(&Row)) -> 
             rows.push(known.swap_remove(before));
             continue;
         }
-        let row = solve(problem)?;
-        writer.serialize(&row).map_err(|error| Error::io(path, error.into()))?;
-        writer.flush().map_err(|error| Error::io(path, error))?;
+        let mut row = Row::new(problem);
+        let refused = match caught(|| solve(problem, &mut row)) {
+            Ok(solved) => solved.err().map(|error| error.to_string()),
+            Err(panic) => Some(panic),
+        };
+        if let Some(reason) = refused {
+            row = Row { reason: one_line(&reason), ..Row::new(problem) };
+        }
+        file.append(&row)?;
         observe(&row);
         rows.push(row);
     }
     Ok(rows)
 }
 
-/// The lines of a file.
-fn read(path: &Path) -> Result<Vec<Row>> {
-    let file = path.display().to_string();
-    let reader = csv::Reader::from_path(path);
-    let mut reader = reader.map_err(|error| Error::io(path, error.into()))?;
-    let rows = reader.deserialize().enumerate();
-    rows.map(|(line, row)| row.map_err(|error| Error::input(&file, format!("line {}", line + 2), error.to_string())))
-        .collect()
-}
-
 /// Solves a problem and judges the motion.
-fn solve(problem: &Problem) -> Result<Row> {
+fn solve(problem: &Problem, row: &mut Row) -> Result<()> {
     let scenario = problem.load()?;
-    let mut row = Row {
-        family: problem.family.clone(),
-        problem: problem.name.clone(),
-        end: End::Impossible,
-        solve_seconds: 0.0,
-        control_effort: f64::NAN,
-        duration_s: f64::NAN,
-        least_clearance_m: None,
-        reason: String::new(),
-    };
     if let Err(error) = scenario.check_feasible() {
-        row.reason = error.to_string();
-        return Ok(row);
+        (row.end, row.reason) = (End::Impossible, one_line(&error.to_string()));
+        return Ok(());
     }
     // As `aghf solve` without options, on one thread.
     let options = DirectOptions { threads: Some(1), ..DirectOptions::default() };
     let report = Solve::new(&scenario).options(options).run()?;
     let summary = &report.summary;
     row.solve_seconds = summary.solve_seconds;
-    (row.control_effort, row.duration_s) = (summary.control_effort, report.curve.horizon());
+    (row.control_effort, row.duration_s) = (Some(summary.control_effort), Some(report.curve.horizon()));
     if let Some(failure) = &summary.failure {
-        row.end = End::NotValid;
-        row.reason.clone_from(failure);
-        return Ok(row);
+        (row.end, row.reason) = (End::NotValid, one_line(failure));
+        return Ok(());
     }
     // The same table as that of `aghf solve`.
     let (model, curve) = (&scenario.model, &report.curve);
@@ -129,11 +135,11 @@ fn solve(problem: &Problem) -> Result<Row> {
     row.least_clearance_m = of_clearance.reduce(f64::min);
     row.end = match (judgement.valid, summary.verdict) {
         (false, _) => {
-            row.reason = verdict(&judgement);
+            row.reason = one_line(&verdict(&judgement));
             End::NotValid
         }
         (true, Verdict::Optimal) => End::Optimal,
         _ => End::Valid,
     };
-    Ok(row)
+    Ok(())
 }

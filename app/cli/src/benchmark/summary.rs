@@ -46,12 +46,12 @@ pub fn families(rows: &[Row]) -> Vec<Family> {
 fn family<'r>(name: &str, rows: impl Iterator<Item = &'r Row>) -> Family {
     let rows: Vec<&Row> = rows.collect();
     let valid: Vec<&&Row> = rows.iter().filter(|row| row.end.is_valid()).collect();
-    let sorted = |value: &dyn Fn(&Row) -> f64| {
-        let mut values: Vec<f64> = valid.iter().map(|row| value(row)).collect();
+    let sorted = |value: &dyn Fn(&Row) -> Option<f64>| {
+        let mut values: Vec<f64> = valid.iter().filter_map(|row| value(row)).collect();
         values.sort_by(f64::total_cmp);
         values
     };
-    let seconds = sorted(&|row| row.solve_seconds);
+    let seconds = sorted(&|row| Some(row.solve_seconds));
     let clearances = valid.iter().filter_map(|row| row.least_clearance_m);
     Family {
         name: name.to_owned(),

@@ -18,8 +18,9 @@ const DOWNLOAD: &str = "to get it: pip download --no-deps --no-binary vamp-plann
 ///
 /// The folder contains scenarios, FAMILY_NUMBER.json, such as robots/panda/scenarios; or one folder per family with
 /// MoveIt's planning scenes and requests, sceneNUMBER.yaml and requestNUMBER.yaml, directly or in a subfolder
-/// "problems", as MotionBenchMaker comes with the sources of vamp-planner. An interrupted run is resumed. Exit code 1
-/// if a problem that is not known to be infeasible has no valid motion.
+/// "problems", as MotionBenchMaker comes with the sources of vamp-planner. An interrupted run is resumed; a
+/// problem that is refused has a line with the reason. Exit code 1 if a problem that is not known to be infeasible has
+/// no valid motion.
 #[derive(Debug, Args)]
 pub(super) struct Benchmark {
     /// The folder.

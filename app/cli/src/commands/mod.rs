@@ -182,16 +182,20 @@ impl RobotArgs {
 
     /// Loads a scenario with the options of the solve if the file is the summary of one.
     fn scenario_with_options(&self, scenario: &str) -> Result<(Scenario, SolveOptions), Error> {
-        let given = LoadOptions {
+        let loaded = Scenario::load_with_options(scenario, &self.given())?;
+        tell_notes_of([&loaded.0]);
+        Ok(loaded)
+    }
+
+    /// These options for the library.
+    fn given(&self) -> LoadOptions {
+        LoadOptions {
             robot: self.robot.clone(),
             mimic: self.mimic,
             packages: self.packages.folders(),
             srdf: self.srdf.clone(),
             group: self.group.clone(),
-        };
-        let loaded = Scenario::load_with_options(scenario, &given)?;
-        tell_notes_of([&loaded.0]);
-        Ok(loaded)
+        }
     }
 }
 

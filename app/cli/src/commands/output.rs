@@ -20,6 +20,16 @@ pub(super) struct OutArgs {
 }
 
 impl OutArgs {
+    /// The chosen folder.
+    pub(super) fn path(&self) -> Option<&Path> {
+        self.out.as_deref()
+    }
+
+    /// True if files are replaced.
+    pub(super) fn replaces(&self) -> bool {
+        self.force
+    }
+
     /// The chosen folder for files of these names, otherwise `name` in the folder `parent`, or a new folder of a
     /// similar name.
     pub(super) fn folder(&self, parent: &Path, name: &str, files: &[&str]) -> Result<OutputFolder> {

@@ -5,22 +5,24 @@ use super::options::OptionArgs;
 use super::output::{OutArgs, SamplingArgs, spare};
 use super::progress::Progress;
 use super::stages::Stages;
-use super::{FAILED, RobotArgs, print, print_json, signals};
+use super::sweep::{solve_missing, summary};
+use super::{FAILED, RobotArgs, print, print_json, signals, tell, tell_notes_of};
 use crate::output::{OutputFolder, REPORT_FILES, summary_table, walk_table, write_report};
 use crate::report::{Motion, page};
+use crate::sweep::{Motions, Row, RowOutcome, Shard, Sweep};
 use aghf::error::{Error, Result};
 use aghf::motion::Interrupt;
-use aghf_scenario::{Solve, Solved, Walk};
+use aghf_scenario::{Solve, SolveOptions, Solved, Walk};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// The time after which a search stops with the best motion so far unless `--time-limit-s` is given: a
 /// minute, after which few people still wait.
 const TIME_LIMIT: Duration = Duration::from_secs(60);
 
-/// Solves a scenario and writes the trajectory.
+/// Solves a scenario, or several, and writes the trajectories.
 ///
 /// `aghf scenarios` lists the built-in scenarios. The default parameters of the flow are those of the scenario. A new
 /// folder, out/SCENARIO or out/SCENARIO-2 and so on, gets trajectory.csv (t in s, then q, v, a and u of every joint;
@@ -30,12 +32,19 @@ const TIME_LIMIT: Duration = Duration::from_secs(60);
 /// valid, with the worst violations: then the files are called trajectory.failed.csv and so on, next to those of an
 /// earlier motion. Ctrl-C, or a limit of 60 s unless --time-limit-s is given, ends the search with the best motion so
 /// far. A walk, a scenario with phases, gets a folder of such files per phase: phase_1 and so on.
+///
+/// Several scenarios, or folders of them, are solved on all cores: out/NAME, with the name of the folder if it is one,
+/// gets results.csv with a row per problem, also for one that is refused, with the reason, and the usual folder for
+/// each motion. The same command after an interruption solves what has no row yet.
 #[derive(Debug, Args)]
 pub(super) struct SolveArgs {
     /// A built-in scenario, or the path of a JSON file, "-" for the standard input: a scenario, or the summary.json of
-    /// a solve, which is repeated.
+    /// a solve, which is repeated. Several, or folders of scenarios, get a table of results.
     #[arg(default_value = "kinova_table_01")]
-    scenario: String,
+    scenario: Vec<String>,
+    /// The number of problems that are solved at the same time, of several [default: number of cores].
+    #[arg(long)]
+    jobs: Option<usize>,
     #[command(flatten)]
     robot: RobotArgs,
     #[command(flatten)]
@@ -54,7 +63,7 @@ pub(super) struct SolveArgs {
     /// Prints only the summary, as JSON.
     #[arg(long)]
     json: bool,
-    /// Prints a line for every stage of the search to the standard error.
+    /// Prints the numbers of the method, too, and a line for every stage of the search to the standard error.
     #[arg(long, short)]
     verbose: bool,
 }
@@ -63,7 +72,8 @@ impl Default for SolveArgs {
     /// The solve of the program without arguments.
     fn default() -> Self {
         Self {
-            scenario: "kinova_table_01".to_owned(),
+            scenario: vec!["kinova_table_01".to_owned()],
+            jobs: None,
             robot: RobotArgs::default(),
             options: OptionArgs::default(),
             start: None,
@@ -78,7 +88,11 @@ impl Default for SolveArgs {
 
 impl SolveArgs {
     pub(super) fn run(mut self) -> Result<ExitCode> {
-        let (scenario, repeated) = self.robot.scenario_with_options(&self.scenario)?;
+        let one = match &self.scenario[..] {
+            [one] if !Path::new(one).is_dir() => one,
+            _ => return self.run_many(),
+        };
+        let (scenario, repeated) = self.robot.scenario_with_options(one)?;
         let options = std::mem::take(&mut self.options).over(&repeated)?;
         let sampling = self.sampling.sampling();
         // Tested now, so that a table that cannot be written is an error before the search.
@@ -129,12 +143,45 @@ impl SolveArgs {
         if self.json {
             print_json(&outcome.summary)?;
         } else {
-            print(&summary_table(&outcome.summary))?;
-            for file in files {
-                print(&format!("wrote {}", file.display()))?;
-            }
+            print(&summary_table(&outcome.summary, self.verbose))?;
+            let names = files.iter().filter_map(|file| file.file_name()).map(|name| name.to_string_lossy());
+            let folder = files.first().and_then(|file| file.parent()).unwrap_or(Path::new(""));
+            print(&format!("wrote {} in {}", names.collect::<Vec<_>>().join(", "), folder.display()))?;
         }
         Ok(code(outcome.summary.success))
+    }
+
+    /// Solves several problems: a sweep that keeps its motions.
+    fn run_many(self) -> Result<ExitCode> {
+        let given = [self.start.is_some(), self.out.replaces(), self.verbose];
+        if let Some((option, _)) = ["--start", "--force", "--verbose"].iter().zip(given).find(|(_, given)| *given) {
+            return Err(Error::input("solve", *option, "it is for one scenario, and there are several"));
+        }
+        let began = Instant::now();
+        let name = match &self.scenario[..] {
+            [folder] => Path::new(folder).canonicalize().map_err(|e| Error::io(folder, e))?,
+            _ => PathBuf::from("problems"),
+        };
+        let name = name.file_name().unwrap_or_default().to_string_lossy();
+        let options = self.options.over(&SolveOptions::default())?;
+        let mut sweep = Sweep::of_problems(&name, self.scenario, &self.robot.given(), &options)?;
+        tell_notes_of(sweep.scenarios());
+        let folder = self.out.path().map_or_else(|| Path::new("out").join(&sweep.name), Path::to_owned);
+        let sampling = self.sampling.sampling();
+        sweep.motions = Some(Motions { folder: folder.clone(), sampling, with_page: !self.no_report });
+        let (rows, table) = solve_missing(&sweep, Shard::WHOLE, &folder, self.jobs)?;
+        let is_solved = |row: &&Row| row.outcome == RowOutcome::Success;
+        if self.json {
+            print_json(&rows)?;
+        } else {
+            for row in rows.iter().filter(|row| !is_solved(row)) {
+                let reason = row.reason.as_deref().unwrap_or_default();
+                tell(&format!("{}: {}: {reason}", row.scenario, row.outcome.name()));
+            }
+            print(&format!("wrote {}", table.display()))?;
+            print(&summary(&rows, began.elapsed(), &folder))?;
+        }
+        Ok(code(rows.iter().all(|row| is_solved(&row))))
     }
 
     /// Writes the files of a walk, a folder per phase, and prints the result.

@@ -2,8 +2,8 @@
 
 use super::{print, tell};
 use crate::sweep::{
-    Results, Row, RowOutcome, Shard, Sweep as Grid, merge, ranking, ranking_table, run, shard_files, sweep_page,
-    write_ranking, write_rows,
+    Motions, Results, Row, RowOutcome, Shard, Sweep as Grid, merge, ranking, ranking_table, run, shard_files,
+    sweep_page, write_ranking, write_rows,
 };
 use aghf::error::Result;
 use clap::Args;
@@ -39,6 +39,9 @@ pub(super) struct Sweep {
     /// Files to join [default: all results.shard-*.csv in the folder].
     #[arg(requires = "merge")]
     files: Vec<PathBuf>,
+    /// Writes the files of each motion, too, as `aghf solve` does, into a folder of its own in FOLDER/motions.
+    #[arg(long, conflicts_with = "merge")]
+    motions: bool,
     /// Folder for results.csv, results.json, ranking.csv and report.html, a page with them [default: out/sweeps/NAME].
     #[arg(long, short)]
     out: Option<PathBuf>,
@@ -47,24 +50,17 @@ pub(super) struct Sweep {
 impl Sweep {
     pub(super) fn run(self) -> Result<ExitCode> {
         let began = Instant::now();
-        let sweep = Grid::load(&self.sweep)?;
-        super::tell_notes_of(&sweep.scenarios);
+        let mut sweep = Grid::load(&self.sweep)?;
+        super::tell_notes_of(sweep.scenarios());
         let folder = (self.out).unwrap_or_else(|| PathBuf::from("out/sweeps").join(&sweep.name));
+        let motions = Motions { folder: folder.join("motions"), sampling: None, with_page: true };
+        sweep.motions = self.motions.then_some(motions);
         let shard = self.shard.unwrap_or(Shard::WHOLE);
         let (rows, path) = if self.merge {
             let files = if self.files.is_empty() { shard_files(&folder)? } else { self.files };
             merge(&sweep, &files, &folder)?
         } else {
-            let results = Results::open(&sweep, shard, &folder)?;
-            let progress = Progress::new(&results);
-            run(&sweep, &results.missing(), self.jobs, &|row| {
-                let outcome = row.outcome;
-                results.append(row)?;
-                progress.advance(outcome);
-                Ok(())
-            })?;
-            progress.bar.finish_and_clear();
-            results.finish()?
+            solve_missing(&sweep, shard, &folder, self.jobs)?
         };
         let mut files = vec![path];
         if shard == Shard::WHOLE {
@@ -85,8 +81,27 @@ impl Sweep {
     }
 }
 
+/// Solves the sets that have no row in the folder yet, with their progress; returns all rows and their file.
+pub(super) fn solve_missing(
+    sweep: &Grid,
+    shard: Shard,
+    folder: &Path,
+    jobs: Option<usize>,
+) -> Result<(Vec<Row>, PathBuf)> {
+    let results = Results::open(sweep, shard, folder)?;
+    let progress = Progress::new(&results);
+    run(sweep, &results.missing(), jobs, &|row| {
+        let outcome = row.outcome;
+        results.append(row)?;
+        progress.advance(outcome);
+        Ok(())
+    })?;
+    progress.bar.finish_and_clear();
+    results.finish()
+}
+
 /// The last line: the numbers of solves by outcome, the time, and the folder of the results.
-fn summary(rows: &[Row], time: Duration, folder: &Path) -> String {
+pub(super) fn summary(rows: &[Row], time: Duration, folder: &Path) -> String {
     let count = |outcome| rows.iter().filter(|row| row.outcome == outcome).count();
     let mut ends = format!("{} of {} sets solved", count(RowOutcome::Success), rows.len());
     for outcome in RowOutcome::ALL {

@@ -37,6 +37,11 @@ pub(crate) fn csv_cell(value: &Value) -> String {
     }
 }
 
+/// A text without line breaks, because a row is one line of its file.
+pub(crate) fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// The quantity that a solve minimises: with least time the horizon, s.
 pub(crate) fn minimised(summary: &Summary) -> f64 {
     match &summary.details {

@@ -10,7 +10,8 @@ use aghf_scenario::{
     Details, DirectDetails, FAMILIES, Feasibility, FlowDetails, HorizonBound, Quantity, RestDetails, RobotShape,
     Scenario, Summary, builtin_scenarios, generated_scenarios,
 };
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table, presets};
+use std::path::Path;
 
 /// An empty table without lines.
 pub(crate) fn table() -> Table {
@@ -27,55 +28,86 @@ pub(crate) fn short(x: f64) -> String {
 /// The number of starts whose costs are listed.
 const SHOWN: usize = 16;
 
-/// Formats the result of a solve as a table.
+/// The largest number of columns of the table of a solve; longer values go on in further lines.
+const COLUMNS: u16 = 100;
+
+/// Formats the result of a solve as a table: the motion, and with `verbose` the numbers of the method.
 #[must_use]
-pub fn summary_table(summary: &Summary) -> String {
+pub fn summary_table(summary: &Summary, verbose: bool) -> String {
     let mut table = table();
-    for row in summary_rows(summary) {
-        table.add_row(row);
+    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(COLUMNS);
+    table.add_rows(if verbose { summary_rows(summary) } else { motion_rows(summary) });
+    if let Some(names) = table.column_mut(0) {
+        names.set_constraint(ColumnConstraint::ContentWidth);
     }
-    table.to_string()
+    table.trim_fmt()
 }
 
-/// The rows of the table of a solve, each a name and a value.
+/// The rows of the motion of a solve, then those of the method, each a name and a value.
 pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
-    let s = summary;
+    let mut rows = motion_rows(summary);
+    rows.extend(method_rows(summary));
+    rows
+}
+
+/// The rows of what a user of the motion needs.
+fn motion_rows(s: &Summary) -> Vec<[String; 2]> {
+    let row = |what: &str, value: String| [what.to_owned(), value];
+    // A robot in a file has its path.
+    let robot = Path::new(&s.robot).file_name().unwrap_or_default().to_string_lossy();
+    let mut all = vec![row("scenario", format!("{} ({robot})", s.scenario)), row("verdict", s.verdict.to_string())];
+    all.extend(s.failure.iter().map(|failure| row("failure", failure.clone())));
+    all.push(row("duration", duration(s)));
+    if let Details::Direct(d) = &s.details
+        && !d.waypoint_times_s.is_empty()
+    {
+        let times: Vec<_> = d.waypoint_times_s.iter().map(|time| short(*time)).collect();
+        all.push(row("times of the waypoints", format!("{} s", times.join(", "))));
+    }
+    all.push(row("control effort, int |u|^2 dt", short(s.control_effort)));
+    all.extend(feasibility_rows(&s.feasibility));
+    all.push(row("solve time", format!("{:.4} s", s.solve_seconds)));
+    let notes = s.notes.iter().enumerate().filter(|(i, note)| !s.notes[..*i].contains(note));
+    all.extend(notes.map(|(_, note)| row("note", note.clone())));
+    all.extend(s.outside_limits.iter().map(|note| row("outside limits", note.clone())));
+    all
+}
+
+/// The duration, with its least value if it is free.
+fn duration(summary: &Summary) -> String {
+    let Details::Direct(d) = &summary.details else {
+        return format!("{} s", short(summary.provenance.scenario.horizon_s));
+    };
+    let mut duration = format!("{} s", short(d.horizon_s));
+    if let Some(HorizonBound { least_s, joint, limit }) = &d.horizon_bound {
+        let above = 100.0 * (d.horizon_s / least_s - 1.0);
+        let least = short(*least_s);
+        duration += &format!(", {above:.1} % above the {least} s that {joint} takes at its {} limit", limit.name());
+    }
+    duration
+}
+
+/// The rows of the method.
+fn method_rows(s: &Summary) -> Vec<[String; 2]> {
     let optional = |x: Option<f64>| x.map_or_else(|| "the simulation stopped".to_owned(), short);
     let (settings, rows) = match &s.details {
         Details::Flow(d) => flow_rows(d),
         Details::Rest(d) => rest_rows(d),
-        Details::Direct(d) => direct_rows(summary, d),
+        Details::Direct(d) => direct_rows(s, d),
     };
     let degree = match s.segments {
         1 => format!("degree {}", s.degree),
         segments => format!("{segments} segments of degree {}", s.degree),
     };
-    let settings = format!("{}, {degree}, {settings}", s.method);
     let gains = format!("final error with feedback ({}, {})", s.feedback.kp, s.feedback.kv);
-    let mut all = Vec::new();
-    let mut add = |what: &str, value: &str| all.push([what.to_owned(), value.to_owned()]);
-    add("scenario", &format!("{} ({})", s.scenario, s.robot));
-    add("method", &settings);
-    add("verdict", &s.verdict.to_string());
-    add(&gains, &format!("{}, to be below {}", optional(s.final_error_inf), s.success_threshold));
-    add("final error open loop", &optional(s.open_loop_error_inf));
-    add("control effort, int |u|^2 dt", &short(s.control_effort));
-    add("dynamics defect, max |qdot - v|", &short(s.dynamics_defect));
-    add("solve time", &format!("{:.4} s", s.solve_seconds));
-    for (what, value) in rows {
-        add(what, &value);
-    }
-    if let Some(failure) = &s.failure {
-        add("failure", failure);
-    }
-    for note in &s.notes {
-        add("note", note);
-    }
-    for note in &s.outside_limits {
-        add("outside limits", note);
-    }
-    all.extend(feasibility_rows(&s.feasibility));
-    all
+    let error = format!("{}, to be below {}", optional(s.final_error_inf), s.success_threshold);
+    let common = [
+        ("method", format!("{}, {degree}, {settings}", s.method)),
+        (&*gains, error),
+        ("final error open loop", optional(s.open_loop_error_inf)),
+        ("dynamics defect, max |qdot - v|", short(s.dynamics_defect)),
+    ];
+    common.into_iter().chain(rows).map(|(what, value)| [what.to_owned(), value]).collect()
 }
 
 /// The rows of the clearance, the loads and the violated limits.
@@ -85,7 +117,12 @@ fn feasibility_rows(found: &Feasibility) -> Vec<[String; 2]> {
     if let Some(clearance) = found.smallest_clearance_m {
         let pair = found.nearest.iter();
         let pair: String = pair.map(|pair| format!(", {pair}")).collect();
-        add("smallest clearance", format!("{} m{pair}", short(clearance)));
+        add("nearest approach", format!("{} m{pair}", short(clearance)));
+    }
+    if !found.limit_shares.is_empty() {
+        let shares = found.limit_shares.iter();
+        let shares = shares.map(|of| format!("{} {:.0} %", of.limit.name(), 100.0 * of.share));
+        add("shares of limits", shares.collect::<Vec<_>>().join(", "));
     }
     if let Some(acceleration) = &found.unlimited_acceleration {
         let value = acceleration.to_string();
@@ -164,17 +201,6 @@ fn direct_rows(summary: &Summary, d: &DirectDetails) -> (String, Vec<(&'static s
     let replay = d.replay_error_inf.map_or_else(stopped, short);
     let mut rows = Vec::new();
     rows.push(("cost", cost_of(summary)));
-    let mut horizon = format!("{} s", short(d.horizon_s));
-    if let Some(HorizonBound { least_s, joint, limit }) = &d.horizon_bound {
-        let above = 100.0 * (d.horizon_s / least_s - 1.0);
-        horizon +=
-            &format!(", {above:.1} % above the {} s that {joint} takes at its {} limit", short(*least_s), limit.name());
-    }
-    rows.push(("horizon", horizon));
-    if !d.waypoint_times_s.is_empty() {
-        let times: Vec<_> = d.waypoint_times_s.iter().map(|time| short(*time)).collect();
-        rows.push(("times of the waypoints", format!("{} s", times.join(", "))));
-    }
     if let Some(adapted) = &d.adapted {
         rows.push(("effort by degree", efforts_by_degree(adapted)));
     }

@@ -1,6 +1,8 @@
 //! A sweep with its scenarios and its sets.
 
-use super::{Grid, SweepFile};
+use super::grid::Refusal;
+use super::{Grid, Motions, SweepFile};
+use crate::output::one_line;
 use aghf::error::{Error, Result};
 use aghf::input::{entries, name_of, read_named};
 use aghf::urdf::builtin_robot_text;
@@ -47,30 +49,42 @@ pub fn builtin_sweeps() -> impl Iterator<Item = &'static str> {
 pub struct ParameterSet {
     /// Index in the sweep, from 0.
     pub index: usize,
-    /// Index of its scenario in [`Sweep::scenarios`].
-    pub scenario: usize,
+    /// Index of its problem in [`Sweep::problems`].
+    pub problem: usize,
     /// Index of its point in the grid.
     pub point: usize,
 }
 
-/// A sweep with its scenarios, checked.
+/// A problem of a sweep.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// Its unique name.
+    pub name: String,
+    /// Its scenario, or the reason for which it is refused.
+    pub scenario: std::result::Result<Scenario, String>,
+    /// The scenario at all points of the keys of scenarios.
+    variants: Vec<Scenario>,
+}
+
+/// A sweep with its problems, checked.
 #[derive(Clone, Debug)]
 pub struct Sweep {
     /// The name of the folder of results.
     pub name: String,
     /// The contents of the file.
     pub file: SweepFile,
-    /// The scenarios.
-    pub scenarios: Vec<Scenario>,
-    /// Each scenario in turn at all points of the keys of scenarios.
-    variants: Vec<Scenario>,
-    /// The grid: each scenario in turn with all parameters, in the same order.
+    /// The problems.
+    pub problems: Vec<Problem>,
+    /// Where motions are written, if they are kept.
+    pub motions: Option<Motions>,
+    /// The grid: each problem in turn with all parameters, in the same order.
     pub sets: Vec<ParameterSet>,
 }
 
 impl Sweep {
     /// Loads the sweep that is built in under this name, otherwise the one in the file at this path; for a folder, all
-    /// scenarios in it by the direct method with default options.
+    /// scenarios in it by the direct method with default options. A file that is refused, or that alone does not accept
+    /// the lists, is a refused problem and no error.
     ///
     /// # Errors
     /// Names the file, the key and the fault.
@@ -84,19 +98,40 @@ impl Sweep {
             let name = path.canonicalize().map_err(|e| Error::io(path, e))?;
             let name = name.file_name().unwrap_or_default();
             let file = SweepFile::of_all(name.to_string_lossy().into_owned());
-            return Self::new(file, name_or_path, path);
+            return Self::new(file, name_or_path, path, &LoadOptions::default());
         }
         let text = read_named(path, "sweep")?;
         Self::parse(&text, name_or_path, path.parent().unwrap_or(Path::new("")))
     }
 
-    /// Parses a sweep. `path` names it in errors; scenarios are looked up in `folder`.
-    fn parse(text: &str, path: &str, folder: &Path) -> Result<Self> {
-        Self::new(SweepFile::parse(text, path)?, path, folder)
+    /// The sweep `name` of scenarios in files, in folders or built in, each solved with these options.
+    ///
+    /// # Errors
+    /// There is no such scenario, or none accepts the options.
+    pub fn of_problems(
+        name: &str,
+        scenarios: Vec<String>,
+        given: &LoadOptions,
+        options: &SolveOptions,
+    ) -> Result<Self> {
+        let file = SweepFile::of_problems(name, scenarios, options)?;
+        Self::new(file, name, Path::new(""), given)
     }
 
-    /// Builds a sweep from its keys; the arguments are those of [`parse`](Self::parse).
-    fn new(file: SweepFile, path: &str, folder: &Path) -> Result<Self> {
+    /// Parses a sweep. `path` names it in errors; scenarios are looked up in `folder`.
+    fn parse(text: &str, path: &str, folder: &Path) -> Result<Self> {
+        let file = SweepFile::parse(text, path)?;
+        let robot = file.head.robot.as_deref();
+        let robot = robot.map(|robot| match builtin_robot_text(robot) {
+            Some(_) => robot.to_owned(),
+            None => folder.join(robot).to_string_lossy().into_owned(),
+        });
+        let given = LoadOptions { robot, mimic: file.head.mimic, ..LoadOptions::default() };
+        Self::new(file, path, folder, &given)
+    }
+
+    /// Builds a sweep from its keys; the other arguments are those of [`parse`](Self::parse).
+    fn new(file: SweepFile, path: &str, folder: &Path, given: &LoadOptions) -> Result<Self> {
         let name = file.head.name.clone();
         let name = name.unwrap_or_else(|| name_of(path));
         let too_many = |most: usize, what: &str| {
@@ -105,44 +140,38 @@ impl Sweep {
         };
         let points = file.grid.count().filter(|points| *points <= MAX_SETS);
         let points = points.ok_or_else(|| too_many(MAX_SETS, "sets"))?;
-        let mut scenarios = Vec::<Scenario>::new();
+        let mut problems = Vec::<Problem>::new();
         for (i, entry) in file.head.scenarios.iter().enumerate() {
             let key = format!("scenarios[{i}]");
             let refuse = |condition: String| Error::input(path, &key, condition);
             for place in named(entry, folder).map_err(refuse)? {
-                let scenario = load(&file, &place, folder).map_err(|e| refuse(e.to_string()))?;
-                if scenarios.iter().any(|other| other.name == scenario.name) {
-                    return Err(refuse(format!("'{}' is there already", scenario.name)));
+                let problem = load(&file, &place, given).map_err(refuse)?;
+                if problems.iter().any(|other| other.name == problem.name) {
+                    return Err(refuse(format!("'{}' is there already", problem.name)));
                 }
-                scenarios.push(scenario);
+                problems.push(problem);
             }
         }
-        let [options, keys] = [false, true].map(|of_scenario| file.grid.part(of_scenario));
-        let variants = keys.count().map(|count| count.saturating_mul(scenarios.len()));
-        if points.saturating_mul(scenarios.len()) > MAX_SETS {
+        let variants = file.grid.part(true).count().map(|count| count.saturating_mul(problems.len()));
+        if points.saturating_mul(problems.len()) > MAX_SETS {
             return Err(too_many(MAX_SETS, "sets"));
         }
         if variants.is_none_or(|count| count > MAX_VARIANTS) {
             return Err(too_many(MAX_VARIANTS, "scenarios"));
         }
-        let refuse = |(key, condition)| Error::input(path, key, condition);
-        let mut variants = Vec::new();
-        for scenario in &scenarios {
-            options.check_options(file.head.method, scenario).map_err(refuse)?;
-            variants.extend(keys.variants(scenario).map_err(refuse)?);
-        }
-        let sets = (0..scenarios.len())
-            .flat_map(|scenario| (0..points).map(move |point| (scenario, point)))
+        fill(&mut problems, &file).map_err(|(key, condition)| Error::input(path, key, condition))?;
+        let sets = (0..problems.len())
+            .flat_map(|problem| (0..points).map(move |point| (problem, point)))
             .enumerate()
-            .map(|(index, (scenario, point))| ParameterSet { index, scenario, point })
+            .map(|(index, (problem, point))| ParameterSet { index, problem, point })
             .collect();
-        Ok(Self { name, file, scenarios, variants, sets })
+        Ok(Self { name, file, problems, motions: None, sets })
     }
 
     /// The number of sets per scenario.
     #[must_use]
     pub fn sets_a_scenario(&self) -> usize {
-        self.sets.len() / self.scenarios.len()
+        self.sets.len() / self.problems.len()
     }
 
     /// The method of all solves.
@@ -152,10 +181,18 @@ impl Sweep {
     }
 
     /// The scenario of one set, with the keys of that set.
-    #[must_use]
-    pub fn scenario(&self, set: &ParameterSet) -> &Scenario {
-        let count = self.variants.len() / self.scenarios.len();
-        &self.variants[set.scenario * count + self.file.grid.scenario_point(set.point)]
+    ///
+    /// # Errors
+    /// The reason for which its problem is refused.
+    pub fn scenario(&self, set: &ParameterSet) -> std::result::Result<&Scenario, &str> {
+        let problem = &self.problems[set.problem];
+        let variant = |_| &problem.variants[self.file.grid.scenario_point(set.point)];
+        problem.scenario.as_ref().map(variant).map_err(String::as_str)
+    }
+
+    /// The loaded scenarios.
+    pub fn scenarios(&self) -> impl Iterator<Item = &Scenario> {
+        self.problems.iter().filter_map(|problem| problem.scenario.as_ref().ok())
     }
 
     /// The parameters of one set, by name.
@@ -185,26 +222,27 @@ impl Sweep {
         Duration::from_secs_f64(self.file.head.time_limit_s)
     }
 
-    /// All data on which the results depend: the version of this library, the grid, the scenarios and their robots. The
-    /// name changes no result.
+    /// All data on which the results depend: the version of this library, the grid, the scenarios and their robots, and
+    /// whether motions are kept. The name changes no result.
     #[must_use]
     pub fn identity(&self) -> Value {
         let lists = self.file.grid.parameters().iter();
         let grid: Map<_, _> = lists.map(|p| (p.name.clone(), json!(p.values))).collect();
-        let scenarios = self.scenarios.iter().map(|scenario| {
-            json!({
-                "name": scenario.name,
-                "file": scenario.file,
-                "robot_sha256": scenario.robot_sha256,
-            })
+        let scenarios = self.problems.iter().map(|Problem { name, scenario, .. }| match scenario {
+            Ok(own) => json!({ "name": name, "file": own.file, "robot_sha256": own.robot_sha256 }),
+            Err(reason) => json!({ "name": name, "refused": reason }),
         });
-        json!({
+        let mut identity = json!({
             "aghf": env!("CARGO_PKG_VERSION"),
             "method": self.method(),
             "time_limit_s": self.file.head.time_limit_s,
             "grid": grid,
             "scenarios": scenarios.collect::<Vec<_>>(),
-        })
+        });
+        if self.motions.is_some() {
+            identity["motions"] = true.into();
+        }
+        identity
     }
 }
 
@@ -237,18 +275,41 @@ fn named(entry: &str, folder: &Path) -> std::result::Result<Vec<String>, String>
     Ok(all)
 }
 
-/// Loads a scenario of a sweep in `folder`.
-fn load(file: &SweepFile, name_or_path: &str, folder: &Path) -> Result<Scenario> {
-    let robot = file.head.robot.as_deref();
-    let path = robot.map(|robot| match builtin_robot_text(robot) {
-        Some(_) => robot.to_owned(),
-        None => folder.join(robot).to_string_lossy().into_owned(),
-    });
-    let given = LoadOptions { robot: path, mimic: file.head.mimic, ..LoadOptions::default() };
-    let mut scenario = Scenario::load_for(name_or_path, &given)?;
-    if let Some(robot) = robot {
-        // As written in the sweep, which has the same results in any folder.
-        scenario.file.robot = robot.to_owned();
+/// Loads a scenario, `given` what the sweep says of its robot. A file that is refused is a refused problem.
+fn load(file: &SweepFile, name_or_path: &str, given: &LoadOptions) -> std::result::Result<Problem, String> {
+    let problem = |name, scenario| Problem { name, scenario, variants: Vec::new() };
+    match Scenario::load_for(name_or_path, given) {
+        Ok(mut scenario) => {
+            if let Some(robot) = &file.head.robot {
+                // As written in the sweep, which has the same results in any folder.
+                scenario.file.robot.clone_from(robot);
+            }
+            Ok(problem(scenario.name.clone(), Ok(scenario)))
+        }
+        Err(error) if Path::new(name_or_path).is_file() => {
+            Ok(problem(name_of(name_or_path), Err(one_line(&error.to_string()))))
+        }
+        Err(error) => Err(error.to_string()),
     }
-    Ok(scenario)
+}
+
+/// Adds the variants of the problems. Those that do not accept the lists are refused, unless none does, which is an
+/// error of the lists.
+fn fill(problems: &mut [Problem], file: &SweepFile) -> std::result::Result<(), Refusal> {
+    let [options, keys] = [false, true].map(|of_scenario| file.grid.part(of_scenario));
+    let (mut first, mut accepted) = (None, file.grid.parameters().is_empty());
+    for problem in problems {
+        let Ok(scenario) = &problem.scenario else {
+            continue;
+        };
+        let checked = options.check_options(file.head.method, scenario);
+        match checked.and_then(|()| keys.variants(scenario)) {
+            Ok(variants) => (problem.variants, accepted) = (variants, true),
+            Err((key, condition)) => {
+                problem.scenario = Err(one_line(&format!("{key}: {condition}")));
+                first = first.or(Some((key, condition)));
+            }
+        }
+    }
+    first.filter(|_| !accepted).map_or(Ok(()), Err)
 }

@@ -47,17 +47,29 @@ impl SweepFile {
     /// The sweep of all scenarios of its folder by the direct method with default options.
     #[must_use]
     pub fn of_all(name: String) -> Self {
-        Self {
-            head: Head {
-                method: Method::Direct,
-                name: Some(name),
-                scenarios: vec![".".to_owned()],
-                robot: None,
-                mimic: None,
-                time_limit_s: Self::TIME_LIMIT_S,
-            },
-            grid: Grid::default(),
+        let (scenarios, time_limit_s) = (vec![".".to_owned()], Self::TIME_LIMIT_S);
+        let method = Method::Direct;
+        let head = Head { method, name: Some(name), scenarios, robot: None, mimic: None, time_limit_s };
+        Self { head, grid: Grid::default() }
+    }
+
+    /// The sweep `name` of these scenarios with these options.
+    ///
+    /// # Errors
+    /// The time limit is out of range.
+    pub fn of_problems(name: &str, scenarios: Vec<String>, options: &SolveOptions) -> Result<Self> {
+        let mut file = Self::of_all("problems".to_owned());
+        let mut keys = options.keys()?;
+        if let Some(limit) = keys.shift_remove("time_limit_s").and_then(|limit| limit.as_f64()) {
+            file.head.time_limit_s = limit;
         }
+        (file.head.method, file.head.scenarios) = (options.method(), scenarios);
+        let lists = keys.into_iter().map(|(name, value)| Parameter { name, values: vec![value], of_scenario: false });
+        let grid = check(&file.head).and_then(|()| Grid::new(lists.collect()));
+        file.grid = grid.map_err(|(key, condition)| Error::input("options", key, condition))?;
+        // That of a folder may have any letters.
+        file.head.name = Some(name.to_owned());
+        Ok(file)
     }
 
     /// Parses a sweep in TOML. `path` names it in errors.

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 /// The largest number of bars of a plot.
 const MAX_BARS: usize = 60;
 /// The colours of the outcomes: no green for a failure.
-const OUTCOME_COLOURS: [usize; RowOutcome::ALL.len()] = [0, 1, 3, 4, 6];
+const OUTCOME_COLOURS: [usize; RowOutcome::ALL.len()] = [0, 1, 3, 4, 7, 6];
 
 /// Builds the page of a sweep from the rows of all sets: efforts against times, rates of success by parameter, and the
 /// tables of `ranking.csv` and `results.csv`.
@@ -23,7 +23,7 @@ pub fn sweep_page(sweep: &Sweep, rows: &[Row], ranking: &[Ranked]) -> Result<Tab
     let figures = [
         ("sets", rows.len().to_string()),
         ("solved", good.to_string()),
-        ("scenarios", sweep.scenarios.len().to_string()),
+        ("scenarios", sweep.problems.len().to_string()),
         ("time of all solves", format!("{} s", short(seconds))),
     ];
     let plots = vec![Plot::Scatter(efforts(rows))];

@@ -80,8 +80,8 @@ pub fn ranking(sweep: &Sweep, rows: &[Row]) -> Vec<Ranked> {
     if scenarios.len() > 1 {
         ranking.extend(ranked("all", sweep, rows));
     }
-    for (scenario, rows) in sweep.scenarios.iter().zip(scenarios) {
-        ranking.extend(ranked(&scenario.name, sweep, rows));
+    for (problem, rows) in sweep.problems.iter().zip(scenarios) {
+        ranking.extend(ranked(&problem.name, sweep, rows));
     }
     ranking
 }

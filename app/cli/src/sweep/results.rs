@@ -1,16 +1,16 @@
 //! The file `results.csv`: one line per set, written as soon as the set is solved.
 //!
-//! An interrupted sweep is resumed: incomplete lines are dropped, and each set is in the file at most once.
-//! `sweep.json` next to it identifies the sweep, so that results of two sweeps cannot be mixed; a lock on the file
-//! excludes a second process. At the end the lines are sorted in the order of the grid.
+//! An interrupted sweep is resumed; each set, also a refused one, is in the file at most once. `sweep.json` next to it
+//! identifies the sweep, so that results of two sweeps cannot be mixed. At the end the lines are sorted in the order of
+//! the grid.
 
 use super::{ParameterSet, Row, Shard, Sweep};
-use crate::output::{csv_of, write_json, write_whole};
+use crate::output::{ResultsFile, complete_lines, csv_of, write_json, write_whole};
 use aghf::error::{Error, Result};
+use csv::StringRecord;
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::fs::{File, TryLockError};
-use std::io::{self, Read, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -29,7 +29,7 @@ pub struct Results<'s> {
     shard: Shard,
     path: PathBuf,
     /// The file and its rows behind one lock, so that both agree and lines are complete.
-    state: Mutex<(File, BTreeMap<usize, Row>)>,
+    state: Mutex<(ResultsFile, BTreeMap<usize, Row>)>,
 }
 
 impl<'s> Results<'s> {
@@ -51,26 +51,8 @@ impl<'s> Results<'s> {
             let value = sweep.identity();
             write_whole(&identity, |file| write_json(&value, file))?;
         }
-        let io = |e| Error::io(&path, e);
-        let mut options = File::options();
-        let mut file = options.read(true).append(true).create(true).open(&path).map_err(io)?;
-        file.try_lock().map_err(|e| match e {
-            TryLockError::WouldBlock => {
-                let condition = "another process is at work on it";
-                Error::input(path.display().to_string(), "results", condition)
-            }
-            TryLockError::Error(e) => Error::io(&path, e),
-        })?;
-        let mut text = Vec::new();
-        file.read_to_end(&mut text).map_err(io)?;
-        let complete = complete(&text);
-        let rows = parse(sweep, shard, complete, &path)?;
-        if complete.len() < text.len() {
-            file.set_len(complete.len() as u64).map_err(io)?;
-        }
-        if complete.is_empty() {
-            append_line(&mut file, header(sweep)?.as_bytes()).map_err(io)?;
-        }
+        let (file, lines) = ResultsFile::open(&path, &any_row(sweep))?;
+        let rows = parse(sweep, shard, &lines, &path)?;
         Ok(Self { sweep, shard, path, state: Mutex::new((file, rows)) })
     }
 
@@ -99,9 +81,8 @@ impl<'s> Results<'s> {
     /// # Errors
     /// The file cannot be written. A partial row is dropped when the file is opened again.
     pub fn append(&self, row: Row) -> Result<()> {
-        let line = csv_of([&row], false)?;
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        append_line(&mut state.0, &line).map_err(|e| Error::io(&self.path, e))?;
+        state.0.append(&row)?;
         state.1.insert(row.set, row);
         Ok(())
     }
@@ -138,7 +119,8 @@ pub fn merge(sweep: &Sweep, files: &[PathBuf], folder: &Path) -> Result<(Vec<Row
         for path in files {
             check_identity(sweep, &path.with_file_name("sweep.json"))?;
             let text = std::fs::read(path).map_err(|e| Error::io(path, e))?;
-            for (set, row) in parse(sweep, Shard::WHOLE, complete(&text), path)? {
+            let lines = complete_lines(&text, &any_row(sweep), path)?;
+            for (set, row) in parse(sweep, Shard::WHOLE, &lines, path)? {
                 let known = state.1.entry(set).or_insert_with(|| row.clone());
                 if !known.agrees(&row) {
                     let condition = "another file has other values for this set";
@@ -210,49 +192,24 @@ fn difference(a: &Value, b: &Value) -> Option<String> {
     }
 }
 
-/// The text up to the end of its last complete line.
-fn complete(text: &[u8]) -> &[u8] {
-    let end = text.iter().rposition(|byte| *byte == b'\n');
-    &text[..end.map_or(0, |end| end + 1)]
+/// A row with the columns of the file.
+fn any_row(sweep: &Sweep) -> Row {
+    Row::failed(sweep, &sweep.sets[0], "", 0.0)
 }
 
-/// Parses the rows of a text of complete lines, by set.
-fn parse(sweep: &Sweep, shard: Shard, text: &[u8], path: &Path) -> Result<BTreeMap<usize, Row>> {
-    let file = path.display().to_string();
-    let refuse = |line: usize, condition: String| Error::input(file.clone(), format!("line {line}"), condition);
+/// The rows in the lines of a file, by set.
+fn parse(sweep: &Sweep, shard: Shard, lines: &[StringRecord], path: &Path) -> Result<BTreeMap<usize, Row>> {
     let mut rows = BTreeMap::new();
-    if text.is_empty() {
-        return Ok(rows);
-    }
-    if !text.starts_with(header(sweep)?.as_bytes()) {
-        let condition = "it is not the header that this version writes".to_owned();
-        return Err(refuse(1, condition));
-    }
-    for (i, line) in csv::Reader::from_reader(text).records().enumerate() {
-        let refuse = |condition| refuse(i + 2, condition);
-        let line = line.map_err(|e| refuse(e.to_string()))?;
+    for (i, line) in lines.iter().enumerate() {
+        let refuse = |condition| Error::input(path.display().to_string(), format!("line {}", i + 2), condition);
         let set = line[0].parse::<usize>().map_err(|e| refuse(e.to_string()))?;
         let own = sweep.sets.get(set).filter(|_| shard.has(set));
         let own = own.ok_or_else(|| refuse(format!("its set {set} is not one of this sweep")))?;
-        let row = Row::read(sweep, own, &line).map_err(refuse)?;
+        let row = Row::read(sweep, own, line).map_err(refuse)?;
         if let Some(row) = rows.insert(row.set, row) {
             let condition = format!("set {} is there already", row.set);
             return Err(refuse(condition));
         }
     }
     Ok(rows)
-}
-
-/// The header line.
-fn header(sweep: &Sweep) -> Result<String> {
-    let any = Row::failed(sweep, &sweep.sets[0], "", 0.0);
-    let text = csv_of([&any], true)?;
-    let end = text.iter().position(|byte| *byte == b'\n');
-    Ok(String::from_utf8_lossy(&text[..end.map_or(0, |end| end + 1)]).into_owned())
-}
-
-/// Appends to a file with one write and waits until it is on the disk.
-fn append_line(file: &mut File, line: &[u8]) -> io::Result<()> {
-    file.write_all(line)?;
-    file.sync_data()
 }

@@ -1,6 +1,7 @@
 //! The result of one solve of a sweep.
 
 use super::{ParameterSet, Sweep};
+use crate::output::{csv_cell, one_line};
 use aghf::direct::DirectSettings;
 use aghf_scenario::{Method, SolveReport};
 use csv::StringRecord;
@@ -17,15 +18,18 @@ pub enum RowOutcome {
     GoalMissed,
     /// The motion reaches the goal, but collides or violates an enforced limit.
     Infeasible,
-    /// The flow did not complete, the direct method did not reach a minimum, or the scenario is infeasible.
+    /// The flow did not complete, or the direct method did not reach a minimum.
     Failed,
+    /// The problem was not solved: its file is faulty, it has no motion, or the method does not support it.
+    Refused,
     /// The time limit was reached.
     TimeLimit,
 }
 
 impl RowOutcome {
     /// All outcomes.
-    pub const ALL: [Self; 5] = [Self::Success, Self::GoalMissed, Self::Infeasible, Self::Failed, Self::TimeLimit];
+    pub const ALL: [Self; 6] =
+        [Self::Success, Self::GoalMissed, Self::Infeasible, Self::Failed, Self::Refused, Self::TimeLimit];
 
     /// The name in the results.
     #[must_use]
@@ -35,6 +39,7 @@ impl RowOutcome {
             Self::GoalMissed => "goal_missed",
             Self::Infeasible => "infeasible",
             Self::Failed => "failed",
+            Self::Refused => "refused",
             Self::TimeLimit => "time_limit",
         }
     }
@@ -111,7 +116,7 @@ impl Row {
         let mut row = Self::failed(sweep, set, "", 0.0);
         let mut cells = line.iter().skip(1);
         let mut next = || cells.next().unwrap_or_default();
-        let own = row.parameters.values().map(crate::output::csv_cell);
+        let own = row.parameters.values().map(csv_cell);
         let own: Vec<String> = own.collect();
         if next() != row.scenario || own.iter().any(|own| next() != own) {
             return Err(format!("its set {} is not one of this sweep", set.index));
@@ -138,13 +143,18 @@ impl Row {
     pub fn failed(sweep: &Sweep, set: &ParameterSet, reason: &str, solve_seconds: f64) -> Self {
         Self {
             set: set.index,
-            scenario: sweep.scenarios[set.scenario].name.clone(),
+            scenario: sweep.problems[set.problem].name.clone(),
             parameters: sweep.parameters(set),
             outcome: RowOutcome::Failed,
             reason: Some(one_line(reason)),
             results: sweep.results().map(|name| (name.to_owned(), Value::Null)).collect(),
             solve_seconds,
         }
+    }
+
+    /// The row of a set that was refused for this reason.
+    pub(super) fn refused(sweep: &Sweep, set: &ParameterSet, reason: &str, solve_seconds: f64) -> Self {
+        Self { outcome: RowOutcome::Refused, ..Self::failed(sweep, set, reason, solve_seconds) }
     }
 
     /// The row of a set that reached its time limit.
@@ -158,8 +168,9 @@ impl Row {
     #[must_use]
     pub fn new(sweep: &Sweep, set: &ParameterSet, report: &SolveReport) -> Self {
         let s = &report.summary;
-        // Only the clock shows an interruption at the very end.
-        if report.stopped.is_some() || s.solve_seconds >= sweep.file.head.time_limit_s {
+        // Only the clock shows an interruption at the very end. A motion that is kept has its own row.
+        let is_late = report.stopped.is_some() || s.solve_seconds >= sweep.file.head.time_limit_s;
+        if is_late && sweep.motions.is_none() {
             return Self::late(sweep, set, s.solve_seconds);
         }
         let direct = s.method == Method::Direct;
@@ -200,9 +211,4 @@ impl Row {
         let other = Self { solve_seconds, ..other.clone() };
         *self == other
     }
-}
-
-/// Removes line breaks, because a row is one line of the file.
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

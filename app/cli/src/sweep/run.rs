@@ -14,8 +14,8 @@ use std::time::Instant;
 /// row as soon as it is complete, from any thread and in any order.
 ///
 /// # Errors
-/// Invalid input, or an error of `done`, after which no further solve begins. A failed solve is not an error: its row
-/// gives the reason.
+/// `jobs` is out of range, a motion cannot be written, or an error of `done`, after which no further solve begins. A
+/// problem that is refused, or whose solve fails, is not an error: its row gives the reason.
 pub fn run(
     sweep: &Sweep,
     sets: &[ParameterSet],
@@ -34,24 +34,38 @@ pub fn run(
     })
 }
 
-/// The row of one set. Infeasible limits are a failure of this set alone, and so is a panic, which should not occur.
+/// The row of one set, and its motion if motions are kept. A refused problem is a row, and so is a panic, which should
+/// not occur.
 fn solve_set(sweep: &Sweep, set: &ParameterSet) -> Result<Row> {
-    let scenario = sweep.scenario(set);
     let started = Instant::now();
-    if let Err(reason) = scenario.check_feasible() {
-        let seconds = started.elapsed().as_secs_f64();
-        return Ok(Row::failed(sweep, set, &reason.to_string(), seconds));
-    }
-    let solve = Solve::new(scenario).options(sweep.options(set)?).interrupt(Interrupt::after(sweep.time_limit()));
-    let solved = catch_unwind(AssertUnwindSafe(|| solve.run()));
+    let scenario = match sweep.scenario(set) {
+        Ok(scenario) => scenario,
+        Err(reason) => return Ok(Row::refused(sweep, set, reason, 0.0)),
+    };
+    let solved = caught(|| {
+        scenario.check_feasible()?;
+        let solve = Solve::new(scenario).options(sweep.options(set)?);
+        solve.interrupt(Interrupt::after(sweep.time_limit())).run()
+    });
+    let seconds = started.elapsed().as_secs_f64();
     Ok(match solved {
-        Ok(outcome) => Row::new(sweep, set, &outcome?),
-        Err(panic) => {
-            let message = (panic.downcast_ref::<String>().map(String::as_str))
-                .or(panic.downcast_ref::<&str>().copied())
-                .unwrap_or("no message");
-            let reason = format!("it panicked: {message}");
-            Row::failed(sweep, set, &reason, started.elapsed().as_secs_f64())
+        Ok(Ok(report)) => {
+            if let Some(motions) = &sweep.motions {
+                motions.write(&sweep.motion_name(set), scenario, &report)?;
+            }
+            Row::new(sweep, set, &report)
         }
+        Ok(Err(error)) => Row::refused(sweep, set, &error.to_string(), seconds),
+        Err(panic) => Row::failed(sweep, set, &panic, seconds),
+    })
+}
+
+/// The result of `work`, or the message of a panic.
+pub(crate) fn caught<T>(work: impl FnOnce() -> T) -> std::result::Result<T, String> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
+        let message = (panic.downcast_ref::<String>().map(String::as_str))
+            .or(panic.downcast_ref::<&str>().copied())
+            .unwrap_or("no message");
+        format!("it panicked: {message}")
     })
 }

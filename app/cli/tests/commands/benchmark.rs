@@ -1,7 +1,7 @@
 //! `aghf benchmark`.
 
 use crate::command::{aghf, assert_bad_input, empty_folder};
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::Path;
 
 /// Two problems of a family that are solved and one of another that cannot be: its goal is in a sphere.
@@ -47,11 +47,11 @@ fn problems_are_solved_and_judged() {
     let first = results(&folder);
     assert_eq!(first.len(), 4);
     assert!(first[2..].iter().all(|line| line[2] == "optimal"), "{first:?}");
-    // Without its last line only that is solved again.
+    // With half of its last line only that is solved again.
     let path = folder.join("out/results.csv");
     let text = std::fs::read_to_string(&path).expect("written");
     let all: Vec<&str> = text.lines().collect();
-    std::fs::write(&path, format!("{}\n", all[..3].join("\n"))).expect("writable");
+    std::fs::write(&path, &text[..text.len() - all[3].len() / 2]).expect("writable");
     let again = aghf(&folder, &arguments);
     assert_eq!(again.code, Some(0), "{}", again.stderr);
     assert!(!again.stderr.contains("blocked_1"), "{}", again.stderr);
@@ -66,14 +66,32 @@ fn bad_folders_are_refused() {
     assert_bad_input(&folder, &["benchmark", "nowhere"], "pip download");
     std::fs::create_dir_all(folder.join("empty/cage_panda")).expect("it can be made");
     assert_bad_input(&folder, &["benchmark", "empty"], "neither scenarios nor");
-    std::fs::write(folder.join("empty/cage_panda/scene0001.yaml"), "").expect("writable");
-    assert_bad_input(&folder, &["benchmark", "empty"], "request0001.yaml");
     problems(&folder);
     std::fs::create_dir(folder.join("out")).expect("it can be made");
     std::fs::write(folder.join("out/results.csv"), "family,problem\na,b\n").expect("writable");
-    assert_bad_input(&folder, &["benchmark", ".", "--out", "out"], "results.csv: line 2");
-    // A scenario that cannot be read is named, whatever else there is.
-    let broken: Value = json!({ "robot": "pendulum_1" });
-    std::fs::write(folder.join("a_broken_1.json"), broken.to_string()).expect("writable");
-    assert_bad_input(&folder, &["benchmark", ".", "--out", "other"], "a_broken_1.json");
+    assert_bad_input(&folder, &["benchmark", ".", "--out", "out"], "results.csv: line 1: it is not the header");
+}
+
+/// Files that are faulty are lines with the reason, which a resumed run does not repeat.
+#[test]
+fn a_refused_problem_is_a_line() {
+    let folder = empty_folder("benchmark_refused");
+    std::fs::create_dir_all(folder.join("scenes/cage_panda")).expect("it can be made");
+    std::fs::write(folder.join("scenes/cage_panda/scene0001.yaml"), "").expect("writable");
+    std::fs::create_dir(folder.join("files")).expect("it can be made");
+    problems(&folder.join("files"));
+    std::fs::write(folder.join("files/a_broken_1.json"), json!({ "robot": "pendulum_1" }).to_string())
+        .expect("writable");
+    for (problems, all, words) in [("scenes", 1, "scene0001.yaml"), ("files", 4, "a_broken_1.json")] {
+        let arguments = ["benchmark", problems, "--out", problems];
+        let run = aghf(&folder, &arguments);
+        assert_eq!(run.code, Some(1), "{}{}", run.stdout, run.stderr);
+        assert!(run.stderr.contains(": Refused: ") && run.stderr.contains(words), "{}", run.stderr);
+        let table = folder.join(problems).join("results.csv");
+        let text = std::fs::read_to_string(&table).expect("written");
+        assert_eq!(text.lines().count(), 1 + all, "{text}");
+        let again = aghf(&folder, &arguments);
+        assert_eq!((again.code, again.stderr.as_str()), (Some(1), ""));
+        assert_eq!(std::fs::read_to_string(&table).expect("written"), text);
+    }
 }

@@ -30,9 +30,21 @@ fn without_arguments_it_plans_over_the_table() {
     let expected =
         ["out/kinova_table_01/report.html", "out/kinova_table_01/summary.json", "out/kinova_table_01/trajectory.csv"];
     assert_eq!(files(&folder), expected.map(str::to_owned).into());
-    for words in expected.iter().chain(&["kinova_table_01 (kinova_gen3)", "verdict", "optimal"]) {
+    let rows = [
+        "kinova_table_01 (kinova_gen3)",
+        "verdict",
+        "optimal",
+        "% above the",
+        "nearest approach",
+        "acceleration 100 %",
+        "wrote trajectory.csv, summary.json, report.html in out/kinova_table_01",
+    ];
+    for words in rows {
         assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
     }
+    let is_narrow = run.stdout.lines().all(|line| line.chars().count() <= 100);
+    assert!(is_narrow && run.stdout.lines().count() <= 12, "{}", run.stdout);
+    assert!(!run.stdout.contains("gradient norm"), "those are numbers of the method: {}", run.stdout);
     let duration = assert_table_01(&folder.join(expected[2]));
     assert_summary_01(&folder.join(expected[1]), duration);
     assert_around_the_post(&folder, expected[2]);
@@ -162,7 +174,7 @@ fn options_of_the_direct_method_show_in_the_summary() {
 #[test]
 fn segments_and_an_adaptive_degree_show_in_the_summary() {
     let folder = empty_folder("direct_pieces");
-    let arguments = "solve pendulum_1_swingup --degree 7 --segments 2 --degree-tolerance 0.05";
+    let arguments = "solve pendulum_1_swingup --degree 7 --segments 2 --degree-tolerance 0.05 --verbose";
     let run = aghf(&folder, &arguments.split_whitespace().collect::<Vec<_>>());
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     for words in ["2 segments of degree 9", "effort by degree", "converged to 0.05"] {
@@ -228,4 +240,49 @@ fn a_horizon_that_is_too_short_is_bad_input() {
     });
     std::fs::write(folder.join("far.json"), far.to_string()).expect("writable");
     assert_bad_input(&folder, &["solve", "far.json"], "aghf: far: horizon_s: ; joint_1; it is 0.5 s");
+}
+
+/// Several problems: a motion and a row each, also for one that is refused, and no second solve of any.
+#[test]
+fn several_problems_have_a_row_and_a_motion_each() {
+    let folder = empty_folder("several");
+    std::fs::create_dir(folder.join("my problems")).expect("writable");
+    let swing = json!({
+        "robot": "pendulum_1", "horizon_s": 2.0, "q_start": [0.0], "v_start": [0.0], "q_goal": [0.5], "v_goal": [0.0],
+    });
+    std::fs::write(folder.join("my problems/swing.json"), swing.to_string()).expect("writable");
+    let arguments = ["solve", "my problems", "--starts", "2", "--no-report"];
+    let run = aghf(&folder, &arguments);
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    assert!(run.stdout.contains("1 of 1 sets solved"), "{}", run.stdout);
+    let summary = json_file(&folder.join("out/my problems/swing/summary.json"));
+    assert_eq!(summary["provenance"]["options"]["starts"], 2);
+
+    std::fs::write(folder.join("my problems/cut.json"), "{").expect("writable");
+    let arguments = ["solve", "my problems", "pendulum_1_swingup", "--no-report", "--samples", "11"];
+    let run = aghf(&folder, &arguments);
+    assert_eq!(run.code, Some(3), "{}{}", run.stdout, run.stderr);
+    assert!(run.stderr.starts_with("cut: refused: my problems/cut.json: "), "{}", run.stderr);
+    assert!(run.stdout.contains("2 of 3 sets solved, 1 refused; "), "{}", run.stdout);
+    let motion = |name: &str| ["summary.json", "trajectory.csv"].map(|file| format!("{name}/{file}"));
+    let table = ["results.csv".to_owned(), "sweep.json".to_owned()];
+    let expected = table.into_iter().chain(["pendulum_1_swingup", "swing"].into_iter().flat_map(motion));
+    let out = folder.join("out/problems");
+    assert_eq!(files(&out), expected.collect());
+    assert_eq!(csv_file(&out.join("swing/trajectory.csv")).1.len(), 11);
+
+    // Without the last byte only the last row is solved again.
+    let text = std::fs::read_to_string(out.join("results.csv")).expect("it is there");
+    std::fs::write(out.join("results.csv"), text.trim_end()).expect("writable");
+    std::fs::remove_dir_all(out.join("swing")).expect("it is there");
+    let run = aghf(&folder, &[&arguments[..], &["--json"]].concat());
+    let rows: Value = serde_json::from_str(&run.stdout).expect("JSON alone");
+    let outcomes: Vec<_> = rows.as_array().expect("rows").iter().map(|row| row["outcome"].as_str()).collect();
+    assert_eq!((run.code, outcomes), (Some(3), ["refused", "success", "success"].map(Some).to_vec()));
+    assert!(!out.join("swing").exists(), "its row was complete");
+
+    assert_bad_input(&folder, &["solve", "my problems", "nowhere.json"], "nowhere.json");
+    assert_bad_input(&folder, &["solve", "my problems", "--degree", "99"], "degree[0]: it is 99");
+    assert_bad_input(&folder, &["solve", "my problems", "--start", "out"], "--start: it is for one scenario");
+    assert_bad_input(&folder, &["solve", "my problems", "--time-limit-s", "-1"], "options: time_limit_s: it is -1");
 }

@@ -16,7 +16,7 @@ fn no_page_is_left_beside_another_motion() {
     let solve = ["solve", SWING, "--out", "here"];
     let run = aghf(&folder, &solve);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    assert!(run.stdout.contains("wrote here/report.html"), "{}", run.stdout);
+    assert!(run.stdout.contains("report.html in here"), "{}", run.stdout);
     assert!(files(&folder).contains("here/report.html"));
     let run = aghf(&folder, &[&solve[..], &["--force", "--no-report"]].concat());
     assert_eq!(run.code, Some(0), "{}", run.stderr);

@@ -11,6 +11,7 @@ mod tables;
 mod output {
     mod files;
     mod folder;
+    mod results_file;
     mod walk;
 }
 

@@ -64,14 +64,14 @@ fn a_grid_has_every_combination_with_seeds_slowest() {
         ..DirectOptions::default()
     };
     assert_eq!(sweep.options(set).expect("good"), asked.into());
-    let scenario = sweep.scenario(set);
+    let scenario = sweep.scenario(set).expect("good");
     let [effort, velocity, acceleration] = [1.0, 0.5, 2.0].map(PerJoint::Same);
     let weights = ObjectiveWeights { units: Units::Si, effort, velocity, acceleration, ..ObjectiveWeights::default() };
     assert_eq!(scenario.file.objective, Objective::Weights(weights));
     let limits = &scenario.file.enforced_limits;
     let share = |share| Enforced::Share { share, joints: None };
     assert_eq!([&limits.position, &limits.velocity, &limits.torque], [&share(1.0), &share(0.5), &share(1.0)]);
-    let torque = &sweep.scenario(&sweep.sets[0]).file.enforced_limits.torque;
+    let torque = &sweep.scenario(&sweep.sets[0]).expect("good").file.enforced_limits.torque;
     assert_eq!(torque, &Enforced::No);
 }
 
@@ -80,16 +80,16 @@ fn a_grid_has_every_combination_with_seeds_slowest() {
 fn what_has_no_list_is_as_the_scenario_and_the_method_have_it() {
     let text = "method = \"direct\"\nscenarios = [\"pendulum_2_swingup\", \"limits_0*\"]\ntime_limit_s = 600";
     let sweep = load("defaults", text).expect("good");
-    assert_eq!((sweep.scenarios.len(), sweep.sets.len()), (10, 10));
+    assert_eq!((sweep.problems.len(), sweep.sets.len()), (10, 10));
     for set in &sweep.sets {
         assert!(sweep.parameters(set).is_empty());
-        let file = &sweep.scenarios[set.scenario].file;
-        assert_eq!(&sweep.scenario(set).file, file);
+        let loaded = sweep.problems[set.problem].scenario.as_ref().expect("good");
+        assert_eq!(sweep.scenario(set).expect("good").file, loaded.file);
     }
     let [row] = &solved(&sweep, &sweep.sets[..1])[..] else {
         panic!("one set");
     };
-    let scenario = &sweep.scenarios[0];
+    let scenario = sweep.scenarios().next().expect("one");
     let alone = Solve::new(scenario).run().expect("good");
     assert!(row.outcome == RowOutcome::Success && alone.summary.success);
     let effort = row.result("control_effort").expect("a number");
@@ -121,7 +121,7 @@ enforced_limits.position = [false]
     for (i, row) in rows.iter().enumerate() {
         if i % 3 == 2 {
             // At a hundredth of the velocity the goal is out of reach, which is no error of the sweep.
-            assert_eq!((row.outcome, row.result("cost")), (RowOutcome::Failed, None));
+            assert_eq!((row.outcome, row.result("cost")), (RowOutcome::Refused, None));
             let reason = row.reason.as_deref().expect("a reason");
             assert!(reason.contains("horizon_s"), "{reason}");
             continue;
@@ -276,8 +276,8 @@ robot = "arm.urdf"
 time_limit_s = 600
 "#;
     let sweep = load("robot", text).expect("good");
-    assert_eq!(sweep.scenarios[0].name, "limits_01");
-    assert_eq!(sweep.scenarios[0].file.robot, "arm.urdf");
+    assert_eq!(sweep.problems[0].name, "limits_01");
+    assert_eq!(sweep.scenarios().next().expect("one").file.robot, "arm.urdf");
     let moved = here.join("elsewhere");
     std::fs::create_dir_all(&moved).expect("writable");
     for name in ["grid.toml", "arm.urdf"] {

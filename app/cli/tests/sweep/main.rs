@@ -3,4 +3,5 @@
 mod direct;
 mod files;
 mod refused;
+mod results;
 mod run;

@@ -162,7 +162,7 @@ fn the_tables_of_the_paper_and_some_of_the_direct_method_are_built_in() {
     for (name, scenarios, sets) in tables {
         let sweep = Sweep::load(name).expect("built in");
         assert_eq!(sweep.method() == Method::Flow, name.starts_with("table"));
-        assert_eq!(sweep.scenarios.len(), scenarios, "{name}");
+        assert_eq!(sweep.problems.len(), scenarios, "{name}");
         assert_eq!(sweep.sets_a_scenario(), sets, "{name}");
         assert_eq!(sweep.sets.len(), scenarios * sets);
     }
@@ -192,7 +192,7 @@ fn keys_of_scenarios_and_methods_of_all_kinds_are_swept() {
     let text = "method = \"duals\"\nscenarios = [\"pendulum_1_swingup\"]\ntime_limit_s = 60\nk = [1e4, 1e6]\n\
         feedback.kp = [10, 20]\n";
     let sweep = load("duals", text).expect("good");
-    let gains = sweep.sets.iter().map(|set| sweep.scenario(set).file.feedback.kp);
+    let gains = sweep.sets.iter().map(|set| sweep.scenario(set).expect("good").file.feedback.kp);
     assert!(gains.eq([10.0, 20.0, 10.0, 20.0]));
     let horizons = text.replace("feedback.kp = [10, 20]", "horizon_s = [2, 2.5]").replace("duals", "direct");
     let sweep = load("horizons", &horizons.replace("k = [1e4, 1e6]\n", "")).expect("good");
@@ -212,10 +212,7 @@ fn a_folder_is_swept_and_stands_for_its_scenarios() {
         std::fs::copy(path, folder.join(format!("own_{name}.json"))).expect("both are there");
     }
     std::fs::write(folder.join("notes.txt"), "no scenario").expect("it is writable");
-    let names = |sweep: &Sweep| -> Vec<String> {
-        let scenarios = sweep.scenarios.iter();
-        scenarios.map(|scenario| scenario.name.clone()).collect()
-    };
+    let names = |sweep: &Sweep| -> Vec<String> { sweep.problems.iter().map(|problem| problem.name.clone()).collect() };
     let sweep = Sweep::load(folder.to_str().expect("it is text")).expect("good");
     let expected = ["own_pendulum_2_swingup", "own_pendulum_3_swingup"];
     assert_eq!(names(&sweep), expected);

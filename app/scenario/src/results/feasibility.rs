@@ -5,7 +5,7 @@ use aghf::constraint::{Constraint, Constraints, Quantity, RowLabel};
 use aghf::curve::Curve;
 use aghf::direct::DirectSettings;
 use aghf::error::Result;
-use aghf::motion::{Violation, largest_torques, sample, violations};
+use aghf::motion::{Sample, Violation, largest_torques, sample, violations};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -38,9 +38,24 @@ pub struct Feasibility {
     /// The largest acceleration at 201 times that the scenario does not limit; `None` if it limits all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unlimited_acceleration: Option<Acceleration>,
+    /// The largest share of each enforced limit of the joints, at 201 times.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub limit_shares: Vec<LimitShare>,
     /// The force of the ground on a standing foot, at 2001 times; `None` without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foot: Option<FootLoad>,
+}
+
+/// The share of an enforced limit that a motion uses: the largest distance from the middle of its bounds, relative to
+/// half of their difference.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LimitShare {
+    /// The limited quantity.
+    pub limit: Quantity,
+    /// The joint with the largest share.
+    pub joint: String,
+    /// The share; 1 at a bound.
+    pub share: f64,
 }
 
 /// The absolute acceleration of a joint.
@@ -138,6 +153,7 @@ impl Feasibility {
         let torques = largest_torques(model, curve, INTERVALS.div_ceil(curve.segments()))?;
         let largest = |torques: &mut dyn Iterator<Item = f64>| torques.max_by(f64::total_cmp);
         let passive = scenario.passive();
+        let coarse = sample(model, curve, COARSE)?;
         let found = scenario.nearest(samples.iter().map(|s| s.q.as_slice()))?;
         let smallest_clearance_m = found.as_ref().map(|(.., distance)| *distance);
         let nearest = found.map(|(k, between, _)| Nearest { between, at_s: samples[k].t });
@@ -147,7 +163,8 @@ impl Feasibility {
             limit_violations,
             largest_torque: largest(&mut torques.iter().copied()).unwrap_or(0.0),
             largest_passive_torque: largest(&mut passive.into_iter().map(|i| torques[i])),
-            unlimited_acceleration: unlimited_acceleration(scenario, curve)?,
+            unlimited_acceleration: unlimited_acceleration(scenario, &coarse),
+            limit_shares: limit_shares(scenario, &coarse),
             foot: scenario.foot_load(curve, INTERVALS)?,
         })
     }
@@ -218,19 +235,40 @@ fn add_goal(scenario: &Scenario, curve: &Curve, found: &mut Vec<LimitViolation>)
 }
 
 /// The largest acceleration of the joints for which the scenario has no limit of it.
-fn unlimited_acceleration(scenario: &Scenario, curve: &Curve) -> Result<Option<Acceleration>> {
+fn unlimited_acceleration(scenario: &Scenario, samples: &[Sample]) -> Option<Acceleration> {
     let (model, limit) = (&scenario.model, Quantity::Acceleration);
     let is_free = |i: &usize| scenario.bound(limit, *i).is_none();
     let joints: Vec<_> = (0..model.dof()).filter(is_free).collect();
-    let samples = sample(model, curve, COARSE)?;
     let all = samples.iter().flat_map(|at| joints.iter().map(move |i| (at, *i)));
     let largest = all.max_by(|(a, i), (b, j)| a.a[*i].abs().total_cmp(&b.a[*j].abs()));
-    Ok(largest.map(|(at, i)| {
+    largest.map(|(at, i)| {
         let joint = &model.joints()[i];
         let (unit, joint) = (limit.unit(joint.kind()).to_owned(), joint.name().to_owned());
         let (value, at_s) = (at.a[i].abs(), at.t);
         Acceleration { joint, value, unit, at_s }
-    }))
+    })
+}
+
+/// The largest share of the enforced limits of positions, velocities, accelerations and torques.
+fn limit_shares(scenario: &Scenario, samples: &[Sample]) -> Vec<LimitShare> {
+    type Values = fn(&Sample) -> &[f64];
+    let values: [(Quantity, Values); 4] = [
+        (Quantity::Position, |at| &at.q),
+        (Quantity::Velocity, |at| &at.v),
+        (Quantity::Acceleration, |at| &at.a),
+        (Quantity::Torque, |at| &at.u),
+    ];
+    let largest = values.into_iter().filter_map(|(limit, values)| {
+        let shares = scenario.model.joints().iter().enumerate().filter_map(|(i, joint)| {
+            let [lower, upper] = scenario.bound(limit, i)?;
+            let (middle, half) = (0.5 * (lower + upper), 0.5 * (upper - lower));
+            let most = samples.iter().map(|at| (values(at)[i] - middle).abs()).fold(0.0, f64::max);
+            let share = LimitShare { limit, joint: joint.name().to_owned(), share: most / half };
+            (half > 0.0 && half.is_finite()).then_some(share)
+        });
+        shares.max_by(|a, b| a.share.total_cmp(&b.share))
+    });
+    largest.collect()
 }
 
 /// Adds the violations of `constraints`: the worst per kind of limit and joint, or per name for rows without a joint.

@@ -100,8 +100,12 @@ fn broken_limits_of_the_velocity_are_reported_and_enforced_ones_matter() {
     scenario.file.enforced_limits.acceleration = Some(RateLimits::Same(5.0));
     assert_eq!(of(&scenario, &fast).unlimited_acceleration, None);
     scenario.file.enforced_limits.acceleration = None;
+    assert_eq!(of(&scenario, &fast).limit_shares, []);
     scenario.file.enforced_limits.velocity = Enforced::default();
     let found = of(&scenario, &fast);
+    let shares: Vec<_> = found.limit_shares.iter().map(|share| (share.limit, share.joint.as_str())).collect();
+    assert_eq!(shares, [(Quantity::Velocity, name)]);
+    assert!((found.limit_shares[0].share - (limit + most) / limit).abs() < 1e-9, "{found:?}");
     assert!(!found.holds(0.0) && !found.holds(most - 1e-9) && found.holds(most + 1e-9));
 }
 
