@@ -1,9 +1,9 @@
 //! The collision geometry of a robot: balls that the constraints act on, and the capsules that they cover, or convex
 //! bodies within them.
 
-#[cfg(feature = "solvers")]
-use super::Placed;
 use super::{BallTree, Convex, ConvexPiece, Solid, Sphere};
+#[cfg(feature = "solvers")]
+use super::{Placed, separation::overlap};
 use crate::error::{Error, Result};
 use crate::scalar::Scalar;
 use crate::spatial::Placement;
@@ -179,6 +179,18 @@ impl CollisionGeometry {
     /// `placements` has no entry for a body.
     #[cfg(feature = "solvers")]
     pub fn gap_within(&self, trees: [&BallTree; 2], placements: &[Placement<f64>], most: f64) -> Result<f64> {
+        self.least_gap(trees, placements, most, |bodies| super::gap(bodies).distance)
+    }
+
+    /// The least gap of two links if it is less than `most`, with that of two convex bodies by `gap_of`.
+    #[cfg(feature = "solvers")]
+    fn least_gap(
+        &self,
+        trees: [&BallTree; 2],
+        placements: &[Placement<f64>],
+        most: f64,
+        gap_of: impl Fn(&[Placed<'_, f64, f64>; 2]) -> f64,
+    ) -> Result<f64> {
         let [tree, other] = trees;
         let places = [placement_of(tree.body, placements)?, placement_of(other.body, placements)?];
         let ball = |side: usize, node: usize| {
@@ -195,7 +207,7 @@ impl CollisionGeometry {
             let is_near = *gap < least;
             if is_near && tree.below_pair(other, [i, j]).is_none() {
                 let exact = match [part(0, i), part(1, j)] {
-                    [Some(a), Some(b)] => super::gap(&[a, b]).distance,
+                    [Some(a), Some(b)] => gap_of(&[a, b]),
                     _ => *gap,
                 };
                 if exact < least {
@@ -213,7 +225,9 @@ impl CollisionGeometry {
     /// `placements` has no entry for a body.
     #[cfg(feature = "solvers")]
     pub fn overlap(&self, trees: [&BallTree; 2], placements: &[Placement<f64>]) -> Result<bool> {
-        Ok(self.gap_within(trees, placements, f64::MIN_POSITIVE)? <= 0.0)
+        let gap_of =
+            |bodies: &[Placed<'_, f64, f64>; 2]| if overlap(bodies) { f64::NEG_INFINITY } else { f64::INFINITY };
+        Ok(self.least_gap(trees, placements, f64::MIN_POSITIVE, gap_of)? <= 0.0)
     }
 
     /// The link of a tree; `None` if the balls belong to no links.

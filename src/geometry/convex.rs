@@ -124,8 +124,10 @@ impl Convex {
             }
         });
         let off = self.disc.map_or_else(Vector3::zeros, |(axis, radius)| {
-            let across = direction - axis * axis.dot(direction);
-            across.try_normalize(0.0).unwrap_or_default() * radius
+            let across = |v: Vector3<f64>| v - axis * axis.dot(&v);
+            // Along the axis the first difference is rounding in any direction, beside it partly.
+            let unit = across(*direction).try_normalize(PARALLEL * length).unwrap_or_default();
+            across(unit) * radius
         });
         furthest + off
     }
@@ -139,6 +141,9 @@ impl Convex {
 
 /// The largest difference of a smoothed maximum of two numbers and their maximum, relative to the width.
 const MOST_ADDED: f64 = 3.0 / 16.0;
+
+/// The length across the axis of a disc, relative to that of a direction, up to which the direction is along the axis.
+const PARALLEL: f64 = 1e-12;
 
 /// The largest difference of the smoothed extent of a disc and its extent, relative to the width.
 const DISC: f64 = 0.25;

@@ -59,13 +59,6 @@ impl ConvexPiece {
         self.faces.iter().map(|face| face.map(|i| self.corners[i]))
     }
 
-    /// True if a point is inside, or on the surface.
-    #[cfg(feature = "solvers")]
-    pub(super) fn contains(&self, p: &Vector3<f64>) -> bool {
-        let is_below = |[a, b, c]: Triangle| (b - a).cross(&(c - a)).dot(&(p - a)) <= 0.0;
-        self.triangles().all(is_below)
-    }
-
     /// The enclosed volume, m^3.
     #[must_use]
     pub fn volume(&self) -> f64 {

@@ -95,6 +95,28 @@ struct SurfacePart {
     is_outside: bool,
 }
 
+/// The inside of a piece and its surface: the planes of its faces, and its bounds.
+struct Inside {
+    planes: Vec<(Vector3<f64>, f64)>,
+    bounds: [Vector3<f64>; 2],
+}
+
+impl Inside {
+    fn new(piece: &ConvexPiece) -> Self {
+        let plane = |[a, b, c]: Triangle| {
+            let normal = (b - a).cross(&(c - a));
+            (normal, normal.dot(&a))
+        };
+        Self { planes: piece.triangles().map(plane).collect(), bounds: bounds(piece.corners.iter()) }
+    }
+
+    fn contains(&self, p: &Vector3<f64>) -> bool {
+        let [lower, upper] = &self.bounds;
+        let is_within = (0..3).all(|i| lower[i] <= p[i] && p[i] <= upper[i]);
+        is_within && self.planes.iter().all(|(normal, offset)| normal.dot(p) <= *offset)
+    }
+}
+
 /// Triangles and the distances from them.
 struct Mesh {
     /// Their corners, each once, and the triangles as indices of these.
@@ -165,37 +187,44 @@ impl Mesh {
     /// Calls `is_done` with the triangles of the surface of a piece, and if it is not, with their quarters; without
     /// those within another piece.
     fn visit_surface(&self, pieces: &[ConvexPiece], own: usize, mut is_done: impl FnMut(&SurfacePart) -> bool) {
-        let others = || pieces.iter().enumerate().filter(|(i, _)| *i != own).map(|(_, piece)| piece);
+        let others = pieces.iter().enumerate().filter(|(i, _)| *i != own);
+        let others: Vec<_> = others.map(|(_, piece)| Inside::new(piece)).collect();
         for triangle in pieces[own].triangles() {
             let [a, b, c] = triangle;
             let outward = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default() * BEYOND;
-            let mut open = vec![triangle];
-            while let Some(triangle) = open.pop() {
-                let mut part = self.part(&triangle);
+            let mut open = vec![(triangle, f64::MAX)];
+            while let Some((triangle, most)) = open.pop() {
+                let mut part = self.part(&triangle, most);
                 if part.most > 0.0 {
                     let corners = triangle.map(|p| p + outward);
-                    if others().any(|other| corners.iter().all(|p| other.contains(p))) {
+                    if others.iter().any(|other| corners.iter().all(|p| other.contains(p))) {
                         continue;
                     }
                     let middle = corners.iter().sum::<Vector3<f64>>() / 3.0;
-                    part.is_outside = !others().any(|other| other.contains(&middle));
+                    part.is_outside = !others.iter().any(|other| other.contains(&middle));
                 }
                 if !is_done(&part) {
                     let [a, b, c] = triangle;
                     let [ab, bc, ca] = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
-                    open.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+                    let quarters = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+                    // Their middles are at most half as far away as the corners; the factor is for rounding.
+                    let most = 1.001 * (part.distance + 0.5 * part.size);
+                    open.extend(quarters.map(|quarter| (quarter, most)));
                 }
             }
         }
     }
 
     /// The distances of a triangle of a surface. The distance from the triangle of the mesh that is nearest to the
-    /// middle is a convex function, so that it is largest at a corner.
-    fn part(&self, triangle: &Triangle) -> SurfacePart {
+    /// middle is a convex function, so that it is largest at a corner. The middle is less than `most` away, m.
+    fn part(&self, triangle: &Triangle, most: f64) -> SurfacePart {
         let middle = triangle.iter().sum::<Vector3<f64>>() / 3.0;
         let size = triangle.iter().fold(0.0_f64, |most, p| most.max((p - middle).norm()));
-        let (projection, (nearest, _)) = self.shape.project_local_point_and_get_location(coordinates(&middle), false);
-        let distance = (projection.point - coordinates(&middle)).length();
+        let from = coordinates(&middle);
+        let within = self.shape.project_local_point_and_get_location_with_max_dist(from, false, most);
+        let (projection, (nearest, _)) =
+            within.unwrap_or_else(|| self.shape.project_local_point_and_get_location(from, false));
+        let distance = (projection.point - from).length();
         let nearest = self.shape.triangle(nearest);
         let at_corners = triangle.iter().map(|p| nearest.distance_to_local_point(coordinates(p), false));
         let most = at_corners.fold(0.0, f64::max).min(distance + size);
@@ -218,8 +247,13 @@ impl Mesh {
                 if below.is_empty() || above.is_empty() {
                     continue;
                 }
-                let volume = self.volume(&below)? + self.volume(&above)?;
-                if best.as_ref().is_none_or(|(least, _)| volume < *least) {
+                let least = best.as_ref().map_or(f64::INFINITY, |(least, _)| *least);
+                let (fewer, more) = if below.len() < above.len() { (&below, &above) } else { (&above, &below) };
+                let mut volume = self.volume(more)?;
+                if volume < least {
+                    volume += self.volume(fewer)?;
+                }
+                if volume < least {
                     best = Some((volume, [below, above]));
                 }
             }

@@ -25,16 +25,35 @@ impl Placed<'_, f64, f64> {
     }
 }
 
-/// The points of two bodies without their radii that are closest to each other, m; `None` if they touch or overlap. By
-/// the algorithm of Gilbert, Johnson and Keerthi.
-fn closest_points([a, b]: &[Placed<'_, f64, f64>; 2]) -> Option<[Vector3<f64>; 2]> {
+/// The algorithm of Gilbert, Johnson and Keerthi for two bodies without their radii, up to a distance, m.
+fn gjk_within([a, b]: &[Placed<'_, f64, f64>; 2], most: f64, is_exact: bool) -> GJKResult {
     let (a, b) = (Body(a), Body(b));
     let here = Pose::IDENTITY;
     let mut simplex = VoronoiSimplex::new();
     simplex.reset(CsoPoint::from_shapes(&here, &a, &b, Coordinates::X));
-    match gjk(&here, &a, &b, f64::MAX, true, &mut simplex) {
+    gjk(&here, &a, &b, most, is_exact, &mut simplex)
+}
+
+/// The points of two bodies without their radii that are closest to each other, m; `None` if they touch or overlap.
+fn closest_points(bodies: &[Placed<'_, f64, f64>; 2]) -> Option<[Vector3<f64>; 2]> {
+    match gjk_within(bodies, f64::MAX, true) {
         GJKResult::ClosestPoints(p, q, _) => Some([p, q].map(|p| Vector3::new(p.x, p.y, p.z))),
         _ => None,
+    }
+}
+
+/// Returns true if two bodies overlap or touch; faster than their distance.
+pub(super) fn overlap(bodies: &[Placed<'_, f64, f64>; 2]) -> bool {
+    let [a, b] = bodies;
+    let most = a.convex.radius + b.convex.radius;
+    let is_separating = |n: Coordinates| {
+        let n = Vector3::new(n.x, n.y, n.z);
+        n.dot(&(b.furthest(&-n) - a.furthest(&n))) > most
+    };
+    match gjk_within(bodies, most, false) {
+        GJKResult::Intersection => true,
+        GJKResult::NoIntersection(n) if is_separating(n) => false,
+        _ => gap(bodies).distance <= 0.0,
     }
 }
 

@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 const SIZES: [f64; 4] = [1.0, 0.5, 1.5, 1.0];
 
 /// A curve in a basis.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Path {
     pub basis: Basis,
     /// The coefficients, `N` by [`Basis::count`].

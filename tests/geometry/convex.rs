@@ -12,16 +12,20 @@ pub fn placement() -> impl Strategy<Value = Placement<f64>> {
     (three(), three()).prop_map(|(turn, at)| Placement::new(Rotation3::new(turn).into_inner(), at))
 }
 
-pub fn body() -> impl Strategy<Value = Convex> {
-    let solid = (0_usize..4, prop::array::uniform3(0.02..0.4), placement()).prop_map(|(kind, [a, b, c], placement)| {
+pub fn solid() -> impl Strategy<Value = Solid> {
+    (0_usize..4, prop::array::uniform3(0.02..0.4), placement()).prop_map(|(kind, [a, b, c], placement)| {
         let shape = match kind {
             0 => Shape::Sphere { radius: a },
             1 => Shape::Cuboid { half_extents: Vector3::new(a, b, c) },
             2 => Shape::Cylinder { radius: a, half_length: b },
             _ => Shape::Capsule { radius: a, half_length: b },
         };
-        Convex::of_solid(&Solid { placement, shape }).expect("it has ends")
-    });
+        Solid { placement, shape }
+    })
+}
+
+pub fn body() -> impl Strategy<Value = Convex> {
+    let solid = solid().prop_map(|solid| Convex::of_solid(&solid).expect("it has ends"));
     let hull = (points(4..60), 0.0..0.1).prop_map(|(points, radius)| Convex::of_corners(points, radius));
     prop_oneof![solid, hull]
 }

@@ -1,8 +1,9 @@
 //! The closest points of convex bodies.
 
+use super::convex::solid;
 use super::hull::{Point, beyond, points};
 use crate::common::config;
-use aghf::geometry::{Convex, ConvexPiece, Gap, Placed, Triangle, gap};
+use aghf::geometry::{Convex, ConvexPiece, Gap, Placed, Shape, Solid, Triangle, gap};
 use proptest::prelude::*;
 
 pub fn distance_from_segment(p: &Point, a: &Point, b: &Point) -> f64 {
@@ -55,6 +56,32 @@ fn distance_by_features(a: &ConvexPiece, b: &ConvexPiece) -> f64 {
     least
 }
 
+/// What a body is.
+#[derive(Clone, Debug)]
+enum Form {
+    Solid(Solid),
+    Hull(ConvexPiece),
+}
+
+/// The number of directions in which overlaps are examined.
+const DIRECTIONS: u32 = 500;
+
+fn member() -> impl Strategy<Value = (Convex, Form)> {
+    let of_hull = points(4..60).prop_map(|points| {
+        let piece = ConvexPiece::hull(&points).expect("finite");
+        (Convex::of_corners(piece.corners.clone(), 0.0), Form::Hull(piece))
+    });
+    prop_oneof![solid().prop_map(|solid| (Convex::of_solid(&solid).expect("it has ends"), Form::Solid(solid))), of_hull]
+}
+
+/// The distance by which a point is outside of a body, m.
+fn outside(form: &Form, p: &Point) -> f64 {
+    match form {
+        Form::Solid(solid) => solid.distance(p),
+        Form::Hull(piece) => beyond(piece, p),
+    }
+}
+
 proptest! {
     #![proptest_config(config(256))]
 
@@ -84,5 +111,33 @@ proptest! {
         prop_assert!(beyond(&a, &p) < 1e-9 && beyond(&moved, &q) < 1e-9);
         let by_features = distance_by_features(&a, &moved);
         prop_assert!(((p - q).norm() - by_features).abs() < 1e-9, "{} and {by_features}", (p - q).norm());
+    }
+
+    /// The proof of a distance: nearest points within the bodies, and a plane across them with as large a gap. Where
+    /// the bodies overlap, no direction has a gap.
+    #[test]
+    fn distances_are_proved_by_points_and_a_plane(a in member(), b in member()) {
+        let [first, second] = [&a, &b].map(|(convex, _)| Placed { convex, placement: None });
+        let Gap { distance, points: [p, q] } = gap(&[first, second]);
+        let gap_along = |n: &Point| -a.0.extent(&-n) - b.0.extent(n);
+        if distance > 0.0 {
+            let normal = (p - q) / (p - q).norm();
+            let proved = gap_along(&normal);
+            // Where a body has a disc the algorithm stops earlier: of 100 000 pairs, at up to 1.1e-5 m.
+            let has_disc = |form: &Form| matches!(form, Form::Solid(Solid { shape: Shape::Cylinder { .. }, .. }));
+            let most = if has_disc(&a.1) || has_disc(&b.1) { 2e-5 } else { 1e-9 };
+            prop_assert!((proved - distance).abs() <= most, "{proved} {distance}");
+            prop_assert!(((p - q).norm() - distance).abs() <= 1e-9);
+            prop_assert!(outside(&a.1, &p) <= 1e-9 && outside(&b.1, &q) <= 1e-9, "{p} {q}");
+        } else {
+            // Directions at nearly equal distances, on a spiral.
+            let spiral = (0..DIRECTIONS).map(|i| {
+                let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(DIRECTIONS);
+                let (y, x) = (2.399_963 * f64::from(i)).sin_cos();
+                Point::new(x, y, 0.0) * (1.0 - z * z).sqrt() + Point::z() * z
+            });
+            let best = spiral.map(|n| gap_along(&n)).fold(f64::NEG_INFINITY, f64::max);
+            prop_assert!(best <= 1e-9, "{best} {distance}");
+        }
     }
 }

@@ -2,9 +2,10 @@
 
 use crate::common::direct::solved_within;
 use crate::{across, outside, point, ring, wall_with_a_gap};
-use aghf::constraint::{AnyConstraint, Constraints, TorqueLimits};
+use aghf::constraint::{AnyConstraint, Bound, Bounds, Constraints, Side, TorqueLimits};
 use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, Iteration, PlannedStarts};
 use aghf::motion::Interrupt;
+use std::collections::HashSet;
 use std::time::Duration;
 
 /// Rows of the state alone.
@@ -96,6 +97,20 @@ fn planned_starts_are_for_what_is_not_found() {
     // Without paths all starts are bent, each in another way.
     let pairs = none.start_costs.windows(2);
     assert!(pairs.filter(|pair| pair[0] == pair[1]).count() < 8, "{:?}", none.start_costs);
+}
+
+/// Where the straight line is free, it is the only path: one start has it, and all others differ from it and from each
+/// other.
+#[test]
+fn no_two_starts_are_the_same() {
+    let too_slow = Bound { entry: 2, side: Side::Upper, value: 0.9 };
+    let mut state = outside([[0.5, 5.0]], 0.1);
+    state.push(AnyConstraint::Bounds(Bounds(vec![too_slow])));
+    let found = solve(state, PlannedStarts::Later, 2);
+    assert!(!found.converged);
+    let first = |start| found.iterations.iter().find(|i| i.start == Some(start)).map(|i| i.cost.to_bits());
+    let first: HashSet<_> = (0..64).map(|start| first(start).expect("it was tried")).collect();
+    assert_eq!(first.len(), 64);
 }
 
 /// A planned first start satisfies the constraints from the beginning: after any number of iterations, so does the

@@ -56,6 +56,8 @@ struct Multistart<'s, 'c, 'a, K, P> {
     /// The least cost within the constraints per level.
     least: Vec<f64>,
     first_costs: Vec<f64>,
+    /// The curves of the planned starts.
+    paths: Vec<Path>,
     /// The starts that have come to their end.
     ends: Vec<Run>,
 }
@@ -66,7 +68,8 @@ struct Multistart<'s, 'c, 'a, K, P> {
 /// before it, in the order of their numbers: its cost must be little more than the best of theirs. Therefore additional
 /// starts do not change the results of the others, on any number of cores, and more starts never give a worse result if
 /// one of fewer ends within the constraints. The first start beyond the requested ones is tried by itself. If there are
-/// obstacles, every other one of these starts is planned, or the first start of all if requested, until one succeeds.
+/// obstacles, every other one of these starts is planned, or the first start of all if requested, until one succeeds;
+/// no two of them are on the same path.
 /// If none of them satisfies the constraints, the reserve of the planned starts is the last one, whether or not there
 /// is time left.
 pub(crate) fn multistart<'c, K: Constraint + Send + Sync, P: CostWithControl>(
@@ -82,6 +85,7 @@ pub(crate) fn multistart<'c, K: Constraint + Send + Sync, P: CostWithControl>(
         planned,
         least: vec![f64::INFINITY; levels.len()],
         first_costs: Vec::new(),
+        paths: Vec::new(),
         ends: Vec::new(),
     };
     // The stages after the starts need their part of the time.
@@ -92,7 +96,8 @@ pub(crate) fn multistart<'c, K: Constraint + Send + Sync, P: CostWithControl>(
         let batch = all.batch(next);
         next = batch.end;
         let starts = side_by_side(batch.collect(), settings.threads, |number| all.start(number));
-        let runs = starts.into_iter().collect::<Result<_>>()?;
+        let mut runs = starts.into_iter().collect::<Result<Vec<_>>>()?;
+        all.replace_repeated(&mut runs)?;
         all.minimise_on_all_levels(runs, log)?;
         let more = match settings.time_limit {
             Some(_) => next < DirectSettings::MAX_STARTS,
@@ -134,29 +139,49 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
     }
 
     fn start(&self, number: usize) -> Result<Run> {
+        // Paths are for motions that are not found otherwise; bent starts lead to more minima in the same time.
+        if !self.is_found()
+            && let Some(candidate) = self.planned.start(number, &self.planned.problem(number)?)?
+        {
+            // A planned start has its own basis and enters at the highest degree.
+            return Ok(self.run(number, self.levels.len() - 1, candidate));
+        }
+        self.bent(number)
+    }
+
+    /// A start without a path.
+    fn bent(&self, number: usize) -> Result<Run> {
         let (context, settings) = (&self.context, self.context.settings);
         let problem = self.planned.problem(number)?;
-        // Paths are for motions that are not found otherwise; bent starts lead to more minima in the same time.
-        let planned = if self.is_found() { None } else { self.planned.start(number, &problem)? };
-        // A planned start has its own basis and enters at the highest degree.
-        let (first, mut candidate) = match planned {
-            Some(candidate) => (self.levels.len() - 1, candidate),
-            None => {
-                // A start is a single polynomial, whatever its later basis.
-                let basis = &self.levels[0].basis;
-                let one = Basis::new(1, basis.degree(), basis.continuity());
-                let line = Path::line(&problem, one);
-                let bends = self.planned.bends(number);
-                let path = line.start(settings.start_amplitude, settings.seed, bends);
-                let path = path.in_basis(basis.clone());
-                let times = times_by_length(&problem, &settings.waypoints, number);
-                let path = path.through(&settings.waypoints, number, &times);
-                let candidate = Candidate::new(path, context.problem.horizon());
-                (0, Candidate { times, ..candidate })
+        // A start is a single polynomial, whatever its later basis.
+        let basis = &self.levels[0].basis;
+        let one = Basis::new(1, basis.degree(), basis.continuity());
+        let line = Path::line(&problem, one);
+        let bends = self.planned.bends(number);
+        let path = line.start(settings.start_amplitude, settings.seed, bends);
+        let path = path.in_basis(basis.clone());
+        let times = times_by_length(&problem, &settings.waypoints, number);
+        let path = path.through(&settings.waypoints, number, &times);
+        let candidate = Candidate::new(path, context.problem.horizon());
+        Ok(self.run(number, 0, Candidate { times, ..candidate }))
+    }
+
+    fn run(&self, number: usize, first: usize, mut candidate: Candidate) -> Run {
+        candidate.alternative = self.context.goal.map_or(0, |goal| goal.end(number).alternative);
+        Run { number, first, guess: candidate.clone(), candidate }
+    }
+
+    /// Replaces planned starts on the curve of an earlier one by bent ones: where the straight line is free, it is the
+    /// only path.
+    fn replace_repeated(&mut self, runs: &mut [Run]) -> Result<()> {
+        for run in runs.iter_mut().filter(|run| run.guess.penalty.is_some()) {
+            if self.paths.contains(&run.guess.path) {
+                *run = self.bent(run.number)?;
+            } else {
+                self.paths.push(run.guess.path.clone());
             }
-        };
-        candidate.alternative = context.goal.map_or(0, |goal| goal.end(number).alternative);
-        Ok(Run { number, first, guess: candidate.clone(), candidate })
+        }
+        Ok(())
     }
 
     /// Continues the starts of a batch from level to level while they are promising.

@@ -11,9 +11,9 @@ use std::process::ExitCode;
 
 /// Lists the pairs of links of a robot that may overlap, with the reasons.
 ///
-/// The pairs are those that an SRDF disables, otherwise neighbours, and pairs that overlap at each of 10000 random
-/// configurations. The file can be edited, and used by a scenario: "self_collision": {"ignored_pairs_file":
-/// PATH}.
+/// The pairs are those that an SRDF disables, otherwise, or if it disables none, neighbours, and pairs that overlap at
+/// each of 10000 random configurations. The file can be edited, and used by a scenario: "self_collision":
+/// {"ignored_pairs_file": PATH}.
 #[derive(Debug, Args)]
 pub(super) struct Pairs {
     /// A built-in robot, or the path of a URDF file, "-" for the standard input.
@@ -43,22 +43,18 @@ impl Pairs {
         let source = RobotSource::find(&self.urdf, Path::new(""))?;
         let (model, notes) = source.parse(self.reading.options())?;
         tell_notes(&self.urdf, &notes);
-        let links = || link_shapes(&model, source.folder(), self.excess);
-        let pairs = match &self.srdf {
-            Some(path) => {
-                let srdf = Srdf::load(path, &model)?;
-                for link in &srdf.unknown_links {
-                    let path = path.display();
-                    tell(&format!("note: {path}: the robot has no link '{link}', whose pairs are left out"));
-                }
-                let pairs = IgnoredPairs::of_srdf(&model, &srdf);
-                // Without shapes nothing overlaps.
-                match model.collisions() {
-                    [] => pairs,
-                    _ => pairs.joined(&model, &links()?)?,
-                }
+        let srdf = self.srdf.as_ref().map(|path| Ok((Srdf::load(path, &model)?, path.display())));
+        let srdf = srdf.transpose()?;
+        for (link, path) in srdf.iter().flat_map(|(srdf, path)| srdf.unknown_links.iter().map(move |l| (l, path))) {
+            tell(&format!("note: {path}: the robot has no link '{link}', whose pairs are left out"));
+        }
+        let pairs = match (&srdf, model.collisions()) {
+            // Without shapes nothing overlaps.
+            (Some((srdf, _)), []) => IgnoredPairs::of_srdf(&model, srdf),
+            _ => {
+                let links = link_shapes(&model, source.folder(), self.excess)?;
+                IgnoredPairs::find(&model, srdf.as_ref().map(|(srdf, _)| srdf), &links)?
             }
-            None => IgnoredPairs::by_sampling(&model, &links()?)?,
         };
         match &self.out {
             None => print(pairs.to_json().trim_end())?,

@@ -7,6 +7,7 @@ use aghf::spatial::Placement;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// The largest length, m: far beyond any robot. Squared distances must neither overflow nor lose the size of the
 /// obstacle to rounding.
@@ -114,7 +115,7 @@ pub(crate) fn default_spacing() -> f64 {
 
 /// The pairs of links that may overlap; all others keep clear of each other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", from = "WrittenPairs")]
+#[serde(rename_all = "snake_case", try_from = "WrittenPairs")]
 pub enum SelfCollision {
     /// All pairs may overlap.
     Off,
@@ -137,7 +138,8 @@ enum WrittenPairs {
     Off(Off),
     List {
         /// Pairs of links that may overlap, in place of those that the SRDF disables and of neighbours.
-        ignored_pairs: Vec<[String; 2]>,
+        #[schemars(with = "Vec<[String; 2]>")]
+        ignored_pairs: Vec<Value>,
     },
     File {
         /// The path of a file with such pairs, as written by `aghf pairs`, relative to the scenario.
@@ -153,13 +155,21 @@ enum Off {
     Off,
 }
 
-impl From<WrittenPairs> for SelfCollision {
-    fn from(written: WrittenPairs) -> Self {
-        match written {
+impl TryFrom<WrittenPairs> for SelfCollision {
+    type Error = String;
+
+    fn try_from(written: WrittenPairs) -> Checked<Self> {
+        let pair = |(i, entry): (usize, Value)| {
+            let refused = format!("ignored_pairs[{i}] is {entry} and must be a list of the names of two links");
+            serde_json::from_value(entry).map_err(|_| refused)
+        };
+        Ok(match written {
             WrittenPairs::Off(Off::Off) => Self::Off,
-            WrittenPairs::List { ignored_pairs } => Self::IgnoredPairs(ignored_pairs),
+            WrittenPairs::List { ignored_pairs } => {
+                Self::IgnoredPairs(ignored_pairs.into_iter().enumerate().map(pair).collect::<Checked<_>>()?)
+            }
             WrittenPairs::File { ignored_pairs_file } => Self::IgnoredPairsFile(ignored_pairs_file),
-        }
+        })
     }
 }
 

@@ -186,10 +186,8 @@ impl MoveIt {
     /// The pairs of links that may overlap, those that the scene allows among them.
     fn ignored_pairs(&self, model: &Model, source: &RobotSource, allowed: Vec<[String; 2]>) -> Result<IgnoredPairs> {
         let links = link_shapes(model, source.folder(), self.excess)?;
-        let mut found = match &self.srdf {
-            Some(path) => IgnoredPairs::of_srdf(model, &Srdf::load(path, model)?).joined(model, &links)?,
-            None => IgnoredPairs::by_sampling(model, &links)?,
-        };
+        let srdf = self.srdf.as_ref().map(|path| Srdf::load(path, model)).transpose()?;
+        let mut found = IgnoredPairs::find(model, srdf.as_ref(), &links)?;
         for [a, b] in allowed {
             let same = |pair: &IgnoredPair| pair.links.contains(&a) && pair.links.contains(&b);
             // Objects and links without a shape are named there too.

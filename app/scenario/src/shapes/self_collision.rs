@@ -55,6 +55,21 @@ impl IgnoredPairs {
         Self { robot: model.name().to_owned(), ignored_pairs: srdf.disabled.iter().map(pair).collect() }
     }
 
+    /// Finds the pairs that an SRDF disables, and those that [always overlap](always_overlapping); without an SRDF, and
+    /// with one that disables none, the pairs [by sampling](Self::by_sampling).
+    ///
+    /// # Errors
+    /// Those of [`always_overlapping`].
+    pub fn find(model: &Model, srdf: Option<&Srdf>, robot: &CollisionGeometry) -> Result<Self> {
+        let Some(srdf) = srdf.filter(|srdf| !srdf.disabled.is_empty()) else {
+            return Self::by_sampling(model, robot);
+        };
+        let mut found = Self::of_srdf(model, srdf);
+        let listed: Vec<_> = found.ignored_pairs.iter().map(|p| p.links.clone()).collect();
+        found.ignored_pairs.extend(always_overlapping(model, robot, &listed)?);
+        Ok(found)
+    }
+
     /// Finds the pairs by sampling: neighbours, links separated by a single moving joint, and links that
     /// [always overlap](always_overlapping). Pairs on one body are not listed, because they never move relative to each
     /// other.
@@ -69,17 +84,6 @@ impl IgnoredPairs {
         ignored.extend(others);
         ignored.sort_by(|a, b| a.links.cmp(&b.links));
         Ok(Self { robot: model.name().to_owned(), ignored_pairs: ignored })
-    }
-
-    /// Adds the pairs of links that [always overlap](always_overlapping) and are not listed yet.
-    ///
-    /// # Errors
-    /// Those of [`always_overlapping`].
-    pub fn joined(mut self, model: &Model, robot: &CollisionGeometry) -> Result<Self> {
-        let listed: Vec<_> = self.ignored_pairs.iter().map(|p| p.links.clone()).collect();
-        let always = always_overlapping(model, robot, &listed)?;
-        self.ignored_pairs.extend(always);
-        Ok(self)
     }
 
     /// Writes the file that [`parse`](Self::parse) reads: readable JSON with one line per pair.

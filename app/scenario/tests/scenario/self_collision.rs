@@ -121,7 +121,13 @@ fn neighbours_and_links_that_always_overlap_may() {
     assert_eq!(found, expected.map(|(links, reason)| (links.to_owned(), reason)));
     let srdf = r#"<robot name="four"><disable_collisions link1="d" link2="a" reason="Never"/></robot>"#;
     let srdf = Srdf::parse(srdf, "four.srdf", &model).expect("it is good");
-    let pair = &IgnoredPairs::of_srdf(&model, &srdf).ignored_pairs[0];
+    let of_srdf = IgnoredPairs::find(&model, Some(&srdf), &balls).expect("its own balls").ignored_pairs;
+    assert_eq!(of_srdf.len(), 3, "{of_srdf:?}");
+    // An SRDF that disables no pair is as none.
+    let none = Srdf::parse(r#"<robot name="four"/>"#, "four.srdf", &model).expect("it is good");
+    let without = IgnoredPairs::find(&model, Some(&none), &balls).expect("its own balls").ignored_pairs;
+    assert_eq!((without.len(), without[0].reason.as_str()), (5, "neighbours"));
+    let pair = &of_srdf[0];
     assert_eq!((pair.links.join(" "), pair.reason.as_str()), ("d a".to_owned(), "disabled in the SRDF: Never"));
 }
 

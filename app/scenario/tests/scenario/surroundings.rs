@@ -159,6 +159,10 @@ fn bad_shapes_of_the_robot_are_refused_by_key() {
             own(json!({ "ignored_pairs": [["panda_link0", "panda_leg"]] })),
             "self_collision.ignored_pairs[0]: ;'panda_leg'",
         ),
+        (
+            own(json!({ "ignored_pairs": [["a", "b"], ["c"]] })),
+            "self_collision: ;ignored_pairs[1] is [\"c\"] and must be",
+        ),
         (own(json!({ "ignored_pairs_file": "nowhere.json" })), "self_collision: ;nowhere.json"),
         (own(json!({ "pairs": [] })), "self_collision: ;the key ignored_pairs or"),
         (own(json!({})), "self_collision: ;the key ignored_pairs or"),
