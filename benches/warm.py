@@ -77,6 +77,7 @@ def main() -> None:
     given = parser.parse_args()
     listed = subprocess.run([AGHF, "scenarios"], capture_output=True, text=True, check=True).stdout.split("\n")
     names = [line.split()[0] for line in listed if any(part in line for part in BUILT_IN)]
+    names = [name for name in names if name.isidentifier()]
     found = []
     with tempfile.TemporaryDirectory() as folder:
         for name in given.scenarios or names:
