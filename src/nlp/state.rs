@@ -104,7 +104,11 @@ impl State {
         let equalities = problem.equalities(scale / measure);
         self.iterate.restart(Barrier { mu: 0.0, nu }, equalities);
         self.iterate.compliance = options.compliance * measure / scale;
-        self.known = multipliers.map(<[f64]>::to_vec);
+        // In the memory of the search before.
+        match (multipliers, &mut self.known) {
+            (Some(given), Some(known)) => given.clone_into(known),
+            (given, known) => *known = given.map(<[f64]>::to_vec),
+        }
         let first = match self.known {
             Some(_) => options.min_warm_barrier.min(options.warm_barrier),
             None => options.first_barrier,
