@@ -1,7 +1,7 @@
 //! Starts with known multipliers.
 //!
 //! The barrier parameter begins at the error of the conditions of optimality, so that a solution is found again at once
-//! and a search after a small change is short (Nocedal and Wright, *Numerical Optimization*, 19.3 and 19.9).
+//! and a search after a small change is short (Nocedal and Wright, *Numerical Optimization*, 19.3).
 
 use super::{Nlp, Options, Row, State, Tightened};
 use crate::error::Result;
