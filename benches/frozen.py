@@ -23,6 +23,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+from scenarios import built_in
+
 ROOT = Path(__file__).resolve().parents[1]
 SEED, MIXED = 73, 40
 # The centres of the joint ranges from which states are drawn, and half their widths, rad.
@@ -52,8 +54,7 @@ def mixed() -> dict[str, dict]:
 
 def record(aghf: Path, file: Path) -> None:
     """Solves all problems and writes what was found."""
-    listed = subprocess.run([aghf, "scenarios"], capture_output=True, text=True, check=True).stdout
-    names = [line.split()[0] for line in listed.splitlines() if line.strip() and "SEED" not in line]
+    names = built_in(aghf)
     paths = [str(path) for path in sorted((ROOT / "robots/panda/scenarios").glob("*.json"))]
     found, environment = {}, {**os.environ, "RAYON_NUM_THREADS": "1"}
     with tempfile.TemporaryDirectory() as folder:

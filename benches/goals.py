@@ -36,6 +36,8 @@ from pathlib import Path
 import numpy as np
 import pinocchio
 
+from scenarios import from_file
+
 ROOT = Path(__file__).parents[1]
 AGHF = ROOT / "target" / "release" / "aghf"
 RADIUS, CLEAR = 0.1, 0.1
@@ -147,13 +149,6 @@ def upright(robot: Robot, name: str, frame: str) -> dict:
     return made
 
 
-def of_file(file: Path) -> dict:
-    """The scenario of a file, with the paths of its robot and its SRDF from anywhere."""
-    made = json.loads(file.read_text())
-    paths = {key: made[key] for key in ("robot", "srdf") if made.get(key, "").endswith("df")}
-    return made | {key: str((file.parent / path).resolve()) for key, path in paths.items()}
-
-
 def solve(made: dict, folder: Path, options: list[str]) -> tuple[dict | None, str]:
     """The summary of a solve with the verdict of the judge, or the reason why there is none."""
     file = folder / "scenario.json"
@@ -250,7 +245,7 @@ def main() -> None:
 
     draws = iter(draw, None)
     if given.scenarios:
-        draws = map(of_file, given.scenarios)
+        draws = map(from_file, given.scenarios)
         given.count = len(given.scenarios)
     rows, refused = [], []
     with tempfile.TemporaryDirectory() as folder:

@@ -11,12 +11,15 @@ iterations; objectives that a scenario refuses, and those without a minimum, are
 """
 
 import argparse
+import copy
 import json
 import statistics
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+from scenarios import built_in, from_file
 
 ROOT = Path(__file__).parents[1]
 AGHF = ROOT / "target" / "release" / "aghf"
@@ -37,13 +40,11 @@ def solve(made: dict, folder: Path, out: str, *options: str) -> dict | None:
 
 
 def scenario(name: str) -> dict:
-    """A scenario with the paths of its robot and its SRDF from anywhere."""
-    if not Path(name).exists():
-        shown = subprocess.run([AGHF, "scenarios", name], capture_output=True, text=True, check=True)
-        return json.loads(shown.stdout)
-    made = json.loads(Path(name).read_text())
-    paths = {key: made[key] for key in ("robot", "srdf") if made.get(key, "").endswith("df")}
-    return made | {key: str((Path(name).parent / path).resolve()) for key, path in paths.items()}
+    """The scenario of a file, or the one that is built in under a name."""
+    if Path(name).exists():
+        return from_file(Path(name))
+    shown = subprocess.run([AGHF, "scenarios", name], capture_output=True, text=True, check=True)
+    return json.loads(shown.stdout)
 
 
 def rows(name: str, folder: Path):
@@ -62,7 +63,7 @@ def moved(made: dict, folder: Path) -> dict:
     """The iterations with an obstacle moved, from nothing and from the motion before."""
     if not made.get("obstacles"):
         return {}
-    made = json.loads(json.dumps(made))
+    made = copy.deepcopy(made)
     pose = made["obstacles"][0].setdefault("pose", {})
     x, y, z = pose.get("position_m", [0.0] * 3)
     pose["position_m"] = [x + MOVED, y, z]
@@ -75,9 +76,7 @@ def main() -> None:
     parser.add_argument("--scenarios", nargs="+", help="names or files [default: those built in with obstacles]")
     parser.add_argument("--json", type=Path, help="a file for all numbers")
     given = parser.parse_args()
-    listed = subprocess.run([AGHF, "scenarios"], capture_output=True, text=True, check=True).stdout.split("\n")
-    names = [line.split()[0] for line in listed if any(part in line for part in BUILT_IN)]
-    names = [name for name in names if name.isidentifier()]
+    names = [name for name in built_in(AGHF) if any(part in name for part in BUILT_IN)]
     found = []
     with tempfile.TemporaryDirectory() as folder:
         for name in given.scenarios or names:

@@ -188,9 +188,9 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> DirectSequence<'_, K, P> {
         settings.free_horizon = self.weighted(weight_before);
         settings.time_limit = settings.time_limit.map(|limit| limit.mul_f64(part_of_starts));
         let mut first = self.first_with(settings)?;
+        let is_last = |weight: f64, of: &DirectSolution| weight * of.curve.horizon() >= last_time_share * of.cost;
         // A start may be the last of such motions.
-        let is_last = weight * first.curve.horizon() >= last_time_share * first.cost;
-        if self.settings.start.is_some() && is_last && first.converged && first.is_feasible() {
+        if self.settings.start.is_some() && is_last(weight, &first) && first.converged && first.is_feasible() {
             return Ok((first, Vec::new()));
         }
         let (mut others, mut share, mut again) = (Vec::new(), time_share, 0);
@@ -202,18 +202,15 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> DirectSequence<'_, K, P> {
             }
             let horizon = before.curve.horizon();
             let (density, weight) = (before.cost / horizon, share * before.cost / horizon);
-            // Multipliers grow with the objective.
-            let growth = (density + weight) / (density + weight_before);
-            let multipliers = before.multipliers.scaled(growth);
+            let multipliers = before.multipliers.reweighted(density, [weight_before, weight]);
             let free = self.weighted(weight);
             let next = self.from(before, horizon, free, Some(multipliers), again)?;
             let later = next.curve.horizon() / horizon;
-            let last = weight * next.curve.horizon() >= last_time_share * next.cost;
             let is_faster = next.is_feasible() && later <= NOT_LONGER;
             // A search that fails may return the motion with which it began.
             let is_better = is_faster && (next.converged || later * same_horizon <= 1.0);
             self.is_complete = next.converged && next.is_feasible() && later <= same_horizon;
-            let ends = if self.is_complete { last } else { is_better };
+            let ends = if self.is_complete { is_last(weight, &next) } else { is_better };
             if is_better {
                 weight_before = weight;
                 others.push(next);

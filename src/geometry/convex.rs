@@ -125,7 +125,7 @@ impl Convex {
         });
         let off = self.disc.map_or_else(Vector3::zeros, |(axis, radius)| {
             let across = |v: Vector3<f64>| v - axis * axis.dot(&v);
-            // Along the axis the first difference is rounding in any direction, beside it partly.
+            // Rounding of the first difference is not small relative to it where the direction is nearly the axis.
             let unit = across(*direction).try_normalize(PARALLEL * length).unwrap_or_default();
             across(unit) * radius
         });

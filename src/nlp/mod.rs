@@ -29,6 +29,7 @@
 //!    iterations with a small decrease ([`BarrierUpdate`]).
 //! 4. [`Nlp::tighten`]: after each reduction the rows are evaluated between the points of the quadrature, and violated
 //!    rows at their penalties get larger ones (NW 18.36).
+//! 5. `warm_start`: with known multipliers the barrier parameter begins at the error of the start, or the search ends.
 
 mod barrier;
 mod iterate;

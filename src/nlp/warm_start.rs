@@ -10,11 +10,11 @@ impl State {
     /// The change of the objective, relative to it, that the distances of the rows from their bounds predict to first
     /// order with known multipliers.
     fn change(&self, known: &[f64], penalty: f64) -> f64 {
-        let of_row = |row: &Row| {
+        let term = |row: &Row| {
             let (h, z) = (self.h[row.at], known.get(row.at).map_or(0.0, |z| z.abs()));
             row.weight * (z * h.abs()).max(penalty * row.violation(h))
         };
-        self.measure * self.rows.iter().map(of_row).sum::<f64>() / self.scale()
+        self.measure * self.rows.iter().map(term).sum::<f64>() / self.scale()
     }
 
     /// Returns true if the start with known multipliers is a solution: if the errors of stationarity, feasibility and
@@ -40,8 +40,7 @@ impl State {
         self.iterate.is_lagrangian = false;
         derived?;
         self.iterations = 0;
-        let step = self.kkt.step(self.scale(), &mut self.progress, options);
-        let Some(step) = step else {
+        let Some(step) = self.kkt.step(self.scale(), &mut self.progress, options) else {
             return Ok(false);
         };
         self.kkt.reuse(step);

@@ -56,7 +56,7 @@ fn distance_by_features(a: &ConvexPiece, b: &ConvexPiece) -> f64 {
     least
 }
 
-/// What a body is.
+/// The shape of a body.
 #[derive(Clone, Debug)]
 enum Form {
     Solid(Solid),
@@ -123,7 +123,7 @@ proptest! {
         if distance > 0.0 {
             let normal = (p - q) / (p - q).norm();
             let proved = gap_along(&normal);
-            // Where a body has a disc the algorithm stops earlier: of 100 000 pairs, at up to 1.1e-5 m.
+            // With a disc the algorithm stops earlier: of 100 000 pairs, at up to 1.1e-5 m.
             let has_disc = |form: &Form| matches!(form, Form::Solid(Solid { shape: Shape::Cylinder { .. }, .. }));
             let most = if has_disc(&a.1) || has_disc(&b.1) { 2e-5 } else { 1e-9 };
             prop_assert!((proved - distance).abs() <= most, "{proved} {distance}");

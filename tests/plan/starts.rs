@@ -99,7 +99,7 @@ fn planned_starts_are_for_what_is_not_found() {
     assert!(pairs.filter(|pair| pair[0] == pair[1]).count() < 8, "{:?}", none.start_costs);
 }
 
-/// Where the straight line is free, it is the only path: one start has it, and all others differ from it and from each
+/// If the straight line is free, it is the only path: one start has it, and all others differ from it and from each
 /// other.
 #[test]
 fn no_two_starts_are_the_same() {

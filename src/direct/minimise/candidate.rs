@@ -262,6 +262,13 @@ impl Multipliers {
         Self { values: by(&self.values), of_points: by(&self.of_points), ..self.clone() }
     }
 
+    /// The multipliers after a change of the cost of a second from one value to another, which they follow as the
+    /// objective does; `density` is its cost per second without that.
+    #[must_use]
+    pub fn reweighted(&self, density: f64, [before, after]: [f64; 2]) -> Self {
+        self.scaled((density + after) / (density + before))
+    }
+
     /// Takes over other multipliers in the memory of these.
     pub(crate) fn set(&mut self, from: &Self) {
         self.times.clone_from(&from.times);

@@ -43,8 +43,6 @@ struct Walk {
     clock: Clock,
     /// The multipliers of the rows, and of the slips.
     multipliers: [Multipliers; 2],
-    /// The penalties of equalities, relative to the first ones.
-    equality_penalty: f64,
     /// The action without the terms of multipliers.
     exact: f64,
     found: RestSolution,
@@ -60,7 +58,6 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
             path: Path::of_states(&curve, levels[0].basis.clone()),
             clock: Clock::default(),
             multipliers: Default::default(),
-            equality_penalty: 1.0,
             exact: f64::NAN,
             found: RestSolution::new(curve, guess),
         };
@@ -153,7 +150,7 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
         {
             *program.slip_multipliers() = DMatrix::from_vec(n, grid.times.len(), known);
         }
-        program.equality_penalty = walk.equality_penalty;
+        program.equality_penalty = of_rows.equality_penalty;
         let norm = Norm {
             model: problem.model(),
             kind: settings.metric,
@@ -212,10 +209,10 @@ impl Walk {
         let of_rows = end.iterate.multipliers(grid.times.len() * rows.count());
         let mut multipliers = Multipliers::default();
         multipliers.put(grid, rows, &of_rows);
-        self.multipliers = [multipliers, Multipliers { times, values: of_slips, ..Multipliers::default() }];
         if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
-            self.equality_penalty = penalty / first;
+            multipliers.equality_penalty = penalty / first;
         }
+        self.multipliers = [multipliers, Multipliers { times, values: of_slips, ..Multipliers::default() }];
         self.exact = program.exact;
         let found = &mut self.found;
         found.action = program.action(&end.x, &end.iterate)?;

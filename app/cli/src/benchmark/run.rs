@@ -1,9 +1,9 @@
 //! The solves of a benchmark.
 
 use super::Problem;
-use crate::output::{ResultsFile, one_line, verdict};
+use crate::output::{ResultsFile, line_error, one_line, verdict};
 use crate::sweep::caught;
-use aghf::error::{Error, Result};
+use aghf::error::Result;
 use aghf::motion::sample;
 use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge, sufficient_samples};
 use aghf_scenario::{DirectOptions, Solve, Verdict};
@@ -79,10 +79,8 @@ impl Row {
 /// The file cannot be read or written.
 pub fn run(problems: &[Problem], path: &Path, observe: &mut dyn FnMut(&Row)) -> Result<Vec<Row>> {
     let (mut file, lines) = ResultsFile::open(path, &Row::new(&problems[0]))?;
-    let known = lines.iter().enumerate().map(|(i, line)| {
-        let row = line.deserialize::<Row>(None);
-        row.map_err(|e| Error::input(path.display().to_string(), format!("line {}", i + 2), e.to_string()))
-    });
+    let lines = lines.iter().enumerate();
+    let known = lines.map(|(i, line)| line.deserialize::<Row>(None).map_err(|e| line_error(path, i, e)));
     let mut known = known.collect::<Result<Vec<_>>>()?;
     let mut rows = Vec::new();
     for problem in problems {

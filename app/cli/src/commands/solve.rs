@@ -164,7 +164,7 @@ impl SolveArgs {
         };
         let name = name.file_name().unwrap_or_default().to_string_lossy();
         let options = self.options.over(&SolveOptions::default())?;
-        let mut sweep = Sweep::of_problems(&name, self.scenario, &self.robot.given(), &options)?;
+        let mut sweep = Sweep::from_scenarios(&name, self.scenario, &self.robot.given(), &options)?;
         tell_notes_of(sweep.scenarios());
         let folder = self.out.path().map_or_else(|| Path::new("out").join(&sweep.name), Path::to_owned);
         let sampling = self.sampling.sampling();

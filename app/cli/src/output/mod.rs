@@ -20,6 +20,7 @@ pub use files::{remove_unfinished, write_text};
 pub use folder::{OutputFolder, refuse_existing};
 pub use json::write_json;
 pub use judgement::{judgement_table, verdict};
+pub(crate) use results_file::line_error;
 pub use results_file::{ResultsFile, complete_lines};
 pub use rows::csv_of;
 pub(crate) use rows::{cost_of, csv_cell, minimised, one_line};

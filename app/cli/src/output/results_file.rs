@@ -67,13 +67,17 @@ impl ResultsFile {
 /// The header is another one, or a line is no CSV.
 pub fn complete_lines(text: &[u8], header: &impl Serialize, path: &Path) -> Result<Vec<StringRecord>> {
     let text = complete(text);
-    let refuse =
-        |line: usize, condition: &str| Error::input(path.display().to_string(), format!("line {line}"), condition);
     if !text.is_empty() && !text.starts_with(&header_line(header)?) {
-        return Err(refuse(1, "it is not the header that this version writes; choose another folder"));
+        let condition = "it is not the header that this version writes; choose another folder";
+        return Err(Error::input(path.display().to_string(), "line 1", condition));
     }
     let lines = csv::Reader::from_reader(text).into_records().enumerate();
-    lines.map(|(i, line)| line.map_err(|e| refuse(i + 2, &e.to_string()))).collect()
+    lines.map(|(i, line)| line.map_err(|e| line_error(path, i, e))).collect()
+}
+
+/// The error of the line of this index below the header.
+pub(crate) fn line_error(path: &Path, index: usize, condition: impl std::fmt::Display) -> Error {
+    Error::input(path.display().to_string(), format!("line {}", index + 2), condition.to_string())
 }
 
 /// The text up to the end of its last complete line.

@@ -28,7 +28,7 @@ pub(crate) fn short(x: f64) -> String {
 /// The number of starts whose costs are listed.
 const SHOWN: usize = 16;
 
-/// The largest number of columns of the table of a solve; longer values go on in further lines.
+/// The largest number of columns of the table of a solve; longer values are wrapped.
 const COLUMNS: u16 = 100;
 
 /// Formats the result of a solve as a table: the motion, and with `verbose` the numbers of the method.
@@ -50,7 +50,7 @@ pub(crate) fn summary_rows(summary: &Summary) -> Vec<[String; 2]> {
     rows
 }
 
-/// The rows of what a user of the motion needs.
+/// The rows that a user of the motion needs.
 fn motion_rows(s: &Summary) -> Vec<[String; 2]> {
     let row = |what: &str, value: String| [what.to_owned(), value];
     // A robot in a file has its path.

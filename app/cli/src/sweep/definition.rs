@@ -75,7 +75,7 @@ pub struct Sweep {
     pub file: SweepFile,
     /// The problems.
     pub problems: Vec<Problem>,
-    /// Where motions are written, if they are kept.
+    /// The place and the form of motions, if they are kept.
     pub motions: Option<Motions>,
     /// The grid: each problem in turn with all parameters, in the same order.
     pub sets: Vec<ParameterSet>,
@@ -108,13 +108,13 @@ impl Sweep {
     ///
     /// # Errors
     /// There is no such scenario, or none accepts the options.
-    pub fn of_problems(
+    pub fn from_scenarios(
         name: &str,
         scenarios: Vec<String>,
         given: &LoadOptions,
         options: &SolveOptions,
     ) -> Result<Self> {
-        let file = SweepFile::of_problems(name, scenarios, options)?;
+        let file = SweepFile::from_scenarios(name, scenarios, options)?;
         Self::new(file, name, Path::new(""), given)
     }
 

@@ -57,7 +57,7 @@ impl SweepFile {
     ///
     /// # Errors
     /// The time limit is out of range.
-    pub fn of_problems(name: &str, scenarios: Vec<String>, options: &SolveOptions) -> Result<Self> {
+    pub fn from_scenarios(name: &str, scenarios: Vec<String>, options: &SolveOptions) -> Result<Self> {
         let mut file = Self::of_all("problems".to_owned());
         let mut keys = options.keys()?;
         if let Some(limit) = keys.shift_remove("time_limit_s").and_then(|limit| limit.as_f64()) {
@@ -67,7 +67,7 @@ impl SweepFile {
         let lists = keys.into_iter().map(|(name, value)| Parameter { name, values: vec![value], of_scenario: false });
         let grid = check(&file.head).and_then(|()| Grid::new(lists.collect()));
         file.grid = grid.map_err(|(key, condition)| Error::input("options", key, condition))?;
-        // That of a folder may have any letters.
+        // The name of a folder may have any letters.
         file.head.name = Some(name.to_owned());
         Ok(file)
     }

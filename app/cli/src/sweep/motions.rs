@@ -7,7 +7,7 @@ use aghf::error::Result;
 use aghf_scenario::{Scenario, SolveReport};
 use std::path::PathBuf;
 
-/// Where and how the motions of a sweep are written.
+/// The place and the form of the motions that a sweep keeps.
 #[derive(Clone, Debug)]
 pub struct Motions {
     /// The folder, which gets a folder for each motion.

@@ -5,7 +5,7 @@
 //! the grid.
 
 use super::{ParameterSet, Row, Shard, Sweep};
-use crate::output::{ResultsFile, complete_lines, csv_of, write_json, write_whole};
+use crate::output::{ResultsFile, complete_lines, csv_of, line_error, write_json, write_whole};
 use aghf::error::{Error, Result};
 use csv::StringRecord;
 use serde_json::Value;
@@ -201,7 +201,7 @@ fn any_row(sweep: &Sweep) -> Row {
 fn parse(sweep: &Sweep, shard: Shard, lines: &[StringRecord], path: &Path) -> Result<BTreeMap<usize, Row>> {
     let mut rows = BTreeMap::new();
     for (i, line) in lines.iter().enumerate() {
-        let refuse = |condition| Error::input(path.display().to_string(), format!("line {}", i + 2), condition);
+        let refuse = |condition| line_error(path, i, condition);
         let set = line[0].parse::<usize>().map_err(|e| refuse(e.to_string()))?;
         let own = sweep.sets.get(set).filter(|_| shard.has(set));
         let own = own.ok_or_else(|| refuse(format!("its set {set} is not one of this sweep")))?;

@@ -77,7 +77,7 @@ fn the_rows_of_summaries_are_explained() {
     ] {
         let words = [&["solve"], arguments, &["--no-report", "--force", "--verbose"]].concat();
         let output = aghf(&folder, &words);
-        // Long values go on in lines that begin with more than one space.
+        // The further lines of wrapped values begin with more than one space.
         let table = output.stdout.lines().filter(|line| line.contains("  ") && !line.starts_with("  "));
         let names: Vec<_> = table.filter_map(|line| line.trim().split("  ").next()).collect();
         assert!(names.len() > 8, "{}{}", output.stdout, output.stderr);

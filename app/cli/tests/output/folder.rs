@@ -83,7 +83,7 @@ fn the_table_of_a_summary_has_its_notes_and_the_largest_passive_torque() {
     let weights = serde_json::from_value(json!({ "acceleration": 1.0 })).expect("weights");
     let weighted = |scenario: &mut Scenario| scenario.file.objective = Clone::clone(&weights);
     let flow = table("pendulum_1_swingup", &weighted, by_flow.into());
-    // Long values go on in further lines.
+    // Long values are wrapped.
     let flow = flow.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(flow.contains("objective: the published flow minimises the control effort alone"), "{flow}");
     let fast = serde_json::from_value(json!("least-time")).expect("a preset");

@@ -31,8 +31,6 @@ pub struct Provenance {
 impl Provenance {
     /// The provenance of a solve with these options.
     pub(crate) fn new(scenario: &Scenario, options: &SolveOptions) -> Result<Self> {
-        let mut file = scenario.file.clone();
-        file.robot.clone_from(&scenario.robot_place);
         Ok(Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             commit: git_version::git_version!(
@@ -42,8 +40,15 @@ impl Provenance {
             .to_owned(),
             robot_sha256: scenario.robot_sha256.clone(),
             options: options.in_full(scenario)?,
-            scenario: file,
+            scenario: scenario.placed_file(),
         })
+    }
+}
+
+impl Scenario {
+    /// The file with a robot that is built in, or at an absolute path.
+    pub(crate) fn placed_file(&self) -> ScenarioFile {
+        ScenarioFile { robot: self.robot_place.clone(), ..self.file.clone() }
     }
 }
 

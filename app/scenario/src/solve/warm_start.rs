@@ -1,6 +1,5 @@
 //! A start from the motion of another solve.
 
-use crate::results::provenance::Provenance;
 use crate::results::summary::{DirectDetails, LastSearch, Verdict};
 use crate::solve::search::Search;
 use crate::{Details, DirectOptions, Preset, Solved};
@@ -25,12 +24,12 @@ pub struct MultipliersFile {
     /// Those of the rows of a goal.
     of_points: Vec<f64>,
     /// The penalties of the squares of equalities, relative to the first ones.
-    #[serde(default = "first")]
+    #[serde(default = "first_penalty")]
     equality_penalty: f64,
 }
 
 /// The first penalties of equalities, relative to themselves.
-fn first() -> f64 {
+fn first_penalty() -> f64 {
     1.0
 }
 
@@ -69,35 +68,33 @@ pub(crate) fn start_from(start: &Solved, options: &DirectOptions, search: &mut S
         Details::Direct(details) => Some(details),
         Details::Flow(_) | Details::Rest(_) => None,
     };
-    let growth = match details {
-        Some(details) => begin_at_the_last_search(start, details, options, search)?,
-        None => 1.0,
-    };
     let kept = match details.and_then(|details| details.multipliers.as_ref()) {
         Some(of) if of.rows == rows => {
             let known = Multipliers::of_entries(of.times.clone(), rows, &of.entries, of.of_points.clone());
             let mut known = known.map_err(|e| Error::input("start", "multipliers", e.to_string()))?;
             check_positive("start", "multipliers.equality_penalty", of.equality_penalty)?;
             known.equality_penalty = of.equality_penalty;
-            search.settings.multipliers = Some(known.scaled(growth));
+            search.settings.multipliers = Some(known);
             search.settings.start_is_minimum = true;
             "with its multipliers"
         }
         Some(_) => "without its multipliers, as the constraints are others",
         None => "without multipliers, as it has none",
     };
+    if let Some(details) = details {
+        begin_at_the_last_search(start, details, options, search);
+    }
     Ok(format!("start: the search began with the motion of '{name}', {kept}"))
 }
 
 /// Makes a search begin in the basis of a motion, if that is finer than its own, and with the last search that led to
 /// the motion if the scenario is the same; in others with a weight of time as in the last search for the least time.
-/// Returns the factor by which that weight makes multipliers grow.
 fn begin_at_the_last_search(
     start: &Solved,
     details: &DirectDetails,
     options: &DirectOptions,
     search: &mut Search<'_, '_>,
-) -> Result<f64> {
+) {
     let (degree, segments) = (start.curve.degree(), start.curve.segments());
     let settings = &mut search.settings;
     let is_finer = degree >= settings.degree && segments >= settings.segments;
@@ -109,19 +106,16 @@ fn begin_at_the_last_search(
         (settings.degree, settings.segments) = (degree, segments);
     }
     let Some(LastSearch { shortest_s: shortest, longest_s: longest, weight }) = details.last_search.clone() else {
-        return Ok(1.0);
+        return;
     };
-    let before = &start.summary.provenance;
-    let is_same = Provenance::new(search.scenario, &before.options)?.scenario == before.scenario;
+    let is_same = search.scenario.placed_file() == start.summary.provenance.scenario;
     if is_same && start.summary.verdict == Verdict::Optimal {
         search.last = Some(FreeHorizon { shortest, longest, weight });
-        return Ok(1.0);
+    } else if matches!(search.scenario.file.objective.preset(), Some(Preset::LeastTime | Preset::Balanced)) {
+        let density = details.cost / details.horizon_s;
+        let faster = weight.max(SequenceOptions::default().time_share * density);
+        search.first_weight = Some(faster);
+        let multipliers = &mut search.settings.multipliers;
+        *multipliers = multipliers.take().map(|known| known.reweighted(density, [weight, faster]));
     }
-    if !matches!(search.scenario.file.objective.preset(), Some(Preset::LeastTime | Preset::Balanced)) {
-        return Ok(1.0);
-    }
-    let density = details.cost / details.horizon_s;
-    let faster = weight.max(SequenceOptions::default().time_share * density);
-    search.first_weight = Some(faster);
-    Ok((density + faster) / (density + weight))
 }
