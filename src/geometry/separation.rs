@@ -7,6 +7,12 @@ use parry3d_f64::math::{Pose, Vector as Coordinates};
 use parry3d_f64::query::gjk::{CsoPoint, GJKResult, VoronoiSimplex, closest_points as gjk};
 use parry3d_f64::shape::SupportMap;
 
+/// The largest number of starts of the algorithm.
+const MAX_STARTS: usize = 10;
+
+/// The difference of a distance and the gap along its direction at which it is proved, m.
+const PROVED: f64 = 1e-9;
+
 /// A body as the library of the algorithm sees it.
 struct Body<'a>(&'a Placed<'a, f64, f64>);
 
@@ -25,21 +31,57 @@ impl Placed<'_, f64, f64> {
     }
 }
 
-/// The algorithm of Gilbert, Johnson and Keerthi for two bodies without their radii, up to a distance, m.
-fn gjk_within([a, b]: &[Placed<'_, f64, f64>; 2], most: f64, is_exact: bool) -> GJKResult {
+/// The algorithm of Gilbert, Johnson and Keerthi for two bodies without their radii, up to a distance, m, from a
+/// direction from the first one to the second one.
+fn gjk_within([a, b]: &[Placed<'_, f64, f64>; 2], start: Coordinates, most: f64, is_exact: bool) -> GJKResult {
     let (a, b) = (Body(a), Body(b));
     let here = Pose::IDENTITY;
     let mut simplex = VoronoiSimplex::new();
-    simplex.reset(CsoPoint::from_shapes(&here, &a, &b, Coordinates::X));
+    simplex.reset(CsoPoint::from_shapes(&here, &a, &b, start));
     gjk(&here, &a, &b, most, is_exact, &mut simplex)
 }
 
-/// The points of two bodies without their radii that are closest to each other, m; `None` if they touch or overlap.
-fn closest_points(bodies: &[Placed<'_, f64, f64>; 2]) -> Option<[Vector3<f64>; 2]> {
-    match gjk_within(bodies, f64::MAX, true) {
+/// The distance of two bodies without their radii, m, as the gap along the direction of their closest points, which no
+/// distance is less than; `None` if they touch or overlap.
+///
+/// The algorithm ends early if its simplex becomes flat, as at the rim of a disc. It begins again in the direction found,
+/// after a step to the furthest points along it, until the gap is the distance of the points.
+fn separation(bodies: &[Placed<'_, f64, f64>; 2]) -> Option<Gap> {
+    let [a, b] = bodies;
+    let closest = |start| match gjk_within(bodies, start, f64::MAX, true) {
         GJKResult::ClosestPoints(p, q, _) => Some([p, q].map(|p| Vector3::new(p.x, p.y, p.z))),
         _ => None,
+    };
+    let length = |[p, q]: &[Vector3<f64>; 2]| (p - q).norm();
+    let mut points = closest(Coordinates::X)?;
+    let mut best = Gap { distance: 0.0, points };
+    for _ in 0..MAX_STARTS {
+        let (off, long) = (points[0] - points[1], length(&points));
+        if long == 0.0 {
+            break;
+        }
+        let n = off / long;
+        let further = [a.furthest(&-n), b.furthest(&n)];
+        let step = further[0] - further[1] - off;
+        let excess = -n.dot(&step);
+        if long - excess > best.distance {
+            best = Gap { distance: long - excess, points };
+        }
+        if length(&best.points) - best.distance <= PROVED {
+            break;
+        }
+        let share = (long * excess / step.norm_squared()).min(1.0);
+        for (point, further) in points.iter_mut().zip(further) {
+            *point += (further - *point) * share;
+        }
+        let start = points[1] - points[0];
+        if let Some(other) = closest(Coordinates::new(start.x, start.y, start.z))
+            && length(&other) < length(&points)
+        {
+            points = other;
+        }
     }
+    (best.distance > 0.0).then_some(best)
 }
 
 /// Returns true if two bodies overlap or touch; faster than their distance.
@@ -50,7 +92,7 @@ pub(super) fn overlap(bodies: &[Placed<'_, f64, f64>; 2]) -> bool {
         let n = Vector3::new(n.x, n.y, n.z);
         n.dot(&(b.furthest(&-n) - a.furthest(&n))) > most
     };
-    match gjk_within(bodies, most, false) {
+    match gjk_within(bodies, Coordinates::X, most, false) {
         GJKResult::Intersection => true,
         GJKResult::NoIntersection(n) if is_separating(n) => false,
         _ => gap(bodies).distance <= 0.0,
@@ -60,7 +102,7 @@ pub(super) fn overlap(bodies: &[Placed<'_, f64, f64>; 2]) -> bool {
 /// The distance of two bodies.
 #[derive(Clone, Copy, Debug)]
 pub struct Gap {
-    /// The distance, m; where they overlap, the negative depth or less.
+    /// The distance, m, or up to 1e-5 m less at the rim of a disc; where they overlap, the negative depth or less.
     pub distance: f64,
     /// The nearest points of both.
     pub points: [Vector3<f64>; 2],
@@ -75,12 +117,8 @@ pub fn gap(bodies: &[Placed<'_, f64, f64>; 2]) -> Gap {
         distance: distance - radii[0] - radii[1],
         points: [p - n * radii[0], q + n * radii[1]],
     };
-    if let Some([p, q]) = closest_points(bodies) {
-        let off = p - q;
-        let distance = off.norm();
-        if distance > 0.0 {
-            return along(off / distance, distance, [p, q]);
-        }
+    if let Some(Gap { distance, points }) = separation(bodies) {
+        return along((points[0] - points[1]).normalize(), distance, points);
     }
     let centre = |body: &Placed<'_, f64, f64>| placed_point(body.placement, &body.convex.ball().centre);
     let off = centre(a) - centre(b);

@@ -26,7 +26,9 @@ proptest! {
         let radii = a.radius + b.radius;
         let away = at.point(&a.ball().centre) - to.point(&b.ball().centre);
         prop_assume!(exact.distance + radii > 1e-3 && away.norm() > 1e-3);
-        prop_assert!(((exact.points[0] - exact.points[1]).norm() - exact.distance.abs()).abs() < 1e-9);
+        // At the rim of a disc the points are less exact.
+        let distance = (exact.points[0] - exact.points[1]).norm().copysign(exact.distance);
+        prop_assert!((-1e-12..1e-5).contains(&(distance - exact.distance)), "{distance} {exact:?}");
 
         let plane = Plane::between(&bodies, (|| away, None), WIDTHS, Until::Value);
         let least = exact.distance + radii - WIDTHS[1] * (a.excess() + b.excess());
