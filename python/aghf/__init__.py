@@ -24,7 +24,7 @@ from ._dynamics import (
     rnea_weighted_hessian,
 )
 from ._goal import Goal
-from ._judge import judge
+from ._judge import Clearance, clearance, judge
 from ._model import Model
 from ._native import _aghf
 from ._nlp import Program, ProgramSolution, solve_nlp
@@ -40,6 +40,7 @@ builtin_robots = _aghf.builtin_robots
 jacobians = _aghf.jacobians
 
 __all__ = [
+    "Clearance",
     "Command",
     "Constraint",
     "Goal",
@@ -62,6 +63,7 @@ __all__ = [
     "check",
     "check_constraint",
     "check_cost",
+    "clearance",
     "crba",
     "energy",
     "forward_kinematics",

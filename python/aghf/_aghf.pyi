@@ -38,6 +38,7 @@ __all__ = [
     "solve_nlp",
     "tradeoff",
     "tradeoff_html",
+    "clearance",
     "judge",
     "check",
     "sweep",
@@ -141,6 +142,7 @@ def tradeoff_html(solutions: list[Solution]) -> str: ...
 def solve_nlp(
     problem: Program, x: np.ndarray, bounds: np.ndarray, row_bounds: np.ndarray, iterations: int, tolerance: float
 ) -> dict[str, Any]: ...
+def clearance(named: tuple[str, str | None], q: np.ndarray) -> list[tuple[float, list[str] | None]]: ...
 def judge(
     named: tuple[str, str | None],
     times: np.ndarray,

@@ -1,11 +1,12 @@
-"""The judgement of motions."""
+"""The judgement of motions, and the clearance of configurations."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from ._json import named, read
@@ -61,3 +62,38 @@ def judge(
     given = {"q": q, "v": v, "a": a, "tau": tau}
     tables = [None if x is None else array(x, name) for name, x in given.items()]
     return read(_aghf.judge(named(scenario), array(t, "t"), tables, [tolerance, overlap_m]))
+
+
+class Clearance(NamedTuple):
+    """The closest pair of a configuration, or those of several."""
+
+    #: The distance, m, negative in an overlap; ``(B,)`` for several configurations. Infinity if no pairs keep clear.
+    distance_m: np.ndarray
+    #: A link and an obstacle or another link, or a list with those of each configuration. None if no pairs keep clear.
+    pair: tuple[str, str] | None | list[tuple[str, str] | None]
+
+
+def clearance(scenario: str | os.PathLike[str] | Mapping[str, Any], q: ArrayLike) -> Clearance:
+    """The distance of a robot from the obstacles and itself, with the nearest pair.
+
+    The pairs are those that keep clear in motions of the scenario, its margins are not taken off. Where a pair
+    overlaps, the distance is the negative depth or less. Cost: a distance per pair that may be the nearest; large
+    batches use all cores. The scenario and its meshes are read once per call.
+
+    Parameters
+    ----------
+    scenario : str, os.PathLike or Mapping
+        As for `solve`.
+    q : (N,) or (B, N)
+        One configuration or several.
+
+    Raises
+    ------
+    InputError, ValueError
+        Names the scenario or the argument, and its fault.
+    """
+    given = array(q, "q")
+    found = _aghf.clearance(named(scenario), given[None] if given.ndim == 1 else given)
+    pairs = [(own[0], own[1]) if own is not None else None for _, own in found]
+    distances = np.array([distance for distance, _ in found])
+    return Clearance(distances[0], pairs[0]) if given.ndim == 1 else Clearance(distances, pairs)

@@ -27,6 +27,7 @@ fn _aghf(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(model::builtin_robots, module)?)?;
     dynamics::add_to(module)?;
     module.add_function(wrap_pyfunction!(inverse_kinematics::inverse_kinematics, module)?)?;
+    module.add_function(wrap_pyfunction!(motion::clearance, module)?)?;
     module.add_function(wrap_pyfunction!(motion::judge, module)?)?;
     flow::add_to(module)?;
     module.add_function(wrap_pyfunction!(nlp::solve_nlp, module)?)?;

@@ -152,6 +152,34 @@ def test_motions_of_several_solutions_are_stacked():
             aghf.stack(wrong)
 
 
+def test_the_clearance_of_configurations():
+    def scene(radius):
+        ball = {"shape": {"sphere": {"radius_m": radius}}, "pose": {"position_m": [0.6, 0.0, 0.4]}, "name": "ball"}
+        rest = {"v_start": [0.0] * 7, "q_start": [0.0] * 7, "q_goal": [0.5] * 7, "v_goal": [0.0] * 7, "horizon_s": 2.0}
+        return {"robot": "kinova_gen3", "obstacles": [ball] if radius else []} | rest
+
+    scenario = scene(0.1)
+    rng = np.random.default_rng(20261130)
+    q = rng.uniform(-1.5, 1.5, (70, 7))
+    found = aghf.clearance(scenario, q)
+    assert found.distance_m.shape == (70,)
+    for own, distance, pair in zip(q[::9], found.distance_m[::9], found.pair[::9], strict=True):
+        one = aghf.clearance(scenario, own)
+        assert one.distance_m == distance and one.pair == pair
+    # Another ball is nearer by the difference of the radii where the ball is the nearest.
+    larger = aghf.clearance(scene(0.101), q)
+    by_ball = (found.distance_m > 0.0) & [pair[1] == "ball" for pair in found.pair]
+    assert any(by_ball)
+    np.testing.assert_allclose((found.distance_m - larger.distance_m)[by_ball], 1e-3, atol=1e-9)
+
+    alone = aghf.clearance(scene(None) | {"self_collision": "off"}, q[0])
+    assert alone.distance_m == np.inf and alone.pair is None
+    with pytest.raises(ValueError, match=r"q: its shape is \[2, 3\]"):
+        aghf.clearance(scenario, np.zeros((2, 3)))
+    with pytest.raises(ValueError, match="q: entry 6 of number 1 is not finite"):
+        aghf.clearance(scenario, [[0.0] * 7, [0.0] * 6 + [np.nan]])
+
+
 def test_many_are_those_one_by_one():
     names = ["pendulum_2_swingup", "limits_03", SWING]
     many = aghf.solve_many(names, starts=2)

@@ -44,8 +44,8 @@ fn gjk_within([a, b]: &[Placed<'_, f64, f64>; 2], start: Coordinates, most: f64,
 /// The distance of two bodies without their radii, m, as the gap along the direction of their closest points, which no
 /// distance is less than; `None` if they touch or overlap.
 ///
-/// The algorithm ends early if its simplex becomes flat, as at the rim of a disc. It begins again in the direction found,
-/// after a step to the furthest points along it, until the gap is the distance of the points.
+/// The algorithm ends early if its simplex becomes flat, as at the rim of a disc. It begins again in the direction
+/// found, after a step to the furthest points along it, until the gap is the distance of the points.
 fn separation(bodies: &[Placed<'_, f64, f64>; 2]) -> Option<Gap> {
     let [a, b] = bodies;
     let closest = |start| match gjk_within(bodies, start, f64::MAX, true) {
