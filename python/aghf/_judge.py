@@ -93,7 +93,7 @@ def clearance(scenario: str | os.PathLike[str] | Mapping[str, Any], q: ArrayLike
         Names the scenario or the argument, and its fault.
     """
     given = array(q, "q")
-    found = _aghf.clearance(named(scenario), given[None] if given.ndim == 1 else given)
+    found = _aghf.clearance(named(scenario), given)
     pairs = [(own[0], own[1]) if own is not None else None for _, own in found]
     distances = np.array([distance for distance, _ in found])
     return Clearance(distances[0], pairs[0]) if given.ndim == 1 else Clearance(distances, pairs)

@@ -122,7 +122,8 @@ impl<'a, const I: usize> States<'a, I> {
         Ok(Self { arguments: read, widths, batch })
     }
 
-    fn count(&self) -> usize {
+    /// The number of states.
+    pub fn count(&self) -> usize {
         self.batch.unwrap_or(1)
     }
 

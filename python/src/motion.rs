@@ -1,13 +1,12 @@
 //! Motions at times, their judgement, and the clearance of configurations.
 
-use crate::batch::{Array, Numbers, numbers};
+use crate::batch::{Array, Numbers, States, numbers};
 use crate::error::raised;
 use crate::solve::read_scenario;
 use aghf::curve::Curve;
-use aghf::dynamics::{Data, forward_kinematics, rnea};
+use aghf::dynamics::{Data, rnea};
 use aghf::error::Result;
 use aghf::model::Model;
-use aghf::spatial::Placement;
 use aghf_scenario::judge::{Tolerances, Trajectory, judge as judged};
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -80,7 +79,7 @@ pub fn judge(
 }
 
 /// The distance of the closest pair of a link and an obstacle or another link, m, and its names, at each of the
-/// configurations of a scenario, shape `(count, N)`; infinity and `None` if no pairs keep clear.
+/// configurations of a scenario, `(N,)` or `(batch, N)`; infinity and `None` if no pairs keep clear.
 #[pyfunction]
 pub fn clearance(
     py: Python<'_>,
@@ -89,20 +88,14 @@ pub fn clearance(
 ) -> PyResult<Vec<(f64, Option<[String; 2]>)>> {
     let scenario = read_scenario(&named.0, named.1.as_deref())?;
     let n = scenario.model.dof();
-    if !matches!(q.shape(), [_, width] if *width == n) {
-        let message = format!("q: its shape is {:?}, (N,) or (B, N) with N = {n} is needed", q.shape());
-        return Err(PyValueError::new_err(message));
-    }
-    let closest = |q: &[f64]| -> Result<_> {
-        let mut placements = vec![Placement::identity(); n];
-        forward_kinematics(&scenario.model, q, &mut placements)?;
-        let pair = scenario.scene.closest_pair(&placements)?;
-        let names = |pair| scenario.names_of(pair).map(str::to_owned);
-        Ok((pair.as_ref().map_or(f64::INFINITY, |pair| pair.distance), pair.as_ref().map(names)))
-    };
+    let states = States::read(["q"], [&q], [n])?;
     let all = numbers("q", &q)?;
     if let Some(at) = all.iter().position(|x| !x.is_finite()) {
         return Err(PyValueError::new_err(format!("q: entry {} of number {} is not finite", at % n, at / n)));
     }
-    py.detach(|| all.par_chunks(n).map(closest).collect::<Result<_>>()).map_err(raised)
+    let closest = |state: usize| {
+        let nearest = scenario.nearest(states.row(state).into_iter())?;
+        Ok(nearest.map_or((f64::INFINITY, None), |(_, names, distance)| (distance, Some(names))))
+    };
+    py.detach(|| (0..states.count()).into_par_iter().map(closest).collect::<Result<_>>()).map_err(raised)
 }

@@ -11,7 +11,7 @@ use parry3d_f64::shape::SupportMap;
 const MAX_STARTS: usize = 10;
 
 /// The difference of a distance and the gap along its direction at which it is proved, m.
-const PROVED: f64 = 1e-9;
+const PROVED: f64 = 5e-10;
 
 /// A body as the library of the algorithm sees it.
 struct Body<'a>(&'a Placed<'a, f64, f64>);
@@ -41,13 +41,19 @@ fn gjk_within([a, b]: &[Placed<'_, f64, f64>; 2], start: Coordinates, most: f64,
     gjk(&here, &a, &b, most, is_exact, &mut simplex)
 }
 
+/// The gap between two bodies without their radii along a unit normal from the second one to the first one, m, and the
+/// furthest points of both against each other.
+fn gap_along([a, b]: &[Placed<'_, f64, f64>; 2], n: Vector3<f64>) -> Gap {
+    let points = [a.furthest(&-n), b.furthest(&n)];
+    Gap { distance: n.dot(&(points[0] - points[1])), points }
+}
+
 /// The distance of two bodies without their radii, m, as the gap along the direction of their closest points, which no
 /// distance is less than; `None` if they touch or overlap.
 ///
 /// The algorithm ends early if its simplex becomes flat, as at the rim of a disc. It begins again in the direction
 /// found, after a step to the furthest points along it, until the gap is the distance of the points.
 fn separation(bodies: &[Placed<'_, f64, f64>; 2]) -> Option<Gap> {
-    let [a, b] = bodies;
     let closest = |start| match gjk_within(bodies, start, f64::MAX, true) {
         GJKResult::ClosestPoints(p, q, _) => Some([p, q].map(|p| Vector3::new(p.x, p.y, p.z))),
         _ => None,
@@ -61,17 +67,16 @@ fn separation(bodies: &[Placed<'_, f64, f64>; 2]) -> Option<Gap> {
             break;
         }
         let n = off / long;
-        let further = [a.furthest(&-n), b.furthest(&n)];
-        let step = further[0] - further[1] - off;
-        let excess = -n.dot(&step);
-        if long - excess > best.distance {
-            best = Gap { distance: long - excess, points };
+        let across = gap_along(bodies, n);
+        if across.distance > best.distance {
+            best = Gap { distance: across.distance, points };
         }
         if length(&best.points) - best.distance <= PROVED {
             break;
         }
-        let share = (long * excess / step.norm_squared()).min(1.0);
-        for (point, further) in points.iter_mut().zip(further) {
+        let step = across.points[0] - across.points[1] - off;
+        let share = (long * (long - across.distance) / step.norm_squared()).min(1.0);
+        for (point, further) in points.iter_mut().zip(across.points) {
             *point += (further - *point) * share;
         }
         let start = points[1] - points[0];
@@ -88,10 +93,7 @@ fn separation(bodies: &[Placed<'_, f64, f64>; 2]) -> Option<Gap> {
 pub(super) fn overlap(bodies: &[Placed<'_, f64, f64>; 2]) -> bool {
     let [a, b] = bodies;
     let most = a.convex.radius + b.convex.radius;
-    let is_separating = |n: Coordinates| {
-        let n = Vector3::new(n.x, n.y, n.z);
-        n.dot(&(b.furthest(&-n) - a.furthest(&n))) > most
-    };
+    let is_separating = |n: Coordinates| gap_along(bodies, -Vector3::new(n.x, n.y, n.z)).distance > most;
     match gjk_within(bodies, Coordinates::X, most, false) {
         GJKResult::Intersection => true,
         GJKResult::NoIntersection(n) if is_separating(n) => false,
@@ -124,8 +126,7 @@ pub fn gap(bodies: &[Placed<'_, f64, f64>; 2]) -> Gap {
     let off = centre(a) - centre(b);
     let start = if off.norm() > 0.0 { off } else { Vector3::z() };
     let normal = Plane::between(bodies, (|| start, None), WIDTHS, Until::Value).normal;
-    let point = a.furthest(&-normal);
-    let distance = normal.dot(&(point - b.furthest(&normal)));
+    let Gap { distance, points: [point, _] } = gap_along(bodies, normal);
     along(normal, distance, [point, point - normal * distance])
 }
 

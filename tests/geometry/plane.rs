@@ -2,7 +2,7 @@
 
 use super::convex::{body, placement};
 use crate::common::config;
-use aghf::geometry::{Placed, Plane, Solid, Until, gap, gap_to};
+use aghf::geometry::{Convex, Placed, Plane, Solid, Until, gap, gap_to};
 use aghf::scalar::{Lanes, Wide};
 use aghf::spatial::Placement;
 use nalgebra::{Rotation3, Vector3};
@@ -26,9 +26,11 @@ proptest! {
         let radii = a.radius + b.radius;
         let away = at.point(&a.ball().centre) - to.point(&b.ball().centre);
         prop_assume!(exact.distance + radii > 1e-3 && away.norm() > 1e-3);
-        // At the rim of a disc the points are less exact.
+        // At the rim of a disc, which a cylinder alone has, the points are less exact.
+        let has_disc = |body: &Convex| body.corners().len() == 2 && body.radius == 0.0;
+        let most = if has_disc(&a) || has_disc(&b) { 1e-5 } else { 1e-9 };
         let distance = (exact.points[0] - exact.points[1]).norm().copysign(exact.distance);
-        prop_assert!((-1e-12..1e-5).contains(&(distance - exact.distance)), "{distance} {exact:?}");
+        prop_assert!((-1e-12..most).contains(&(distance - exact.distance)), "{distance} {exact:?}");
 
         let plane = Plane::between(&bodies, (|| away, None), WIDTHS, Until::Value);
         let least = exact.distance + radii - WIDTHS[1] * (a.excess() + b.excess());

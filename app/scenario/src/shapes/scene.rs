@@ -160,8 +160,12 @@ impl Scenario {
         Ok(self.nearest(configurations)?.map(|(.., distance)| distance))
     }
 
-    /// The index of the configuration with the smallest clearance, the names of the pair, and its distance, m.
-    pub(crate) fn nearest<'q>(
+    /// The index of the configuration with the smallest [clearance](Scene::clearance), the [names](Self::names_of) of
+    /// the pair, and its distance, m; `None` without obstacles or pairs of links.
+    ///
+    /// # Errors
+    /// A configuration has the wrong length.
+    pub fn nearest<'q>(
         &self,
         configurations: impl Iterator<Item = &'q [f64]>,
     ) -> Result<Option<(usize, [String; 2], f64)>> {
