@@ -312,7 +312,7 @@ def solve_by(method: str, name: str, passive: bool, limit: float, records: list[
     end = time.monotonic() + limit
 
     def stop(_: dict) -> None:
-        # With `time_limit_s` the direct method would try starts until then.
+        # With `time_limit_s` the direct method would plan a path first.
         if time.monotonic() > end:
             raise KeyboardInterrupt
 

@@ -1278,7 +1278,7 @@ def check_balls(promise, pairs, claims, robot, obstacles, placed, refuse):
 
 
 def check_ends(scenario, motion):
-    """Checks the states at the ends, that there is no acceleration at an end at rest, and continuity."""
+    """Checks the states at the ends, accelerations that are given or zero at rest there, and continuity."""
     every, short = np.arange(motion.segments), np.full(motion.segments, 2.0**-20)
     # Short intervals about both ends of each segment, where Chebyshev polynomials are exact.
     start, end = (motion.expand(every, np.full(motion.segments, x), short) for x in (-1.0, 1.0))
@@ -1295,9 +1295,12 @@ def check_ends(scenario, motion):
         (True, "the start velocity", start[1][:, 0], ball(v_start), STATE),
         (not goals, "the goal position", end[0][:, -1], ball(q_goal), STATE),
         (not is_free, "the goal velocity", end[1][:, -1], ball(v_goal), STATE),
-        (is_smooth and not any(v_start), "rest at the start", start[2][:, 0], ball(v_start), ACCELERATION),
-        (is_smooth and not is_free and not any(v_goal), "rest at the goal", end[2][:, -1], ball(v_goal), ACCELERATION),
     ]
+    at_ends = [("start", start[2][:, 0], not any(v_start)), ("goal", end[2][:, -1], not is_free and not any(v_goal))]
+    for name, found, is_at_rest in at_ends:
+        a = joint_values(scenario, f"a_{name}", count)
+        is_asked = option(scenario, f"a_{name}") is not None or (is_smooth and is_at_rest)
+        wanted.append((is_asked, f"the {name} acceleration", found, ball(a), ACCELERATION))
     for k, name in enumerate(["positions", "velocities", "accelerations"]):
         most = STATE if k < 2 else ACCELERATION
         wanted.append((k < 2 or is_smooth, f"continuity of {name}", end[k][:, :-1], start[k][:, 1:], most))
@@ -1318,7 +1321,7 @@ def outcome(key, scenario, robot):
     is_asked["q_goal"] = not entries(scenario, "goal")
     is_asked["v_goal"] = not option(scenario, "free_final_velocity", False)
     is_asked["horizon_s"] = "free_horizon" not in scenario and not weighs_time(scenario)
-    proofs = "q_start v_start goal keep waypoints stand continuity free_horizon enforced_limits".split()
+    proofs = "q_start v_start a_start a_goal goal keep waypoints stand continuity free_horizon enforced_limits".split()
     return "proved" if is_asked.get(key, key in proofs) else "no promise"
 
 

@@ -236,8 +236,8 @@ def test_rest_and_windows_of_a_motion():
     free = {"continuity": "acceleration", "free_final_velocity": True}
     free_keys = {"keys": CERTIFICATE["keys"] | {"free_final_velocity": "no promise"}}
     for change, keys, why in (
-        ({"continuity": "acceleration"}, {}, "rest at the start"),
-        (free, free_keys, "rest at the start"),
+        ({"continuity": "acceleration"}, {}, "the start acceleration"),
+        (free, free_keys, "the start acceleration"),
         ({"keep": [keep[0] | {"to_s": 1.5}]}, {}, "speed"),
     ):
         with pytest.raises(Refused, match=why):

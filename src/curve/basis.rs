@@ -35,8 +35,8 @@ pub struct Basis {
 pub struct Continuity {
     /// True if the second derivative is continuous.
     pub acceleration: bool,
-    /// True if a continuous second derivative is zero at the start, and at the end.
-    pub rest: [bool; 2],
+    /// True if a continuous second derivative is given at the start, and at the end, as at rest.
+    pub fixed_accelerations: [bool; 2],
     /// True if the slope at the end is unknown.
     pub free_final_velocity: bool,
     /// True if the value at the end is unknown.
@@ -51,7 +51,7 @@ impl Continuity {
     /// The continuity of a state $x(t)$ between fixed ends: its rate may jump.
     pub const STATE: Self = Self {
         acceleration: false,
-        rest: [false; 2],
+        fixed_accelerations: [false; 2],
         free_final_velocity: false,
         free_final_position: false,
         corners: true,
@@ -169,19 +169,21 @@ impl Basis {
         fixed.map(|end| (self.slope(end * self.segments), end))
     }
 
+    /// The functions whose coefficients are given accelerations at the ends, each with its end, 0 or 1.
+    pub(crate) fn fixed_accelerations(&self) -> impl Iterator<Item = (usize, usize)> + use<'_> {
+        let ends = self.continuity;
+        let fixed = [0, 1].into_iter().filter(move |end| ends.acceleration && ends.fixed_accelerations[*end]);
+        fixed.map(|end| (self.first(end * self.segments), end))
+    }
+
     /// The functions with unknown coefficients, ascending: all but slope and value at the start and at the end, unless
-    /// they are free, and second derivatives at rest.
+    /// they are free, and given second derivatives.
     #[must_use]
     pub fn free(&self) -> Vec<usize> {
         let (last, ends) = (self.segments, self.continuity);
-        let slopes: Vec<_> = self.fixed_slopes().map(|(slope, _)| slope).collect();
-        let fixed = [
-            (self.value(0), !ends.free_start),
-            (self.first(0), ends.acceleration && ends.rest[0]),
-            (self.value(last), !ends.free_final_position),
-            (self.first(last), ends.acceleration && ends.rest[1]),
-        ];
-        let is_free = |f: &usize| !fixed.contains(&(*f, true)) && !slopes.contains(f);
+        let given: Vec<_> = self.fixed_slopes().chain(self.fixed_accelerations()).map(|(f, _)| f).collect();
+        let fixed = [(self.value(0), !ends.free_start), (self.value(last), !ends.free_final_position)];
+        let is_free = |f: &usize| !fixed.contains(&(*f, true)) && !given.contains(f);
         (0..self.count()).filter(is_free).collect()
     }
 

@@ -31,8 +31,8 @@ pub struct DirectSettings {
     pub starts: usize,
     /// The seed of the bends of the starts.
     pub seed: u64,
-    /// The time after which the search stops with the best motion so far. Further starts are tried until then. With a
-    /// limit a path is planned first, unless there are no planned starts: a search that is cut off before it finds
+    /// The time after which the search stops with the best motion so far; one that ends earlier is as without it. With
+    /// a limit a path is planned first, unless there are no planned starts: a search that is cut off before it finds
     /// anything better ends with the motion along it, if that satisfies the constraints.
     pub time_limit: Option<Duration>,
     /// The handle by which another thread stops the search in the same way.
@@ -206,10 +206,11 @@ impl DirectSettings {
         let rests = |state: &[f64]| state[n..].iter().all(|v| *v == 0.0);
         let is_periodic = self.period.is_some();
         let free_final_velocity = self.free_final_velocity || is_periodic;
-        let end = !free_final_velocity && rests(problem.goal());
+        let [given_start, given_goal] = problem.accelerations().each_ref().map(Option::is_some);
+        let at_goal = given_goal || !free_final_velocity && rests(problem.goal());
         Continuity {
             acceleration: self.continuous_acceleration,
-            rest: [rests(problem.start()), end],
+            fixed_accelerations: [given_start || rests(problem.start()), at_goal],
             free_final_velocity,
             free_final_position: self.goal.is_some() || is_periodic,
             corners: false,
@@ -277,6 +278,11 @@ impl DirectSettings {
             free.check(problem.horizon())?;
         }
         super::parts::check(self)?;
+        let are_given = problem.accelerations().iter().any(Option::is_some);
+        if are_given && (!self.continuous_acceleration || self.period.is_some() || !self.parts.is_empty()) {
+            let condition = "they are given, and need continuous accelerations, without a period or parts";
+            return Err(Error::input("settings", "accelerations", condition));
+        }
         if let Some(goal) = &self.goal {
             goal.check(problem)?;
         }

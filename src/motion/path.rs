@@ -40,8 +40,8 @@ impl PathMemory {
 }
 
 impl Path {
-    /// The polynomial of least degree between the boundary states of the problem, without accelerations at its ends if
-    /// they are continuous.
+    /// The polynomial of least degree between the boundary states of the problem; continuous accelerations are zero at
+    /// its ends unless they are given.
     pub fn line(problem: &Problem<'_>, basis: Basis) -> Self {
         let ends = Continuity {
             free_final_velocity: false,
@@ -139,21 +139,27 @@ impl Path {
         bent
     }
 
-    /// The derivatives of the coefficients with respect to the horizon, which come from the slopes of the fixed
-    /// boundary velocities.
-    pub fn rates(&self, problem: &Problem<'_>) -> DMatrix<f64> {
+    /// The first two derivatives of the coefficients in a horizon `T`: those of given velocities `v` are $T v$, and
+    /// those of given accelerations $T^2 a$.
+    pub fn rates(&self, problem: &Problem<'_>, horizon: f64) -> [DMatrix<f64>; 2] {
         let (n, count) = self.coefficients.shape();
-        let mut rates = DMatrix::zeros(n, count);
-        self.rates_in(problem, &mut rates);
+        let mut rates = [(); 2].map(|()| DMatrix::zeros(n, count));
+        self.rates_in(problem, horizon, &mut rates);
         rates
     }
 
-    /// Computes the derivatives of the coefficients with respect to the horizon into `rates`, which are zero elsewhere.
-    pub fn rates_in(&self, problem: &Problem<'_>, rates: &mut DMatrix<f64>) {
+    /// Computes [`rates`](Self::rates), which are zero elsewhere.
+    pub fn rates_in(&self, problem: &Problem<'_>, horizon: f64, [first, second]: &mut [DMatrix<f64>; 2]) {
         let n = self.coefficients.nrows();
         let ends = [problem.start(), problem.goal()];
         for (column, end) in self.basis.fixed_slopes() {
-            rates.column_mut(column).copy_from_slice(&ends[end][n..]);
+            first.column_mut(column).copy_from_slice(&ends[end][n..]);
+        }
+        for (column, end) in self.basis.fixed_accelerations() {
+            let Some(a) = &problem.accelerations()[end] else { continue };
+            for (i, a) in a.iter().enumerate() {
+                (first[(i, column)], second[(i, column)]) = (2.0 * horizon * a, 2.0 * a);
+            }
         }
     }
 
@@ -174,16 +180,19 @@ impl Path {
             slope *= problem.horizon();
         }
         let last = self.basis.segments();
-        let Continuity { acceleration, rest, free_final_position, free_start, .. } = self.basis.continuity();
+        let Continuity { free_final_position, free_start, .. } = self.basis.continuity();
         let ends = [(0, problem.start(), free_start), (last, problem.goal(), free_final_position)];
         for (end, state, _) in ends.into_iter().filter(|(.., free)| !free) {
             let mut q = self.coefficients.column_mut(self.basis.value(end));
             q.copy_from_slice(&state[..n]);
         }
-        for (end, rest) in [0, last].into_iter().zip(rest) {
-            if acceleration && rest {
-                self.coefficients.column_mut(self.basis.first(end)).fill(0.0);
+        for (column, end) in self.basis.fixed_accelerations() {
+            let mut second = self.coefficients.column_mut(column);
+            match &problem.accelerations()[end] {
+                Some(a) => second.copy_from_slice(a),
+                None => second.fill(0.0),
             }
+            second *= problem.horizon().powi(2);
         }
     }
 }

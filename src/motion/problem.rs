@@ -11,6 +11,7 @@ pub struct Problem<'m> {
     model: &'m Model,
     start: Vec<f64>,
     goal: Vec<f64>,
+    accelerations: [Option<Vec<f64>>; 2],
     horizon: f64,
 }
 
@@ -36,7 +37,7 @@ impl<'m> Problem<'m> {
     /// [`MIN_HORIZON`](Self::MIN_HORIZON) or above [`MAX_HORIZON`](Self::MAX_HORIZON).
     pub fn new(model: &'m Model, start: Vec<f64>, goal: Vec<f64>, horizon: f64) -> Result<Self> {
         Self::check(model, [&start, &goal], horizon)?;
-        Ok(Self { model, start, goal, horizon })
+        Ok(Self { model, start, goal, accelerations: [None, None], horizon })
     }
 
     /// Changes the states and the horizon.
@@ -54,14 +55,16 @@ impl<'m> Problem<'m> {
     /// Checks states and a horizon.
     fn check(model: &Model, states: [&[f64]; 2], horizon: f64) -> Result<()> {
         for (what, state) in ["start", "goal"].into_iter().zip(states) {
-            check_length(what, 2 * model.dof(), state.len())?;
-            if let Some(i) = state.iter().position(|x| !x.is_finite()) {
-                let condition = format!("entry {i} is not a finite number");
-                return Err(Error::input(model.name(), what, condition));
-            }
+            Self::check_entries(model, (what, state), 2 * model.dof())?;
         }
-        Self::check_horizon(horizon).map_err(|condition| Error::input(model.name(), "horizon", condition))?;
-        Ok(())
+        Self::check_horizon(horizon).map_err(|condition| Error::input(model.name(), "horizon", condition))
+    }
+
+    /// Checks the number of entries of a vector, and that they are finite.
+    fn check_entries(model: &Model, (what, x): (&'static str, &[f64]), expected: usize) -> Result<()> {
+        check_length(what, expected, x.len())?;
+        let Some(i) = x.iter().position(|x| !x.is_finite()) else { return Ok(()) };
+        Err(Error::input(model.name(), what, format!("entry {i} is not a finite number")))
     }
 
     /// The robot.
@@ -80,6 +83,12 @@ impl<'m> Problem<'m> {
     #[must_use]
     pub fn goal(&self) -> &[f64] {
         &self.goal
+    }
+
+    /// The given accelerations at the start and at the end, `N` entries each.
+    #[must_use]
+    pub fn accelerations(&self) -> &[Option<Vec<f64>>; 2] {
+        &self.accelerations
     }
 
     /// The horizon `T`, in s.
@@ -112,7 +121,22 @@ impl<'m> Problem<'m> {
     /// # Errors
     /// The horizon is out of range.
     pub fn with_horizon(&self, horizon: f64) -> Result<Self> {
-        Self::new(self.model, self.start.clone(), self.goal.clone(), horizon)
+        Self::check_horizon(horizon).map_err(|condition| Error::input(self.model.name(), "horizon", condition))?;
+        Ok(Self { horizon, ..self.clone() })
+    }
+
+    /// The same problem with these accelerations at the start and at the end, `N` entries each, rad/s^2 or m/s^2. By
+    /// default those of a motion whose accelerations are continuous are zero at an end at rest, and free at one where
+    /// it moves.
+    ///
+    /// # Errors
+    /// An acceleration does not have `N` entries, or a number is not finite.
+    pub fn with_accelerations(self, accelerations: [Option<Vec<f64>>; 2]) -> Result<Self> {
+        for (what, a) in ["acceleration at the start", "acceleration at the end"].into_iter().zip(&accelerations) {
+            let Some(a) = a else { continue };
+            Self::check_entries(self.model, (what, a), self.model.dof())?;
+        }
+        Ok(Self { accelerations, ..self })
     }
 
     /// The same problem with another configuration at its end.
@@ -121,7 +145,8 @@ impl<'m> Problem<'m> {
     /// `q` does not have `N` entries, or a number is not finite.
     pub fn with_final_position(&self, q: &[f64]) -> Result<Self> {
         let goal = [q, &self.goal[self.model.dof()..]].concat();
-        Self::new(self.model, self.start.clone(), goal, self.horizon)
+        Self::check(self.model, [&self.start, &goal], self.horizon)?;
+        Ok(Self { goal, ..self.clone() })
     }
 
     /// The initial states at the nodes, `2 N` by `p + 1`.

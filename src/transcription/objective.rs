@@ -27,9 +27,10 @@ pub struct Objective<'g, S: Scalar, P> {
     grid: Shared<'g, Grid<S>>,
     cost: P,
     dof: usize,
-    /// The factors from the time of the grid to time, and if they are unknown the rates of the coefficients in them.
+    /// The factors from the time of the grid to time, and if they are unknown the first two derivatives of the
+    /// coefficients in them.
     horizons: Horizons<S>,
-    rates: Option<DMatrix<S>>,
+    rates: Option<[DMatrix<S>; 2]>,
     times: Vec<S>,
     /// $q, v, a$ at the points of a segment, one column each.
     states: DMatrix<S>,
@@ -117,15 +118,15 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
         }
     }
 
-    /// Makes the horizon an unknown, in which the coefficients change at these rates, `N` by the number of functions;
-    /// or those of parts, in which the slopes change by themselves.
-    pub fn free_horizon(&mut self, rates: DMatrix<S>) {
+    /// Makes the horizon an unknown, in which the coefficients have these first two derivatives, `N` by the number of
+    /// functions each; or those of parts, in which the slopes change by themselves.
+    pub fn free_horizon(&mut self, rates: [DMatrix<S>; 2]) {
         self.rates = Some(rates);
     }
 
-    /// Changes the rates of a [free horizon](Self::free_horizon), if it is one.
-    pub(crate) fn set_rates(&mut self, rates: &DMatrix<S>) {
-        if let Some(own) = &mut self.rates {
+    /// Changes the derivatives of the coefficients in a [free horizon](Self::free_horizon), if it is one.
+    pub(crate) fn set_rates(&mut self, rates: &[DMatrix<S>; 2]) {
+        for (own, rates) in self.rates.iter_mut().flatten().zip(rates) {
             own.copy_from(rates);
         }
     }
@@ -207,12 +208,12 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             for (weight, cost) in grid.weights.iter().zip(&at_points.costs) {
                 sum += *weight * *cost;
             }
-            if let Some(rates) = &self.rates {
+            if let Some([rates, _]) = &self.rates {
                 segment.in_horizon(rates, at_points, moved, gradient, out);
                 segment.in_time(&mut self.cost, out)?;
             }
             segment.weigh(at_points, squares);
-            segment.gradient(self.rates.is_some(), at_points, gradient, out);
+            segment.gradient(self.rates.as_ref().map(|[_, second]| second), at_points, gradient, out);
             let (horizon, factor) = (segment.horizon, segment.factor);
             at_points.hessians.integrate(grid.products(), horizon, sums, |pair, block| {
                 for squares in &*squares {
@@ -241,7 +242,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
             (of.first, of.second) = (S::zero(), S::zero());
             of.mixed.fill(S::zero());
         }
-        if let (Some(rates), Some(reference)) = (&mut self.rates, self.horizons.reference()) {
+        if let (Some([rates, _]), Some(reference)) = (&mut self.rates, self.horizons.reference()) {
             rates_of_slopes(coefficients, &self.grid, reference, rates);
         }
     }

@@ -82,11 +82,12 @@ impl<'a, S: Scalar> Segment<'a, S> {
         }
     }
 
-    /// Adds the gradient, from gradients at the points that are [weighed](Self::weigh), and with a free horizon in
-    /// parts the mixed derivatives of their factors of the slopes.
+    /// Adds the gradient, from gradients at the points that are [weighed](Self::weigh); with a free horizon also its
+    /// product with the second derivatives of the coefficients in it, and in parts the mixed derivatives of their
+    /// factors of the slopes.
     pub fn gradient(
         &self,
-        is_free: bool,
+        second_rates: Option<&DMatrix<S>>,
         at_points: &PointsDerivatives<S>,
         gradient: &mut DMatrix<S>,
         out: &mut Derivatives<S>,
@@ -96,7 +97,11 @@ impl<'a, S: Scalar> Segment<'a, S> {
         let of_states = [(&at_points.gradients, &grid.transposed)];
         for (by_points, table) in of_states.into_iter().chain(higher) {
             multiply(by_points, table, gradient);
-            if let (Some(reference), true) = (self.horizons.reference(), is_free) {
+            if let Some(second) = second_rates {
+                let own = second.columns(grid.first(self.e), gradient.ncols());
+                out.horizons[self.part].second += gradient.dot(&own);
+            }
+            if let (Some(reference), true) = (self.horizons.reference(), second_rates.is_some()) {
                 let by_factor = slopes_alone(gradient, grid.shared, reference);
                 let mixed = &mut out.horizons[self.part].mixed;
                 add_gradient(grid, &by_factor, self.e, mixed);

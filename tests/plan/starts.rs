@@ -3,7 +3,7 @@
 use crate::common::direct::solved_within;
 use crate::{across, outside, point, ring, wall_with_a_gap};
 use aghf::constraint::{AnyConstraint, Bound, Bounds, Constraints, Side, TorqueLimits};
-use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, Iteration, PlannedStarts};
+use aghf::direct::{Direct, DirectSettings, DirectSolution, FreeHorizon, PlannedStarts};
 use aghf::motion::Interrupt;
 use std::collections::HashSet;
 use std::time::Duration;
@@ -217,31 +217,19 @@ fn a_search_that_is_cut_off_has_a_planned_motion() {
     assert!(!without.kept && without.largest_violation > 0.01);
 }
 
-/// As soon as something is found, further starts within a time limit are bent: start 3 would be planned otherwise.
+/// A search that ends before its time limit is the one without it.
 #[test]
-fn paths_are_planned_until_something_is_found() {
+fn a_limit_that_is_not_reached_changes_nothing() {
     let model = point();
     let problem = across(&model);
     let kept = keeping(wall_with_a_gap());
-    let interrupt = Interrupt::default();
-    let mut settings = DirectSettings {
-        degree: 9,
-        time_limit: Some(Duration::from_secs(3600)),
-        interrupt: interrupt.clone(),
-        ..DirectSettings::constrained()
-    };
-    settings.search.batch = 2;
-    let raise = |iteration: &Iteration| {
-        if iteration.start >= Some(3) {
-            interrupt.raise();
-        }
-    };
-    let solver = Direct::new(&problem).constraints(&kept).settings(settings);
-    let found = solver.observe(raise).solve().expect("valid");
-    assert!(found.converged);
-    let segments = |start| {
-        let mut of = found.iterations.iter().filter(|i| i.start == Some(start));
-        of.next().expect("it was tried").segments
-    };
-    assert_eq!([0, 1, 3].map(|start| segments(start) > 1), [false, true, false]);
+    for free_horizon in [None, Some(FreeHorizon { shortest: 0.5, longest: 8.0, weight: 1.0 })] {
+        let [with, without] = [Some(Duration::from_secs(3600)), None].map(|time_limit| {
+            let settings = DirectSettings { time_limit, free_horizon, ..DirectSettings::constrained() };
+            Direct::new(&problem).constraints(&kept).settings(settings).solve().expect("valid")
+        });
+        assert!(without.converged && without.best_start > Some(0), "{:?}", without.best_start);
+        assert_eq!((with.curve.x(), with.minima), (without.curve.x(), without.minima));
+        assert_eq!(with.iterations.len(), without.iterations.len());
+    }
 }

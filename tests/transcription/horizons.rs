@@ -31,7 +31,7 @@ fn compare<P: PointCost<f64>, D: PointCost<Twice>>(n: usize, cost: P, by_duals: 
     let coefficients = random(&mut ChaCha8Rng::seed_from_u64(11), n, basis.count());
     let mut objective = Objective::new(&grid, cost, n);
     objective.set_horizons(&Horizons::of_parts(PARTS.to_vec(), REFERENCE));
-    objective.free_horizon(DMatrix::zeros(n, basis.count()));
+    objective.free_horizon([(); 2].map(|()| DMatrix::zeros(n, basis.count())));
     let mut found = Derivatives::new(&grid, n);
     objective.derivatives(&coefficients, &mut found).expect("sizes agree");
     let (unknowns, lifted_grid) = (free.len() * n, grid.map(lift));

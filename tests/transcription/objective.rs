@@ -38,7 +38,7 @@ fn second_order(model: &Model, basis: &Basis, coefficients: &DMatrix<f64>, movin
 pub fn ends(acceleration: bool, free_end: bool) -> Continuity {
     Continuity {
         acceleration,
-        rest: [acceleration, false],
+        fixed_accelerations: [acceleration, false],
         free_final_velocity: free_end,
         free_final_position: free_end,
         corners: false,
@@ -161,9 +161,11 @@ fn derivatives_in_the_jerk_are_those_of_duals() {
         let grid = Grid::new(&basis, 9, 1.0);
         let mut rng = ChaCha8Rng::seed_from_u64(8);
         let coefficients = random(&mut rng, n, basis.count());
-        let mut rates = random(&mut rng, n, basis.count());
+        let mut rates = [(); 2].map(|()| random(&mut rng, n, basis.count()));
         for function in basis.free() {
-            rates.column_mut(function).fill(0.0);
+            for rates in &mut rates {
+                rates.column_mut(function).fill(0.0);
+            }
         }
         let mut objective = Objective::new(&grid, OfJerk, n);
         objective.free_horizon(rates.clone());
@@ -182,11 +184,13 @@ fn derivatives_in_the_jerk_are_those_of_duals() {
                 }
                 if unknown == unknowns {
                     time += one;
-                    lifted += rates.map(|rate| one * lift(rate));
                 } else {
                     lifted[(unknown % n, free[unknown / n])] += one;
                 }
             }
+            let late = time - lift(horizon);
+            let [first, second] = &rates;
+            lifted += first.zip_map(second, |first, second| late * (lift(first) + late * lift(0.5 * second)));
             let mut objective = Objective::new(&lifted_grid, OfJerk, n);
             objective.set_horizon(time);
             objective.value(&lifted).expect("sizes agree")

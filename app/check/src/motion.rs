@@ -125,7 +125,7 @@ pub(crate) fn cut((c, r): &Polynomial) -> Tm {
     model.widened(r + c[kept..].iter().map(|c| c.abs()).sum::<f64>() * UP)
 }
 
-/// Proves the states at the ends, no acceleration at an end at rest, and continuity.
+/// Proves the states at the ends, accelerations that are given or zero at rest there, and continuity.
 pub(crate) fn prove_ends(scenario: &Value, motion: &Motion) -> Checked<()> {
     // Short intervals about both ends of each segment, where Chebyshev polynomials are exact.
     let about = |segment: usize, x: f64| motion.expand(segment, [x, 1.0 / f64::from(1 << 20)]);
@@ -156,11 +156,12 @@ pub(crate) fn prove_ends(scenario: &Value, motion: &Motion) -> Checked<()> {
     if !free {
         off("the goal velocity", &last[1], &end, STATE)?;
     }
-    if smooth && start == zeros {
-        off("rest at the start", &first[2], &zeros, ACCELERATION)?;
+    let given = |key: &str| option(scenario, key).map(list);
+    if let Some(a) = given("a_start").or((smooth && start == zeros).then(|| zeros.clone())) {
+        off("the start acceleration", &first[2], &a, ACCELERATION)?;
     }
-    if smooth && !free && end == zeros {
-        off("rest at the goal", &last[2], &zeros, ACCELERATION)?;
+    if let Some(a) = given("a_goal").or((smooth && !free && end == zeros).then(|| zeros.clone())) {
+        off("the goal acceleration", &last[2], &a, ACCELERATION)?;
     }
     for (order, name) in
         ["positions", "velocities", "accelerations"].into_iter().enumerate().take(2 + usize::from(smooth))

@@ -79,8 +79,8 @@ fn outcome(key: &str, scenario: &Value, robot: &Robot) -> &'static str {
     };
     let unless = |is_free: bool| if is_free { "no promise" } else { "proved" };
     match key {
-        "q_start" | "v_start" | "goal" | "keep" | "waypoints" | "stand" | "continuity" | "free_horizon"
-        | "enforced_limits" => "proved",
+        "q_start" | "v_start" | "a_start" | "a_goal" | "goal" | "keep" | "waypoints" | "stand" | "continuity"
+        | "free_horizon" | "enforced_limits" => "proved",
         "q_goal" => unless(some("goal")),
         "v_goal" => unless(is_true(scenario, "free_final_velocity")),
         "horizon_s" => unless(some("free_horizon") || weighs_time(scenario)),

@@ -141,15 +141,12 @@ impl Scenario {
     /// The trajectory optimisation problem of this scenario.
     ///
     /// # Errors
-    /// As [`Problem::new`].
+    /// As [`Problem::new`] and [`Problem::with_accelerations`].
     pub fn problem(&self) -> Result<Problem<'_>> {
         let state = |q: &[f64], v: &[f64]| [q, v].concat();
-        Problem::new(
-            &self.model,
-            state(&self.file.q_start, &self.file.v_start),
-            state(&self.file.q_goal, &self.file.v_goal),
-            self.file.horizon_s,
-        )
+        let ScenarioFile { q_start, v_start, a_start, q_goal, v_goal, a_goal, horizon_s, .. } = &self.file;
+        let problem = Problem::new(&self.model, state(q_start, v_start), state(q_goal, v_goal), *horizon_s)?;
+        problem.with_accelerations([a_start.clone(), a_goal.clone()])
     }
 }
 

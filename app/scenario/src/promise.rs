@@ -66,8 +66,8 @@ pub(super) fn roles(scenario: &Scenario) -> Vec<(&'static str, Role)> {
     let unless = |are_phases: bool| if are_phases { OfPhases } else { NoPromise };
     let ScenarioFile {
         schema, robot, packages, root, mount, gravity, mimic, srdf, group, held_state, locked_joints, losses,
-        payload, passive, horizon_s, q_start, v_start, q_goal, v_goal, turns, goal, keep, waypoints, stand,
-        phases, periodic, free_final_velocity, continuity, objective, free_horizon, obstacles, robot_shape,
+        payload, passive, horizon_s, q_start, v_start, a_start, q_goal, v_goal, a_goal, turns, goal, keep, waypoints,
+        stand, phases, periodic, free_final_velocity, continuity, objective, free_horizon, obstacles, robot_shape,
         self_collision, clearance_m, enforced_limits, flow, feedback, success_threshold,
     } = &scenario.file;
     let (is_free, apart) = (scenario.file.has_free_horizon(), scenario.keeps_links_clear());
@@ -92,8 +92,10 @@ pub(super) fn roles(scenario: &Scenario) -> Vec<(&'static str, Role)> {
         row("horizon_s", horizon_s, if is_free { NoPromise } else { Promised(vec![horizon.clone()]) }),
         row("q_start", q_start, one(true, Quantity::Position, Scope::Start)),
         row("v_start", v_start, one(true, Quantity::Velocity, Scope::Start)),
+        row("a_start", a_start, one(a_start.is_some(), Quantity::Acceleration, Scope::Start)),
         row("q_goal", q_goal, one(goal.is_empty(), Quantity::Position, Scope::Goal)),
         row("v_goal", v_goal, one(!free_final_velocity, Quantity::Velocity, Scope::Goal)),
+        row("a_goal", a_goal, one(a_goal.is_some(), Quantity::Acceleration, Scope::Goal)),
         row("turns", turns, NoPromise),
         row("goal", goal, one(!goal.is_empty(), Quantity::Frame, Scope::Goal)),
         row("keep", keep, each(keep.iter().map(|kept| Scope::Between(kept.times())).collect(), Quantity::Frame)),

@@ -32,8 +32,8 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// configuration, divided by that power.
     pub(super) fn add_rows_of_ends(&mut self) -> Result<()> {
         let Self { unknowns, grid_rows, points, search, stage, .. } = self;
-        let (ends, fixed) = (unknowns.basis.continuity(), unknowns.fixed_ends());
-        let is_zero = |(slope, _)| unknowns.rates.column(slope).iter().all(|rate| *rate == 0.0);
+        let fixed = unknowns.fixed_ends();
+        let is_zero = |(column, _)| unknowns.rates[0].column(column).iter().all(|rate| *rate == 0.0);
         let times = &unknowns.grid.times;
         if times[0] != 0.0 || !unknowns.basis.fixed_slopes().all(is_zero) {
             return Ok(());
@@ -42,7 +42,7 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
         let beside = [(0.0, times[1]), (1.0, times[last - 1] - 1.0)];
         for end in [0, 1].into_iter().filter(|end| fixed[*end]) {
             let (at, interval) = beside[end];
-            let power = 2 + i32::from(ends.acceleration && ends.rest[end]);
+            let power = 2 + i32::from(unknowns.basis.fixed_accelerations().any(|of| of.1 == end && is_zero(of)));
             let rows = grid_rows.rows_at_bound(end, unknowns, (search.reserve, stage.feasible))?;
             grid_rows.at_bound[end] = rows.iter().map(|of| of.row).collect();
             for half in (1..=HALVINGS).take_while(|_| !rows.is_empty()) {

@@ -182,7 +182,7 @@ impl<'g> PointBlock<'g> {
     /// The derivatives of a place in the horizon, through the coefficients and the slopes that depend on it.
     fn rates(&self, point: usize, unknowns: &Unknowns, place: &Place) -> DMatrix<f64> {
         match &place.in_part {
-            None => self.place(point, unknowns, &unknowns.rates).q,
+            None => self.place(point, unknowns, &unknowns.rates[0]).q,
             Some(in_part) => {
                 let first = unknowns.grid.first(place.segment);
                 let own = unknowns.coefficients.columns(first, in_part.ncols());
@@ -195,7 +195,7 @@ impl<'g> PointBlock<'g> {
     ///
     /// The configuration $q = \sum_m \phi_m(\tau) c_m$ and its slope are bilinear in functions and coefficients: their
     /// second derivatives in a coefficient and the time are $\phi_m'$ and $\phi_m''$. The horizon moves the coefficients
-    /// of the boundary velocities; that of a part moves its slopes.
+    /// of the boundary velocities, with its square those of given accelerations; that of a part moves its slopes.
     fn add_border(&self, point: usize, unknowns: &Unknowns, (place, of): (&Place, &PointDerivatives), out: &mut Kkt) {
         let (grid, measure) = (&unknowns.grid, self.measure);
         let own = out.gradient.len() - unknowns.border();
@@ -233,6 +233,10 @@ impl<'g> PointBlock<'g> {
                 let mut column = hessian.border.column_mut(k);
                 let column = column.as_mut_slice();
                 hessian.corner[(k, k)] += at.add_second((place, grid), &of.of_multipliers, measure, column);
+            }
+            if unknowns.horizons.reference().is_none() {
+                let second = self.place(point, unknowns, &unknowns.rates[1]).q;
+                hessian.corner[(k, k)] += measure * of.of_multipliers.dot(&pair(&second, 0));
             }
             if let Some(in_part) = &place.in_part {
                 let mut column = hessian.border.column_mut(k);

@@ -126,6 +126,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     pub(super) fn place(&mut self, x: &DVector<f64>) {
         self.unknowns.set(x);
         self.grid_rows.objective.set_horizons(&self.unknowns.horizons);
+        self.grid_rows.objective.set_rates(&self.unknowns.rates);
     }
 
     /// Sets path, horizons and times of waypoints of a candidate to those of unknowns.

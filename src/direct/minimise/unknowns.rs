@@ -19,9 +19,9 @@ const LEAST_SQUARE_SLOPE: f64 = 1e-6;
 pub(super) struct Unknowns {
     pub grid: Arc<Grid<f64>>,
     pub basis: Basis,
-    /// The coefficients, those of the boundary conditions included, and their rates in the horizon.
+    /// The coefficients, those of the boundary conditions included, and their first two derivatives in the horizon.
     pub coefficients: DMatrix<f64>,
-    pub rates: DMatrix<f64>,
+    pub rates: [DMatrix<f64>; 2],
     pub horizons: Horizons<f64>,
     pub free: Free,
     /// The normalised times of the waypoints, and the indices of those whose times are unknown.
@@ -52,7 +52,7 @@ impl Unknowns {
             grid,
             basis: path.basis.clone(),
             coefficients: path.coefficients.clone(),
-            rates: path.rates(context.problem),
+            rates: path.rates(context.problem, candidate.horizons.whole()),
             horizons: candidate.horizons.clone(),
             free: Free::new(context.free_horizon, &context.settings.parts, context.settings.search.reserve),
             times: candidate.times.clone(),
@@ -64,7 +64,7 @@ impl Unknowns {
     /// Takes over another candidate in the same basis.
     pub fn restart(&mut self, problem: &Problem<'_>, candidate: &Candidate) {
         self.coefficients.copy_from(&candidate.path.coefficients);
-        candidate.path.rates_in(problem, &mut self.rates);
+        candidate.path.rates_in(problem, candidate.horizons.whole(), &mut self.rates);
         self.horizons.assign(&candidate.horizons);
     }
 
@@ -135,10 +135,18 @@ impl Unknowns {
             self.horizons.set(*part, x[own + k]);
         }
         if self.free.is_whole(&self.horizons) {
-            for (column, _) in self.basis.fixed_slopes() {
-                let mut slope = self.coefficients.column_mut(column);
-                slope.copy_from(&self.rates.column(column));
-                slope *= self.horizons.whole();
+            let (horizon, [first, second]) = (self.horizons.whole(), &mut self.rates);
+            for (column, _) in self.basis.fixed_accelerations() {
+                let mut rate = first.column_mut(column);
+                rate.copy_from(&second.column(column));
+                rate *= horizon;
+            }
+            let slopes = self.basis.fixed_slopes().map(|(column, _)| (column, horizon));
+            let accelerations = self.basis.fixed_accelerations().map(|(column, _)| (column, 0.5 * horizon));
+            for (column, factor) in slopes.chain(accelerations) {
+                let mut given = self.coefficients.column_mut(column);
+                given.copy_from(&first.column(column));
+                given *= factor;
             }
         }
         let first = own + border - self.moving.len();

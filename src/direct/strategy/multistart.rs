@@ -70,8 +70,8 @@ struct Multistart<'s, 'c, 'a, K, P> {
 /// one of fewer ends within the constraints. The first start beyond the requested ones is tried by itself. If there are
 /// obstacles, every other one of these starts is planned, or the first start of all if requested, until one succeeds;
 /// no two of them are on the same path.
-/// If none of them satisfies the constraints, the reserve of the planned starts is the last one, whether or not there
-/// is time left.
+/// If a search is cut off before one of them satisfies the constraints, the reserve of the planned starts is the last
+/// one.
 pub(crate) fn multistart<'c, K: Constraint + Send + Sync, P: CostWithControl>(
     context: Context<'c, '_, K, P>,
     levels: &[Level],
@@ -99,15 +99,14 @@ pub(crate) fn multistart<'c, K: Constraint + Send + Sync, P: CostWithControl>(
         let mut runs = starts.into_iter().collect::<Result<Vec<_>>>()?;
         all.replace_repeated(&mut runs)?;
         all.minimise_on_all_levels(runs, log)?;
-        let more = match settings.time_limit {
-            Some(_) => next < DirectSettings::MAX_STARTS,
-            None => next < settings.starts || (!all.is_found() && next < settings.search.most_starts),
-        };
-        if all.stopped() || context.watch.is_late(share) || !more {
+        if all.stopped() || context.watch.is_late(share) {
+            all.add_reserve(log)?;
+            break;
+        }
+        if next >= settings.starts && (all.is_found() || next >= settings.search.most_starts) {
             break;
         }
     }
-    all.add_reserve(log)?;
     Ok(all.outcome())
 }
 
@@ -129,20 +128,18 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
     fn batch(&self, next: usize) -> Range<usize> {
         let settings = self.context.settings;
         let search = &settings.search;
-        match settings.time_limit {
-            _ if next < settings.starts => next..settings.starts.min(next + search.batch),
-            Some(_) => next..next + search.batch,
+        if next < settings.starts {
+            next..settings.starts.min(next + search.batch)
+        } else if next == settings.starts {
             // The planned start mostly succeeds.
-            None if next == settings.starts => next..next + 1,
-            None => next..(next + search.more_starts).min(search.most_starts),
+            next..next + 1
+        } else {
+            next..(next + search.more_starts).min(search.most_starts)
         }
     }
 
     fn start(&self, number: usize) -> Result<Run> {
-        // Paths are for motions that are not found otherwise; bent starts lead to more minima in the same time.
-        if !self.is_found()
-            && let Some(candidate) = self.planned.start(number, &self.planned.problem(number)?)?
-        {
+        if let Some(candidate) = self.planned.start(number, &self.planned.problem(number)?)? {
             // A planned start has its own basis and enters at the highest degree.
             return Ok(self.run(number, self.levels.len() - 1, candidate));
         }
@@ -222,7 +219,7 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
         // After the end of the time one candidate is needed: the reserve if there is one, otherwise the first start.
         // First solves of the others would take long, and so would last solves of those that are worse than the
         // reserve.
-        let is_needed = match self.planned.reserve {
+        let is_needed = match &self.planned.reserve {
             Some(_) => index > run.first && run.candidate.violation <= level.stage.feasible,
             None => index > run.first || run.number == 0,
         };
@@ -279,12 +276,15 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
         let mut ends = self.ends.iter();
         let enough = |end: &Run| {
             let Candidate { converged, kept, .. } = end.candidate;
-            converged || kept || end.number == number
+            converged || kept
         };
-        if self.planned.reserve.is_none() || ends.any(enough) {
+        if ends.any(enough) {
             return Ok(());
         }
-        let mut run = self.start(number)?;
+        let Some(reserve) = self.planned.reserve_start()? else {
+            return Ok(());
+        };
+        let mut run = self.run(number, self.levels.len() - 1, reserve);
         let stage = self.levels[run.first].stage;
         let mut log = |iteration| {
             let start = Some(number);

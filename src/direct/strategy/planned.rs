@@ -19,8 +19,8 @@ pub(crate) struct Planned<'c, 'a, K, P> {
     wanted: bool,
     /// The curve of the first start, if it is planned.
     first: Option<Path>,
-    /// The first planned start of a search that may be cut off: the result until a better motion is found.
-    pub reserve: Option<Candidate>,
+    /// The curve of the first planned start of a search that may be cut off.
+    pub reserve: Option<Path>,
 }
 
 impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
@@ -38,7 +38,7 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
             planned.first = planned.path(0, (0, &planned.problem(0)?))?;
         } else if wanted && settings.time_limit.is_some() {
             let number = settings.starts;
-            planned.reserve = planned.start(number, &planned.problem(number)?)?;
+            planned.reserve = planned.path(0, (number, &planned.problem(number)?))?;
         }
         Ok(planned)
     }
@@ -81,36 +81,38 @@ impl<'c, 'a, K: Constraint, P: CostWithControl> Planned<'c, 'a, K, P> {
     /// The curve of a planned start for a problem like that of the context, with the time that it needs if the horizon
     /// is free; `None` if the start is not planned or no path was found.
     pub fn start(&self, start: usize, problem: &Problem<'_>) -> Result<Option<Candidate>> {
-        if start == self.context.settings.starts && self.reserve.is_some() {
-            return Ok(self.reserve.clone());
-        }
-        let path = match (&self.first, self.number(start)) {
-            (Some(first), _) if start == 0 => Some(first.clone()),
-            (_, Some(number)) => self.path(number, (start, problem))?,
+        let path = match (&self.first, &self.reserve, self.number(start)) {
+            (Some(first), ..) if start == 0 => Some(first.clone()),
+            (_, Some(reserve), Some(0)) => Some(reserve.clone()),
+            (.., Some(number)) => self.path(number, (start, problem))?,
             _ => None,
         };
-        let Some(path) = path else {
+        path.map(|path| self.candidate(path, (start, problem), 1.0)).transpose()
+    }
+
+    /// The first planned start of a search that is cut off, if there is one: its rows may be larger between the points,
+    /// and it has no further iteration, so that a free horizon is longer.
+    pub fn reserve_start(&self) -> Result<Option<Candidate>> {
+        let (number, growth) = (self.context.settings.starts, self.context.settings.search.horizon_growth);
+        let Some(path) = self.reserve.clone() else {
             return Ok(None);
         };
+        Ok(Some(self.candidate(path, (number, &self.problem(number)?), growth)?))
+    }
+
+    /// The start along a path, with `growth` times the time that it needs if the horizon is free.
+    fn candidate(&self, path: Path, (start, problem): (usize, &Problem<'_>), growth: f64) -> Result<Candidate> {
         let horizon = match self.context.free_horizon {
-            Some(free) => {
-                let horizon = self.horizon(&path, problem, free.longest)?;
-                // Rows may be larger between the points, and a search that is cut off has no further iteration.
-                let growth = match self.context.settings.time_limit {
-                    Some(_) => self.context.settings.search.horizon_growth,
-                    None => 1.0,
-                };
-                (growth * horizon).min(free.longest)
-            }
+            Some(free) => (growth * self.horizon(&path, problem, free.longest)?).min(free.longest),
             None => problem.horizon(),
         };
-        let path = path.between_ends_of(&problem.with_horizon(horizon)?);
         let problem = &problem.with_horizon(horizon)?;
-        Ok(Some(Candidate {
+        let path = path.between_ends_of(problem);
+        Ok(Candidate {
             times: nearest_times(&path, problem, &self.context.settings.waypoints),
             penalty: Some(self.penalty(start)),
             ..Candidate::new(path, horizon)
-        }))
+        })
     }
 
     /// The curve along the paths of this number from waypoint to waypoint, for a start of the search; `None` without a

@@ -136,7 +136,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
         (options.settings.start, options.settings.multipliers) = (None, None);
         (options.settings.time_limit, options.settings.interrupt) = (None, Interrupt::default());
         options.settings.search.scan = SCAN;
-        let continuity = Continuity { rest: [false, true], ..options.settings.continuity(problem) };
+        let continuity = Continuity { fixed_accelerations: [false, true], ..options.settings.continuity(problem) };
         let basis = Basis::new(1, options.settings.degree, continuity);
         let motion = Candidate {
             multipliers: found.multipliers,

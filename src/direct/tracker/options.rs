@@ -93,6 +93,9 @@ impl TrackerOptions {
         if let Some(joint) = velocities.iter().position(|v| *v != 0.0) {
             return refuse("goal", format!("joint {joint} is not at rest there"));
         }
+        if problem.accelerations()[1].iter().flatten().any(|a| *a != 0.0) {
+            return refuse("goal", "the acceleration there is not zero".to_owned());
+        }
         if problem.horizon() < self.shortest_horizon {
             let condition = format!("it is {} s, less than the shortest", problem.horizon());
             return refuse("horizon", condition);

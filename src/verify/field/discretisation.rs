@@ -22,8 +22,8 @@ pub(super) struct Discretisation {
     table: DMatrix<Gf>,
     /// `N` rows, one column per function.
     pub coefficients: DMatrix<Gf>,
-    /// The derivatives of the coefficients with respect to the horizon.
-    pub rates: DMatrix<Gf>,
+    /// The first two derivatives of the coefficients in the horizon, at a horizon of zero.
+    pub rates: [DMatrix<Gf>; 2],
     /// A direction for the unknown coefficients.
     pub direction: DVector<Gf>,
 }
@@ -45,7 +45,7 @@ impl Discretisation {
             weights: matrix(Self::POINTS, 1).data.into(),
             table: matrix(5, 3 * Self::POINTS),
             coefficients: matrix(n, Self::COUNT),
-            rates: matrix(n, Self::COUNT),
+            rates: [matrix(n, Self::COUNT), matrix(n, Self::COUNT)],
         }
     }
 
@@ -54,7 +54,7 @@ impl Discretisation {
         self.on(num_traits::One::one()).0
     }
 
-    /// The grid on a horizon, and coefficients that are affine in it.
+    /// The grid on a horizon, and coefficients that are quadratic in it.
     pub fn on<S: AlgebraOver<Gf>>(&self, horizon: S) -> (Grid<S>, DMatrix<S>) {
         let rate = S::one() / horizon;
         let powers = [S::one(), rate, rate * rate];
@@ -63,8 +63,16 @@ impl Discretisation {
         let scaled = |x: &[Gf]| x.iter().map(|x| horizon.scale(*x)).collect();
         let (times, weights) = (scaled(&self.times), scaled(&self.weights));
         let grid = Grid::from_table(Self::SEGMENTS, 2, Self::FREE.collect(), times, weights, table);
-        let affine = |c: Gf, rate: Gf| S::lift(c) + horizon.scale(rate);
-        (grid, self.coefficients.zip_map(&self.rates, affine))
+        let half = horizon * horizon / S::from_f64(2.0);
+        let [first, second] = &self.rates;
+        let quadratic = |c: Gf, first: Gf, second: Gf| S::lift(c) + horizon.scale(first) + half.scale(second);
+        (grid, self.coefficients.zip_zip_map(first, second, quadratic))
+    }
+
+    /// The first two derivatives of the coefficients at a horizon.
+    pub fn rates_at(&self, horizon: Gf) -> [DMatrix<Gf>; 2] {
+        let [first, second] = &self.rates;
+        [first + second * horizon, second.clone()]
     }
 
     /// The grid of one segment alone on a horizon, whose normalised time zero is at a time.

@@ -103,7 +103,7 @@ fn at_a_horizon<P: PointCost<Gf>>(
     let (grid, (_, curve)) = (example.grid(), example.on(p.k));
     let mut objective = Objective::new(&grid, cost, p.dof());
     objective.set_horizon(p.k);
-    objective.free_horizon(example.rates.clone());
+    objective.free_horizon(example.rates_at(p.k));
     let mut derivatives = Derivatives::new(&grid, p.dof());
     objective.derivatives(&curve, &mut derivatives)?;
     Ok(derivatives.horizons.swap_remove(0))
@@ -118,7 +118,7 @@ fn in_parts<P: PointCost<Gf>>(
     let grid = example.grid();
     let mut objective = Objective::new(&grid, cost, p.dof());
     objective.set_horizons(&horizons);
-    objective.free_horizon(DMatrix::zeros(p.dof(), grid.count()));
+    objective.free_horizon([(); 2].map(|()| DMatrix::zeros(p.dof(), grid.count())));
     let mut derivatives = Derivatives::new(&grid, p.dof());
     objective.derivatives(&example.coefficients, &mut derivatives)?;
     Ok(derivatives)

@@ -35,15 +35,15 @@ pub(super) fn broken_ends(scenario: &Scenario, curve: &CurveFile, motion: &Motio
     };
     let is_smooth = file.continuity() == Continuous::Acceleration;
     let is_free = file.free_final_velocity;
-    let rests = |v: &[f64]| is_smooth && v.iter().all(|v| *v == 0.0);
-    let zeros = vec![0.0; scenario.model.dof()];
+    let [a_start, a_goal] = &file.accelerations();
+    let off_given = |all: &[Polynomial], given: &Option<Vec<f64>>| given.as_ref().map_or(0.0, |a| off(all, a));
     let ends = [
         ("start position", true, off(&start.q, &file.q_start), STATE, 0.0),
         ("start velocity", true, off(&start.v, &file.v_start), STATE, 0.0),
-        ("rest at the start", rests(&file.v_start), off(&start.a, &zeros), ACCELERATION, 0.0),
+        ("start acceleration", a_start.is_some(), off_given(&start.a, a_start), ACCELERATION, 0.0),
         ("goal position", file.goal.is_empty(), off(&end.q, &file.q_goal), STATE, horizon),
         ("goal velocity", !is_free, off(&end.v, &file.v_goal), STATE, horizon),
-        ("rest at the goal", !is_free && rests(&file.v_goal), off(&end.a, &zeros), ACCELERATION, horizon),
+        ("goal acceleration", a_goal.is_some(), off_given(&end.a, a_goal), ACCELERATION, horizon),
         ("velocity as the rate of the position", true, largest(slip(curve)?), STATE, f64::NAN),
         ("continuity of positions", true, jump(|piece| &piece.q), STATE, f64::NAN),
         ("continuity of velocities", true, jump(|piece| &piece.v), STATE, f64::NAN),

@@ -103,7 +103,7 @@ fn derived_velocity(row: &mut Row, intervals: &Intervals, end: End, (q, v): (&[V
     }
 }
 
-/// Checks that accelerations are continuous, and zero at an end at which all velocities are zero.
+/// Checks that accelerations are continuous, and at the ends those that are given, or zero at rest.
 pub(super) fn continuity(scenario: &Scenario, trajectory: &Trajectory, intervals: &Intervals, tolerance: f64) -> Row {
     let (check, file) = (Check::Continuity, &scenario.file);
     if file.continuity() == Continuous::Velocity {
@@ -116,14 +116,10 @@ pub(super) fn continuity(scenario: &Scenario, trajectory: &Trajectory, intervals
     }
     let mut row = Row::new(check, tolerance);
     row.outcome = Outcome::Pass;
-    let rests = |v: &[f64]| v.iter().all(|v| *v == 0.0);
-    for (end, at_rest) in
-        [(End::Start, rests(&file.v_start)), (End::Goal, rests(&file.v_goal) && !file.free_final_velocity)]
-    {
+    for (end, wanted) in [End::Start, End::Goal].into_iter().zip(file.accelerations()) {
         let (k, s) = end.place(intervals);
-        let joints = scenario.model.joints().iter().enumerate();
-        for (i, joint) in joints.filter(|_| at_rest) {
-            let value = intervals.joints[k][i].at(2, s).abs();
+        for (i, (joint, wanted)) in scenario.model.joints().iter().zip(wanted.iter().flatten()).enumerate() {
+            let value = (intervals.joints[k][i].at(2, s) - wanted).abs();
             let (at_s, error) = (intervals.time(k, s), intervals.error(2, k, i));
             let off = difference(value, Quantity::Acceleration.unit(joint.kind()), at_s);
             let unsure = if intervals.is_derived() { f64::INFINITY } else { 0.0 };

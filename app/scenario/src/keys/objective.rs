@@ -300,6 +300,8 @@ impl Scenario {
             ("objective with a weight of time", file.objective.weighs_time()),
             ("objective.jerk", jerk),
             ("free_final_velocity", file.free_final_velocity),
+            ("a_start", file.a_start.is_some()),
+            ("a_goal", file.a_goal.is_some()),
             ("goal", !file.goal.is_empty()),
             ("keep", !file.keep.is_empty()),
             ("waypoints", !file.waypoints.is_empty()),

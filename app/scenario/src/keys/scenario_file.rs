@@ -82,12 +82,19 @@ pub struct ScenarioFile {
     pub q_start: Vec<f64>,
     /// Velocity at the start.
     pub v_start: Vec<f64>,
+    /// For the direct method with continuous accelerations: the acceleration at the start, `N` entries; by default zero
+    /// if the robot is at rest there, and free if it moves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub a_start: Option<Vec<f64>>,
     /// Configuration at the end; with `goal` a first guess of it, by default that at the start.
     #[serde(default)]
     pub q_goal: Vec<f64>,
     /// Velocity at the end: with `goal` zero by default, otherwise required, also for an end at rest.
     #[serde(default)]
     pub v_goal: Vec<f64>,
+    /// Acceleration at the end, as `a_start` at the start.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub a_goal: Option<Vec<f64>>,
     /// The way of continuous joints to the positions of `q_goal` and of waypoints. A scenario that was read has the
     /// positions to which they go.
     #[serde(default, skip_serializing_if = "is_default")]
@@ -187,6 +194,18 @@ impl ScenarioFile {
         }
     }
 
+    /// The accelerations of a motion at the start and at the end, `N` entries each: those that are given, and zero at
+    /// an end at rest if accelerations are continuous; `None` where they are free.
+    #[must_use]
+    pub fn accelerations(&self) -> [Option<Vec<f64>>; 2] {
+        let is_smooth = self.continuity() == Continuous::Acceleration;
+        let ends = [(&self.a_start, &self.v_start, false), (&self.a_goal, &self.v_goal, self.free_final_velocity)];
+        ends.map(|(given, v, is_free)| {
+            let is_at_rest = !is_free && v.iter().all(|v| *v == 0.0);
+            given.clone().or_else(|| (is_smooth && is_at_rest).then(|| vec![0.0; v.len()]))
+        })
+    }
+
     /// The keys of a motion of this robot from one state to another within `horizon_s`; all others are as by default.
     /// A state is a pair of positions and velocities.
     #[must_use]
@@ -211,8 +230,10 @@ impl ScenarioFile {
             horizon_s,
             q_start,
             v_start,
+            a_start: None,
             q_goal,
             v_goal,
+            a_goal: None,
             turns: Turns::default(),
             goal: Vec::new(),
             keep: Vec::new(),
@@ -237,6 +258,12 @@ impl ScenarioFile {
 
     /// Refuses states at the ends with another number of values than `model` has joints. `path` names the scenario.
     pub(crate) fn check_states(&self, model: &Model, path: &str) -> Result<()> {
+        let given = [("a_start", &self.a_start), ("a_goal", &self.a_goal)];
+        let given = given.into_iter().filter_map(|(key, a)| Some((key, a.as_ref()?)));
+        if let (Some((key, _)), Continuous::Velocity) = (given.clone().next(), self.continuity()) {
+            let condition = "accelerations are continuous only with \"continuity\": \"acceleration\"";
+            return Err(Error::input(path, key, condition));
+        }
         let states = [
             ("q_start", &self.q_start),
             ("v_start", &self.v_start),
@@ -244,17 +271,17 @@ impl ScenarioFile {
             ("v_goal", &self.v_goal),
         ];
         let expected = model.dof();
-        let Some((key, state)) = states.iter().find(|(_, state)| state.len() != expected) else {
+        let Some((key, state)) = states.into_iter().chain(given).find(|(_, state)| state.len() != expected) else {
             return Ok(());
         };
         let left = if self.locked_joints.is_empty() { "" } else { " that are not locked" };
-        let condition = match (*key, state.len()) {
+        let condition = match (key, state.len()) {
             ("q_goal", 0) => "neither q_goal nor goal is given".to_owned(),
             (_, found) => {
                 format!("the robot has {expected} joints{left}, but {found} values are given")
             }
         };
-        Err(Error::input(path, *key, condition))
+        Err(Error::input(path, key, condition))
     }
 
     /// Refuses invalid parameters of the flow and of the simulation, horizons and degrees.

@@ -46,11 +46,13 @@ const TOLERANCE_OF_ENDS: f64 = 0.5 * TOLERANCE;
 
 /// One boundary state of a motion.
 struct End<'a> {
-    /// The keys of its position and of its velocity.
-    keys: [&'a str; 2],
+    /// The keys of its position, its velocity and its acceleration.
+    keys: [&'a str; 3],
     q: &'a [f64],
     /// The velocity; `None` if it is free.
     v: Option<&'a [f64]>,
+    /// The acceleration, if it is given.
+    a: Option<&'a [f64]>,
 }
 
 impl Scenario {
@@ -66,7 +68,8 @@ impl Scenario {
     /// The same with another final configuration, or without one.
     pub(crate) fn least_horizon_to(&self, goal: Option<&[f64]>) -> Option<(usize, Quantity, f64)> {
         let file = &self.file;
-        let at_rest = rests(&file.v_start) && rests(&file.v_goal) && !file.free_final_velocity;
+        let is_pushed = [&file.a_start, &file.a_goal].into_iter().flatten().any(|a| !rests(a));
+        let at_rest = rests(&file.v_start) && rests(&file.v_goal) && !file.free_final_velocity && !is_pushed;
         let times = (0..self.model.dof()).flat_map(|i| {
             let most = |limit| self.bound(limit, i).map_or(f64::INFINITY, |[_, most]| most);
             let way = self.way_of(i, goal);
@@ -92,7 +95,8 @@ impl Scenario {
     /// Names the key, the joint or the obstacle, the value and the limit.
     pub fn check_feasible(&self) -> Result<()> {
         let file = &self.file;
-        let start = End { keys: ["q_start", "v_start"], q: &file.q_start, v: Some(&file.v_start) };
+        let keys = ["q_start", "v_start", "a_start"];
+        let start = End { keys, q: &file.q_start, v: Some(&file.v_start), a: file.a_start.as_deref() };
         let ends = [start, self.end_at(&file.q_goal)];
         let ends = match (&self.period, &self.goal) {
             (Some(_), _) => &[],
@@ -129,7 +133,8 @@ impl Scenario {
     /// A configuration as the end of the motion.
     fn end_at<'a>(&'a self, q: &'a [f64]) -> End<'a> {
         let file = &self.file;
-        End { keys: ["q_goal", "v_goal"], q, v: (!file.free_final_velocity).then_some(&file.v_goal) }
+        let v = (!file.free_final_velocity).then_some(&file.v_goal[..]);
+        End { keys: ["q_goal", "v_goal", "a_goal"], q, v, a: file.a_goal.as_deref() }
     }
 
     /// Checks a configuration as [`check_feasible`](Self::check_feasible) does with that at the end.
@@ -142,13 +147,16 @@ impl Scenario {
     /// Checks a configuration on the way, named by a key: limits of positions, and collisions.
     pub(crate) fn check_on_the_way(&self, key: &str, q: &[f64]) -> Result<()> {
         self.check_bounds(Quantity::Position, key, q)?;
-        self.check_clear(&End { keys: [key, key], q, v: None })
+        self.check_clear(&End { keys: [key; 3], q, v: None, a: None })
     }
 
     /// Refuses a boundary state beyond a limit of a joint.
     fn check_state(&self, end: &End<'_>) -> Result<()> {
-        let [q_key, v_key] = end.keys;
+        let [q_key, v_key, a_key] = end.keys;
         self.check_bounds(Quantity::Position, q_key, end.q)?;
+        if let Some(a) = end.a {
+            self.check_bounds(Quantity::Acceleration, a_key, a)?;
+        }
         let Some(v) = end.v else {
             return Ok(());
         };
@@ -162,8 +170,8 @@ impl Scenario {
         if let Some(v) = end.v {
             self.check_own_constraints(end.keys[0], end.q, v)?;
         }
-        if end.v.is_some_and(rests) {
-            self.check_rest(end)?;
+        self.check_torques(end)?;
+        if end.v.is_some_and(rests) && end.a.is_none_or(rests) {
             if self.file.continuity() == Continuous::Acceleration {
                 self.check_balance(end.keys[0], end.q)?;
             }
@@ -269,12 +277,17 @@ impl Scenario {
         self.refuse(end.keys[0], condition)
     }
 
-    /// Refuses a boundary state at rest that the torques cannot hold.
-    fn check_rest(&self, end: &End<'_>) -> Result<()> {
+    /// Refuses a boundary state at rest, or with a given acceleration, that the torques cannot hold.
+    fn check_torques(&self, end: &End<'_>) -> Result<()> {
         let n = self.model.dof();
         let (zeros, mut torques) = (vec![0.0; n], vec![0.0; n]);
         let data = &mut Data::new(&self.model);
-        rnea(&self.model, data, end.q, &zeros, &zeros, &mut torques)?;
+        let (v, a, task) = match (end.v, end.a) {
+            (Some(v), Some(a)) if !rests(v) || !rests(a) => (v, a, "for the given acceleration"),
+            (Some(v), _) if rests(v) => (v, &zeros[..], "to hold the robot at rest"),
+            _ => return Ok(()),
+        };
+        rnea(&self.model, data, end.q, v, a, &mut torques)?;
         for (i, (joint, torque)) in self.model.joints().iter().zip(torques).enumerate() {
             let Some([_, most]) = self.bound(Quantity::Torque, i) else {
                 continue;
@@ -287,7 +300,7 @@ impl Scenario {
                 } else {
                     format!("its enforced torque limit is {most} {unit}")
                 };
-                let condition = format!("joint '{name}' needs {torque} {unit} to hold the robot at rest, {but}");
+                let condition = format!("joint '{name}' needs {torque} {unit} {task}, {but}");
                 return self.refuse(end.keys[0], condition);
             }
         }

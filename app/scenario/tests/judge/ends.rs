@@ -37,8 +37,10 @@ fn every_key_has_a_check_or_promises_nothing() {
         // The ends.
         q_start: _,
         v_start: _,
+        a_start: _,
         q_goal: _,
         v_goal: _,
+        a_goal: _,
         turns: _,
         goal: _,
         free_final_velocity: _,
@@ -101,6 +103,9 @@ fn rest_is_at_rest() {
         (json!({ "v_start": [0.1, 0.0, 0.0], "v_goal": [0.1, 0.0, 0.0] }), Outcome::Pass),
         (json!({ "v_start": [0.1, 0.0, 0.0] }), Outcome::Fail),
         (json!({ "v_goal": [0.1, 0.0, 0.0] }), Outcome::Fail),
+        (json!({ "a_start": [0.0, 1.6, 0.0], "a_goal": [0.0, 1.6, 0.0] }), Outcome::Pass),
+        (json!({ "a_start": [0.0, 1.6, 0.0], "a_goal": [0.0, 1.5, 0.0] }), Outcome::Fail),
+        (json!({ "a_start": [0.0, 1.6, 0.0], "v_goal": [0.1, 0.0, 0.0] }), Outcome::Pass),
     ] {
         let scenario = scenario("rest", keys);
         let mut motion = good(&scenario.model, FROM, TO, 101);

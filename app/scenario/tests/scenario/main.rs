@@ -16,6 +16,7 @@ mod file;
 mod goal;
 mod goal_ends;
 mod group;
+mod joined;
 mod joint_limits;
 mod keep;
 mod limits;

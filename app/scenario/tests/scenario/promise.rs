@@ -27,6 +27,10 @@ fn each_key_adds_its_promises() {
     for quantity in [Quantity::Acceleration, Quantity::Jerk, Quantity::Power] {
         assert_eq!(added(json!({ "enforced_limits": { quantity.name(): 50.0 } })), each(quantity));
     }
+    let push = json!([0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    for (key, scope) in [("a_start", Scope::Start), ("a_goal", Scope::Goal)] {
+        assert_eq!(added(json!({ key: push })), [(Quantity::Acceleration, None, scope)]);
+    }
     let frame = "end_effector_link";
     let kept = json!([{ "speed": { "frame": frame, "most_m_s": 0.5 } },
         { "speed": { "frame": frame, "most_m_s": 0.4 }, "from_s": 1.0, "to_s": 2.0 }]);
