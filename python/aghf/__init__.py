@@ -25,12 +25,13 @@ from ._dynamics import (
 )
 from ._goal import Goal
 from ._judge import Clearance, clearance, judge
+from ._many import solve_each, solve_many
 from ._model import Model
 from ._native import _aghf
 from ._nlp import Program, ProgramSolution, solve_nlp
 from ._pinocchio import pinocchio_configuration
 from ._solution import stack
-from ._solve import InputError, Samples, Solution, Tradeoff, solve, solve_many, sweep, tradeoff
+from ._solve import InputError, Samples, Solution, Tradeoff, solve, sweep, tradeoff
 from ._table import Table
 from ._tracker import Command, Step, Tracker, Violation
 from ._verify import Constraint, RunningCost, check, check_constraint, check_cost
@@ -82,6 +83,7 @@ __all__ = [
     "rnea_vjp",
     "rnea_weighted_hessian",
     "solve",
+    "solve_each",
     "solve_many",
     "solve_nlp",
     "stack",

@@ -34,7 +34,6 @@ __all__ = [
     "omega_jacobian",
     "jacobians",
     "solve",
-    "solve_many",
     "solve_nlp",
     "tradeoff",
     "tradeoff_html",
@@ -131,12 +130,9 @@ def solve(
     options: str,
     running_cost: RunningCost | None,
     constraints: list[Constraint],
-    on_iteration: Callable[[dict[str, Any]], object] | None,
+    callbacks: tuple[Callable[[dict[str, Any]], object] | None, Callable[[], bool] | None],
     start: Solution | None,
 ) -> Solution: ...
-def solve_many(
-    scenarios: list[tuple[str, str | None]], options: str, threads: int | None
-) -> list[Solution | Exception]: ...
 def tradeoff(name: str, text: str | None, options: str, points: int) -> list[Solution]: ...
 def tradeoff_html(solutions: list[Solution]) -> str: ...
 def solve_nlp(

@@ -56,7 +56,7 @@ class Solution:
         self._own = own
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _solution, (self._own.summary_json(),)
+        return from_summary, (self._own.summary_json(),)
 
     def __copy__(self) -> Solution:
         return Solution(self._own)
@@ -189,11 +189,11 @@ def _frame(page: str) -> str:
     return f'<iframe srcdoc="{page}" style="width: 100%; height: 46rem; border: 0"></iframe>'
 
 
-def _solution(summary: str) -> Solution:
-    """The solution that was pickled."""
+def from_summary(summary: str) -> Solution:
+    """The solution with this summary in JSON, without the progress of its search."""
     return Solution(_aghf.Solution.from_summary(summary))
 
 
 def _model(summary: str) -> Model:
     """The robot of a solution that was pickled."""
-    return _solution(summary).model
+    return from_summary(summary).model

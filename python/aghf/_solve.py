@@ -99,49 +99,8 @@ def solve(
     """
     options = given(locals(), "scenario", "running_cost", "constraints", "on_iteration", "start")
     own = start._own if start is not None else None
-    return Solution(_aghf.solve(named(scenario), options, running_cost, list(constraints), on_iteration, own))
-
-
-def solve_many(
-    scenarios: Iterable[str | os.PathLike[str] | Mapping[str, Any]],
-    *,
-    threads: int | None = None,
-    method: Method | None = None,
-    degree: int | None = None,
-    segments: int | None = None,
-    degree_tolerance: float | None = None,
-    tolerance: float | None = None,
-    reserve: float | None = None,
-    starts: int | None = None,
-    seed: int | None = None,
-    planned_starts: PlannedStarts | None = None,
-    time_limit_s: float | None = None,
-    k: float | None = None,
-    s_max: float | None = None,
-    guess: Guess | None = None,
-    jacobian: str | None = None,
-    integrator: Integrator | None = None,
-    k_cons: float | None = None,
-    c_cons: float | None = None,
-) -> list[Solution | Exception]:
-    """Solves scenarios in parallel, one per core or on this number of threads.
-
-    The results are in the order of the scenarios and do not depend on the number of threads. A scenario that is refused
-    has its exception in the list, such as an `InputError`. Ctrl-C ends all searches with the best motions so far; each
-    scenario whose solve had not begun then has a `concurrent.futures.CancelledError`.
-
-    Parameters
-    ----------
-    scenarios : iterable
-        Scenarios as for `solve`.
-    threads : int, optional
-        The number of scenarios that are solved at the same time, by default one per core.
-    method, degree, ... : optional
-        The options of `solve` for each of them.
-    """
-    options = given(locals(), "scenarios", "threads")
-    found = _aghf.solve_many([named(scenario) for scenario in scenarios], options, threads)
-    return [own if isinstance(own, Exception) else Solution(own) for own in found]
+    callbacks = on_iteration, None
+    return Solution(_aghf.solve(named(scenario), options, running_cost, list(constraints), callbacks, own))
 
 
 def tradeoff(

@@ -34,6 +34,10 @@ ORDER = 10
 # The radius about a piece of a mesh, m, and the distance of a corner of the mesh from it that is accepted.
 RADIUS, ACCEPTED = 1e-6, 0.9e-6
 KINDS = ["position", "velocity", "acceleration", "jerk", "torque", "power"]
+# The least distance from a limit at which a joint starts outside of it, rad or m.
+OUTSIDE = 1e-9
+# The distance that such a joint may go further out.
+FURTHER = 5e-5
 
 
 class Refused(Exception):
@@ -976,7 +980,7 @@ def least(polynomials, enough, accuracy):
 
 
 def limits_of(scenario, robot):
-    """The limits that a scenario enforces: promise, joint, bounds."""
+    """The limits that a scenario enforces: promise, joint, bounds, and the time from which on they are kept."""
     enforced, passive = option(scenario, "enforced_limits", {}), option(scenario, "passive", [])
     names = [joint.name for joint in robot.joints]
     named = passive + [name for part in enforced.values() for name in option(part, "joints", [])]
@@ -1006,8 +1010,15 @@ def limits_of(scenario, robot):
             given = most[i] if isinstance(most, list) else most
             if promise in ("velocity", "acceleration", "jerk", "power") and given is not None:
                 bounds = [max(bounds[0], -given), min(bounds[1], given)]
+            from_s, start = -math.inf, joint_values(scenario, "q_start", len(names))[i]
+            tolerance, off = option(scenario, "start_tolerance"), max(bounds[0] - start, start - bounds[1])
+            if promise == "position" and tolerance is not None:
+                if OUTSIDE < off <= option(tolerance, "position", 1e-4):
+                    around = [min(bounds[0], start - FURTHER), max(bounds[1], start + FURTHER)]
+                    limits.append((promise, i, around, from_s))
+                    from_s = option(tolerance, "back_s", 0.25)
             if any(map(math.isfinite, bounds)):
-                limits.append((promise, i, bounds))
+                limits.append((promise, i, bounds, from_s))
     return limits
 
 
@@ -1321,7 +1332,8 @@ def outcome(key, scenario, robot):
     is_asked["q_goal"] = not entries(scenario, "goal")
     is_asked["v_goal"] = not option(scenario, "free_final_velocity", False)
     is_asked["horizon_s"] = "free_horizon" not in scenario and not weighs_time(scenario)
-    proofs = "q_start v_start a_start a_goal goal keep waypoints stand continuity free_horizon enforced_limits".split()
+    proofs = "q_start v_start a_start start_tolerance a_goal goal keep waypoints stand continuity".split()
+    proofs += ["free_horizon", "enforced_limits"]
     return "proved" if is_asked.get(key, key in proofs) else "no promise"
 
 
@@ -1393,10 +1405,10 @@ def check_intervals(scenario, robot, motion, tube, limits, pairs, promises, inte
         quantities += [torques, torques * v] if "power" in promises else [torques]
         if "stand" in promises:
             rows += [("stand", row, always) for row in states.foot(scenario["stand"], *ground)]
-    for promise, joint, bounds in limits:
+    for promise, joint, bounds, from_s in limits:
         scale = max(abs(x) for x in bounds if math.isfinite(x)) or 1.0
         name, value = f"{promise} of joint '{robot.joints[joint].name}'", quantities[KINDS.index(promise)][joint]
-        rows.append((promise, (name, value, bounds, scale), always))
+        rows.append((promise, (name, value, bounds, scale), end + rounding > from_s))
     for i, condition in enumerate(option(scenario, "keep", [])):
         from_s, to_s = option(condition, "from_s", 0.0), option(condition, "to_s", math.inf)
         require(from_s < min(to_s, motion.horizon), f"keep[{i}] from {from_s} to {to_s} s is at no time of the motion")
@@ -1430,6 +1442,9 @@ def _check(robot_text, scenario_text, run_text, certificate_text, meshes):
     motion, names = Motion(run["curve"]), run["curve"]["joints"]
     free, fixed = option(scenario, "free_horizon", {}), scenario["horizon_s"]
     least, most = (0.0, math.inf) if weighs_time(scenario) else (fixed, fixed)
+    start = option(scenario, "start_tolerance")
+    is_back = start is None or motion.horizon >= option(start, "back_s", 0.25)
+    require(is_back, "the motion ends before start_tolerance.back_s")
     is_asked = option(free, "shortest_s", least) <= motion.horizon <= option(free, "longest_s", most)
     require(is_asked, "the horizon is not that of the scenario")
     pieces = [[read_piece(*piece) for piece in mesh] for mesh in certificate["pieces"]]

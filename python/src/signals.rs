@@ -10,12 +10,6 @@ pub const LOOK: Duration = Duration::from_millis(50);
 /// Works on another thread with the GIL released. After a signal it calls `stop`, waits for the work to end, and
 /// returns the exception.
 pub fn until_signalled<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send, stop: impl Fn()) -> PyResult<T> {
-    let (signals, done) = watched(py, work, stop);
-    signals.map(|()| done)
-}
-
-/// The same with the result of the work beside the exception.
-pub fn watched<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send, stop: impl Fn()) -> (PyResult<()>, T) {
     thread::scope(|scope| {
         let work = scope.spawn(work);
         let mut signals = Ok(());
@@ -28,6 +22,6 @@ pub fn watched<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send, stop: i
         }
         let done = work.join();
         let done = done.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-        (signals, done)
+        signals.map(|()| done)
     })
 }

@@ -5,24 +5,21 @@ use crate::custom_terms::{PyConstraint, PyRunningCost, Raised};
 use crate::error::raised;
 use crate::model::PyModel;
 use crate::motion::evaluate;
-use crate::signals::{LOOK, until_signalled, watched};
+use crate::signals::{LOOK, until_signalled};
 use aghf::motion::Interrupt;
 use aghf_cli::export::{joint_trajectory, save_mcap};
 use aghf_cli::output::{OutputFolder, REPORT_FILES, Sampling, refuse_existing, write_report};
 use aghf_cli::report::{Motion, page, tradeoff_page};
 use aghf_scenario::{
-    DirectOptions, LoadOptions, Record, Scenario, Solve, SolveOptions, SolveReport, Solved, Trace, Tradeoff, Verdict,
+    LoadOptions, Record, Scenario, Solve, SolveOptions, SolveReport, Solved, Trace, Tradeoff, Verdict,
 };
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayon::prelude::*;
 use serde::Deserialize;
 use std::path::Path;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
-
-pyo3::import_exception!(concurrent.futures, CancelledError);
 
 /// The result of a solve.
 #[pyclass(name = "Solution", module = "aghf", frozen)]
@@ -31,7 +28,8 @@ pub struct PySolution {
     report: SolveReport,
 }
 
-/// Solves a scenario by its name and its JSON text; a built-in scenario or a file has no text.
+/// Solves a scenario by its name and its JSON text; a built-in scenario or a file has no text. The search ends with the
+/// best motion so far once `should_stop` returns true.
 #[pyfunction]
 fn solve<'py>(
     py: Python<'py>,
@@ -39,10 +37,10 @@ fn solve<'py>(
     options: &str,
     running_cost: Option<Py<PyAny>>,
     constraints: Vec<Bound<'py, PyAny>>,
-    on_iteration: Option<Bound<'py, PyAny>>,
+    callbacks: [Option<Bound<'py, PyAny>>; 2],
     start: Option<PyRef<'py, PySolution>>,
 ) -> PyResult<PySolution> {
-    let (name, text) = named;
+    let ((name, text), [on_iteration, should_stop]) = (named, callbacks);
     let (mut scenario, options) = read(&name, text.as_deref(), options)?;
     let start = start.map(|start| start.solved());
     let raised_first = Raised::default();
@@ -83,6 +81,11 @@ fn solve<'py>(
                 Ok(_) | Err(RecvTimeoutError::Timeout) => Ok(()),
                 Err(RecvTimeoutError::Disconnected) => break,
             };
+            if let Some(should_stop) = &should_stop
+                && should_stop.call0()?.is_truthy()?
+            {
+                interrupt.raise();
+            }
             if let Err(error) = heard.and_then(|()| py.check_signals()) {
                 interrupt.raise();
                 // Ctrl-C ends the search with the best motion so far.
@@ -152,48 +155,6 @@ fn call_back(py: Python<'_>, callback: &Bound<'_, PyAny>, record: &Record) -> Py
         }
     }
     callback.call1((values,)).map(drop)
-}
-
-/// Solves scenarios in parallel on all cores or `threads`, in their order; each is a scenario in JSON with its name. In
-/// place of one that fails is its exception. Ctrl-C ends all with the motions that they have; one that had not begun is
-/// cancelled.
-#[pyfunction]
-fn solve_many<'py>(
-    py: Python<'py>,
-    scenarios: Vec<(String, Option<String>)>,
-    options: &str,
-    threads: Option<usize>,
-) -> PyResult<Vec<Bound<'py, PyAny>>> {
-    let options = match read_options(options)? {
-        // The solves share the cores.
-        SolveOptions::Direct(own) => DirectOptions { threads: Some(1), ..own }.into(),
-        flow => flow,
-    };
-    let threads = threads.unwrap_or(0);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|error| PyValueError::new_err(format!("threads: {error}")))?;
-    let interrupt = Interrupt::default();
-    let one = |(name, text): &(String, Option<String>)| {
-        if interrupt.is_raised() {
-            let message = format!("{name}: Ctrl-C came before its solve began");
-            return Err(CancelledError::new_err(message));
-        }
-        let scenario = read_scenario(name, text.as_deref())?;
-        let solve = Solve::new(&scenario).options(options.clone());
-        let report = solve.interrupt(interrupt.clone()).run().map_err(raised)?;
-        Ok(PySolution { scenario, report })
-    };
-    let search = || pool.install(|| scenarios.par_iter().map(one).collect::<Vec<_>>());
-    let (signals, found) = watched(py, search, || interrupt.raise());
-    match signals {
-        Err(error) if !error.is_instance_of::<PyKeyboardInterrupt>(py) => return Err(error),
-        _ => {}
-    }
-    let found = found.into_iter().map(|found| match found {
-        Ok(solution) => Bound::new(py, solution).map(Bound::into_any),
-        Err(error) => Ok(error.into_value(py).into_bound(py).into_any()),
-    });
-    found.collect()
 }
 
 /// Finds motions from the least duration to the least effort, in this order.
@@ -323,7 +284,6 @@ impl PySolution {
 /// Adds the functions to the module.
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(solve, module)?)?;
-    module.add_function(wrap_pyfunction!(solve_many, module)?)?;
     module.add_function(wrap_pyfunction!(tradeoff, module)?)?;
     module.add_function(wrap_pyfunction!(tradeoff_html, module)?)
 }

@@ -31,9 +31,10 @@ pub struct DirectSettings {
     pub starts: usize,
     /// The seed of the bends of the starts.
     pub seed: u64,
-    /// The time after which the search stops with the best motion so far; one that ends earlier is as without it. With
-    /// a limit a path is planned first, unless there are no planned starts: a search that is cut off before it finds
-    /// anything better ends with the motion along it, if that satisfies the constraints.
+    /// The time after which the search stops with the best motion so far. Where other searches follow the starts, for a
+    /// free horizon or another degree, the starts have their share of it; a search that needs less is as without a
+    /// limit. With one a path is planned first, unless there are no planned starts: a search that is cut off before it
+    /// finds anything better ends with the motion along it, if that satisfies the constraints.
     pub time_limit: Option<Duration>,
     /// The handle by which another thread stops the search in the same way.
     pub interrupt: Interrupt,

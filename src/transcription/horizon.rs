@@ -63,8 +63,8 @@ impl<S: Scalar> Moving<'_, S> {
     /// Adds the derivatives of the integral over segment `e` in the horizon; returns the mixed derivatives in
     /// $(q, q', q'')$ at the points, `N` by `3 M`, with their weights.
     ///
-    /// With $z^x = T^{-x} \phi^x c$ and coefficients that change at constant rates $\dot c$ (the segment adds the product
-    /// of $\ddot c$ and the gradient),
+    /// With $z^x = T^{-x} \phi^x c$ and coefficients that change at constant rates $\dot c$ (the segment adds the
+    /// product of $\ddot c$ and the gradient),
     ///
     /// $$ z_T^x = T^{-x} \phi^x \dot c - \tfrac x T z^x, \qquad
     ///    z_{TT}^x = -\tfrac x T (T^{-x} \phi^x \dot c + z_T^x) + \tfrac{x}{T^2} z^x, $$

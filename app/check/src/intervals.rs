@@ -47,6 +47,8 @@ impl<'a> Promised<'a> {
             let is_met = from < to && from < motion.horizon;
             require(is_met, format!("keep[{i}] from {from} to {to} s is at no time of the motion"))?;
         }
+        let back = option(scenario, "start_tolerance").map_or(0.0, |start| number_or(start, "back_s", 0.25));
+        require(motion.horizon >= back, "the motion ends before start_tolerance.back_s")?;
         let tube = number(&certificate["tracking_error"]);
         Ok(Self { scenario, clear: clear.collect(), robot, motion, tube, limits, kept, obstacles, bases })
     }
@@ -161,7 +163,7 @@ impl<'a> Promised<'a> {
             }
         }
         let derivatives = [q, v, a, jerk];
-        let limit = |Limit(kind, joint, bounds): &Limit| {
+        let limit = |Limit(kind, joint, bounds, _): &Limit| {
             let polynomial = |x: Tm| (x.c.to_vec(), x.r);
             let value = match KINDS.iter().zip(&derivatives).find(|(known, _)| *known == kind) {
                 Some((_, all)) => all[*joint].clone(),
@@ -174,7 +176,8 @@ impl<'a> Promised<'a> {
             let name = format!("{kind} of joint '{}'", self.robot.joints[*joint].name);
             Ok((*kind, Row { name, value, bounds: *bounds, scale }))
         };
-        let limits = self.limits.iter().map(limit).collect::<Checked<Vec<_>>>()?;
+        let limits = self.limits.iter().filter(|limit| end + rounding > limit.3).map(limit);
+        let limits = limits.collect::<Checked<Vec<_>>>()?;
         let conditions = kept.into_iter().map(|row| ("keep", row)).chain(foot.into_iter().map(|row| ("stand", row)));
         let names = self.names();
         for (promise, row) in limits.into_iter().chain(conditions) {

@@ -1,7 +1,7 @@
 //! The promises of a scenario.
 
 use crate::Checked;
-use crate::json::{entries, is_true, number, number_or, option, require, text};
+use crate::json::{entries, is_true, list, number, number_or, option, require, text};
 use crate::robot::{Robot, pose_of};
 use crate::shape::{Solid, solid_of};
 use serde_json::Value;
@@ -10,8 +10,14 @@ use std::collections::BTreeSet;
 /// The kinds of limits of joints, in the order of their promises.
 pub(crate) const KINDS: [&str; 6] = ["position", "velocity", "acceleration", "jerk", "torque", "power"];
 
-/// A limit of a joint: the name of the promise, the joint, and the bounds.
-pub(crate) struct Limit(pub(crate) &'static str, pub(crate) usize, pub(crate) [f64; 2]);
+/// A limit of a joint: the name of the promise, the joint, the bounds, and the time from which on it is kept, s.
+pub(crate) struct Limit(pub(crate) &'static str, pub(crate) usize, pub(crate) [f64; 2], pub(crate) f64);
+
+/// The least distance from a limit at which a joint starts outside of it, rad or m.
+const OUTSIDE: f64 = 1e-9;
+
+/// The distance that such a joint may go further out.
+const FURTHER: f64 = 5e-5;
 
 /// The limits that a scenario enforces.
 pub(crate) fn limits(scenario: &Value, robot: &Robot) -> Checked<Vec<Limit>> {
@@ -60,8 +66,18 @@ pub(crate) fn limits(scenario: &Value, robot: &Robot) -> Checked<Vec<Limit>> {
             if let Some(most) = given {
                 bounds = [bounds[0].max(-most), bounds[1].min(most)];
             }
+            let mut from = f64::NEG_INFINITY;
+            let start = list(&scenario["q_start"]).get(i).copied().unwrap_or(f64::NAN);
+            let off = (bounds[0] - start).max(start - bounds[1]);
+            if let (Some(accepted), "position") = (option(scenario, "start_tolerance"), promise)
+                && off > OUTSIDE
+                && off <= number_or(accepted, "position", 1e-4)
+            {
+                all.push(Limit(promise, i, [bounds[0].min(start - FURTHER), bounds[1].max(start + FURTHER)], from));
+                from = number_or(accepted, "back_s", 0.25);
+            }
             if bounds.iter().any(|b| b.is_finite()) {
-                all.push(Limit(promise, i, bounds));
+                all.push(Limit(promise, i, bounds, from));
             }
         }
     }
@@ -79,8 +95,8 @@ fn outcome(key: &str, scenario: &Value, robot: &Robot) -> &'static str {
     };
     let unless = |is_free: bool| if is_free { "no promise" } else { "proved" };
     match key {
-        "q_start" | "v_start" | "a_start" | "a_goal" | "goal" | "keep" | "waypoints" | "stand" | "continuity"
-        | "free_horizon" | "enforced_limits" => "proved",
+        "q_start" | "v_start" | "a_start" | "start_tolerance" | "a_goal" | "goal" | "keep" | "waypoints" | "stand"
+        | "continuity" | "free_horizon" | "enforced_limits" => "proved",
         "q_goal" => unless(some("goal")),
         "v_goal" => unless(is_true(scenario, "free_final_velocity")),
         "horizon_s" => unless(some("free_horizon") || weighs_time(scenario)),

@@ -104,18 +104,19 @@ impl Scenario {
         let mut waypoints = waypoints(&file, model, path)?;
         waypoints.extend(points_of_walk(&file, model, path)?);
         let (kept, kept_between) = kept_rows(&file, model, path)?;
-        let own = CustomTerms {
+        let mut own = CustomTerms {
             constraints: kept,
             stage: kept_between,
             foot: standing_foot(&file, model, path)?,
             running_cost: None,
-            added: 0,
+            added: [0; 2],
         };
         file.check_states(model, path)?;
         file.check_numbers(path)?;
         let mut load_notes = robot.notes;
         (file.enforced_limits).read(model, source, (path, folder), &mut load_notes)?;
         file.enforced_limits.check(model, path)?;
+        own.stage.extend(file.complete_start(model, path)?);
         check_objective(&file, model, path)?;
         check_passive(&file, model, path)?;
         Ok(Self {

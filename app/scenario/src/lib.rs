@@ -40,6 +40,7 @@ pub use keys::rate_limits::{RateLimits, Urdf};
 pub use keys::scenario_file::ScenarioFile;
 pub use keys::schema::{DescribedOption, described_options, option_keys, scenario_keys, scenario_schema};
 pub use keys::stand::{FootLoad, Stand};
+pub use keys::start_tolerance::StartTolerance;
 pub use keys::turns::Turns;
 pub use keys::waypoints::PointOnTheWay;
 pub use load::LoadOptions;

@@ -66,14 +66,15 @@ pub(super) fn roles(scenario: &Scenario) -> Vec<(&'static str, Role)> {
     let unless = |are_phases: bool| if are_phases { OfPhases } else { NoPromise };
     let ScenarioFile {
         schema, robot, packages, root, mount, gravity, mimic, srdf, group, held_state, locked_joints, losses,
-        payload, passive, horizon_s, q_start, v_start, a_start, q_goal, v_goal, a_goal, turns, goal, keep, waypoints,
-        stand, phases, periodic, free_final_velocity, continuity, objective, free_horizon, obstacles, robot_shape,
-        self_collision, clearance_m, enforced_limits, flow, feedback, success_threshold,
+        payload, passive, horizon_s, q_start, v_start, a_start, start_tolerance, q_goal, v_goal, a_goal, turns, goal,
+        keep, waypoints, stand, phases, periodic, free_final_velocity, continuity, objective, free_horizon,
+        obstacles, robot_shape, self_collision, clearance_m, enforced_limits, flow, feedback, success_threshold,
     } = &scenario.file;
     let (is_free, apart) = (scenario.file.has_free_horizon(), scenario.keeps_links_clear());
     let horizon = Promise { bounds: scenario.file.horizon_bounds(), ..promise(Quantity::Duration, Scope::Goal) };
     let limits = scenario.limits().into_iter();
     let (without_motor, limits): (Vec<_>, Vec<_>) = limits.partition(|limit| limit.quantity == Quantity::Passive);
+    let (limits, back): (Vec<_>, Vec<_>) = limits.into_iter().partition(|limit| limit.scope == Scope::THROUGHOUT);
     vec![
         row("$schema", schema, NoPromise),
         row("robot", robot, Assumed),
@@ -93,6 +94,7 @@ pub(super) fn roles(scenario: &Scenario) -> Vec<(&'static str, Role)> {
         row("q_start", q_start, one(true, Quantity::Position, Scope::Start)),
         row("v_start", v_start, one(true, Quantity::Velocity, Scope::Start)),
         row("a_start", a_start, one(a_start.is_some(), Quantity::Acceleration, Scope::Start)),
+        row("start_tolerance", start_tolerance, if start_tolerance.is_some() { Promised(back) } else { NoPromise }),
         row("q_goal", q_goal, one(goal.is_empty(), Quantity::Position, Scope::Goal)),
         row("v_goal", v_goal, one(!free_final_velocity, Quantity::Velocity, Scope::Goal)),
         row("a_goal", a_goal, one(a_goal.is_some(), Quantity::Acceleration, Scope::Goal)),
@@ -132,15 +134,19 @@ impl Scenario {
         all
     }
 
-    /// The enforced limits of the joints, by quantities; those of the torque of a joint without a motor are zero.
+    /// The enforced limits of the joints, by quantities; those of the torque of a joint without a motor are zero. A
+    /// joint that [starts outside](crate::StartTolerance) of its limit has two, of which one begins later.
     #[must_use]
     pub fn limits(&self) -> Vec<Promise> {
         let all = Quantity::JOINT.into_iter().flat_map(|of| (0..self.model.dof()).map(move |joint| (of, joint)));
-        let limit = |(of, joint): (Quantity, usize)| {
+        let limits = |(of, joint): (Quantity, usize)| {
             let quantity = if of == Quantity::Torque && self.is_passive(joint) { Quantity::Passive } else { of };
-            Some(Promise { quantity, index: Some(joint), bounds: self.bound(of, joint)?, scope: Scope::THROUGHOUT })
+            let bounds = self.bound_throughout(of, joint).map(|bounds| (bounds, Scope::THROUGHOUT));
+            let back = self.bound_when_back(joint).filter(|_| of == Quantity::Position);
+            let all = bounds.into_iter().chain(back);
+            all.map(move |(bounds, scope)| Promise { quantity, index: Some(joint), bounds, scope })
         };
-        all.filter_map(limit).collect()
+        all.flat_map(limits).collect()
     }
 }
 

@@ -110,6 +110,19 @@ pub struct Tracker<'a, K, P> {
     begin: Vec<f64>,
 }
 
+/// Refuses constraints that a tracker does not support.
+fn check_constraints<K: Constraint>(constraints: &Constraints<K>) -> Result<()> {
+    if constraints.torque.has_passive() {
+        let condition = "a joint is passive, and the feedback needs all motors";
+        return Err(Error::input("tracker", "torque", condition));
+    }
+    if constraints.windows().next().is_some() {
+        let condition = "some are kept between two times, which the rest of a motion has passed";
+        return Err(Error::input("tracker", "constraints", condition));
+    }
+    Ok(())
+}
+
 impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
     /// Searches the first plan, with the settings of `options`: that of `problem`, whose start may move, and whose goal
     /// is at rest. A known motion comes in as
@@ -126,10 +139,7 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
     ) -> Result<Self> {
         options.check(problem)?;
         let model = problem.model();
-        if constraints.torque.has_passive() {
-            let condition = "a joint is passive, and the feedback needs all motors";
-            return Err(Error::input("tracker", "torque", condition));
-        }
+        check_constraints(&constraints)?;
         let direct = Direct::new(problem).cost(cost.clone()).constraints(&constraints);
         let found = direct.settings(options.settings.clone()).solve()?;
         options.settings.degree = found.curve.degree();
@@ -215,13 +225,11 @@ impl<'a, K: Constraint + Send + Sync, P: CostWithControl> Tracker<'a, K, P> {
     /// Replaces the constraints, such as obstacles that have moved, from the next step on.
     ///
     /// # Errors
-    /// They are for another robot, or a joint is passive; the old ones then remain.
+    /// They are for another robot, a joint is passive, or some are kept for a part of the time; the old ones then
+    /// remain.
     pub fn set_constraints(&mut self, constraints: Constraints<K>) -> Result<()> {
         constraints.check(self.model)?;
-        if constraints.torque.has_passive() {
-            let condition = "a joint is passive, and the feedback needs all motors";
-            return Err(Error::input("tracker", "torque", condition));
-        }
+        check_constraints(&constraints)?;
         let constraints = Arc::new(constraints);
         let of = (&constraints, self.cost.clone());
         let (problem, grids) = (&self.problem, &self.grids);

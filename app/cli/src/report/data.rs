@@ -3,15 +3,19 @@
 use super::encode::of_f32;
 use super::facts::SolveFacts;
 use super::foot::Foot;
+use super::links::tips;
 use super::plots::{Axes, Line, Plot, colours, css, plot};
 use super::scene::{Scene, scene_of};
 use super::track::{Clearance, GHOST, MOTION, Track, placements_of, rows_of};
 use aghf::curve::Curve;
 use aghf::direct::LocalMinimum;
+use aghf::dynamics::forward_kinematics;
 use aghf::error::Result;
-use aghf::model::{JointKind, Model};
+use aghf::model::JointKind;
 use aghf::motion::Sample;
-use aghf_scenario::{Details, Record, Scenario, SolveReport, Solved, Summary};
+use aghf::spatial::Placement;
+use aghf_scenario::{Details, Quantity, Record, Scenario, SolveReport, Solved, Summary};
+use nalgebra::Vector3;
 use serde::Serialize;
 
 /// The largest number of ghosts next to a motion: its first guess, and other minima.
@@ -69,6 +73,15 @@ struct JointData {
     effort: f64,
 }
 
+/// The passage of a waypoint.
+#[derive(Serialize)]
+struct Passage {
+    /// The time, s.
+    time: f64,
+    /// The place of its frame, or of the first tip for a configuration, in the base frame, m; `None` for a landing.
+    place: Option<[f64; 3]>,
+}
+
 #[derive(Serialize)]
 struct MinimumData {
     cost: f64,
@@ -100,6 +113,7 @@ pub(super) struct MotionData {
     /// The least clearance, m.
     least_clearance: Option<f64>,
     plots: Vec<Plot>,
+    waypoints: Vec<Passage>,
     minima: Vec<MinimumData>,
     cost: f64,
     effort: f64,
@@ -126,7 +140,7 @@ impl MotionData {
             let all = [&row.q, &row.v, &row.a, &row.u].into_iter();
             all.flatten().copied()
         });
-        let mut plots = plots_of_joints(model, &rows)?;
+        let mut plots = plots_of_joints(scenario, &rows)?;
         let foot = Foot::new(scenario, &rows)?;
         if let Some(foot) = &foot {
             plots.extend(foot.plots(&rows)?);
@@ -154,6 +168,7 @@ impl MotionData {
             foot,
             least_clearance: motion.facts.least_clearance.or(at_rows),
             plots,
+            waypoints: passages(motion)?,
             minima,
             cost: motion.facts.cost,
             effort: motion.facts.effort,
@@ -185,6 +200,31 @@ fn with_ghosts(own: Track, motion: &Motion<'_>) -> Result<(Vec<Track>, Vec<Minim
         minima.push(minimum);
     }
     Ok((tracks, minima))
+}
+
+/// The passages of the waypoints.
+fn passages(motion: &Motion<'_>) -> Result<Vec<Passage>> {
+    let (scenario, model) = (motion.scenario, &motion.scenario.model);
+    let tip = tips(model).into_iter().next();
+    let mut placements = vec![Placement::identity(); model.dof()];
+    let mut all = Vec::new();
+    for (k, time) in motion.facts.waypoint_times.iter().copied().enumerate() {
+        let point = scenario.file.waypoints.get(k);
+        let frame = point.and_then(|point| point.poses.as_ref()).map(|poses| &poses.frame);
+        let of = match (point, frame) {
+            (None, _) => None,
+            (Some(_), None) => tip.as_ref().map(|tip| (Some(tip.body), Vector3::from(tip.point))),
+            (Some(_), Some(name)) => {
+                let frame = model.frames().iter().find(|frame| frame.name == *name);
+                frame.map(|frame| (frame.body, frame.placement.translation))
+            }
+        };
+        let (x, _) = motion.curve.at(time);
+        forward_kinematics(model, &x.as_slice()[..model.dof()], &mut placements)?;
+        let place = of.map(|(body, point)| body.map_or(point, |body| placements[body].point(&point)));
+        all.push(Passage { time, place: place.map(Into::into) });
+    }
+    Ok(all)
 }
 
 /// The version that solved the motion.
@@ -229,8 +269,9 @@ fn effort_of(rows: &[Sample], joint: usize) -> f64 {
     sum
 }
 
-/// Plots of positions, velocities, accelerations and torques, with strips beyond the limits of each joint.
-fn plots_of_joints(model: &Model, rows: &[Sample]) -> Result<Vec<Plot>> {
+/// Plots of positions, velocities, accelerations and torques, with strips beyond the enforced limits of each joint.
+fn plots_of_joints(scenario: &Scenario, rows: &[Sample]) -> Result<Vec<Plot>> {
+    let model = &scenario.model;
     let kinds = || model.joints().iter().map(|j| unit_of(j.kind()));
     let all = |unit: &str| kinds().all(|own| own == unit);
     let units = match (all("rad"), all("m")) {
@@ -238,7 +279,12 @@ fn plots_of_joints(model: &Model, rows: &[Sample]) -> Result<Vec<Plot>> {
         (_, true) => ["m", "m/s", "m/s²", "N"],
         _ => ["rad or m", "rad/s or m/s", "rad/s² or m/s²", "N m or N"],
     };
-    let titles = ["Position", "Velocity", "Acceleration", "Torque"];
+    let quantities = [
+        ("Position", Quantity::Position),
+        ("Velocity", Quantity::Velocity),
+        ("Acceleration", Quantity::Acceleration),
+        ("Torque", Quantity::Torque),
+    ];
     let colours = colours(model.dof());
     let value = |row: &Sample, what: usize, joint: usize| match what {
         0 => row.q[joint],
@@ -247,19 +293,13 @@ fn plots_of_joints(model: &Model, rows: &[Sample]) -> Result<Vec<Plot>> {
         _ => row.u[joint],
     };
     let mut plots = Vec::new();
-    for (what, (title, unit)) in titles.into_iter().zip(units).enumerate() {
-        let joints = model.joints().iter().enumerate();
-        let lines = joints.map(|(i, joint)| {
-            let limits = joint.limits();
+    for (what, ((title, quantity), unit)) in quantities.into_iter().zip(units).enumerate() {
+        let lines = (0..model.dof()).map(|i| {
+            let [lower, upper] = scenario.bound(quantity, i).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
             Line {
                 points: rows.iter().map(|r| (r.t, value(r, what, i))).collect(),
                 colour: colours[i],
-                bounds: match what {
-                    0 => limits.lower..limits.upper,
-                    1 => -limits.velocity..limits.velocity,
-                    2 => f64::NEG_INFINITY..f64::INFINITY,
-                    _ => -limits.effort..limits.effort,
-                },
+                bounds: lower..upper,
             }
         });
         plots.push(plot(

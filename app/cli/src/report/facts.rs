@@ -17,6 +17,8 @@ pub(super) struct SolveFacts {
     pub cost: f64,
     pub effort: f64,
     pub least_clearance: Option<f64>,
+    /// The times at which the motion passes the waypoints, s.
+    pub waypoint_times: Vec<f64>,
 }
 
 impl SolveFacts {
@@ -62,6 +64,10 @@ impl SolveFacts {
             cost: minimised(summary),
             effort: summary.control_effort,
             least_clearance: summary.feasibility.smallest_clearance_m,
+            waypoint_times: match &summary.details {
+                Details::Direct(direct) => direct.waypoint_times_s.clone(),
+                Details::Flow(_) | Details::Rest(_) => Vec::new(),
+            },
         }
     }
 }

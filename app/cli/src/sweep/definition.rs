@@ -201,8 +201,8 @@ impl Sweep {
         self.file.grid.point(set.point)
     }
 
-    /// The options with which one set is solved. They have no time limit, because a direct solve would use all of it
-    /// for further starts.
+    /// The options with which one set is solved. They have no time limit, because a direct solve would plan a path
+    /// first.
     ///
     /// # Errors
     /// None for a set of this sweep.

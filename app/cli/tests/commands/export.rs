@@ -169,3 +169,57 @@ fn a_recording_of_a_mounted_robot_has_the_world() {
     );
     assert!(world(json!({})).is_empty());
 }
+
+/// Several motions, each from the state and the acceleration in which the one before ends, are one trajectory; others
+/// are refused.
+#[test]
+fn motions_that_continue_each_other_are_one_trajectory() {
+    let folder = empty_folder("export_several");
+    let solve = |name: &str, keys: Value| {
+        let mut scenario = json!({
+            "robot": "pendulum_2", "horizon_s": 1.0, "q_start": [0.1, 0.2], "v_start": [0, 0], "q_goal": [0.5, 0.1],
+            "v_goal": [0.6, -0.3],
+        });
+        scenario.as_object_mut().expect("an object").extend(keys.as_object().expect("an object").clone());
+        std::fs::write(folder.join(format!("{name}.json")), scenario.to_string()).expect("the folder is writable");
+        let run = aghf(&folder, &["solve", &format!("{name}.json"), "--out", name, "--no-report"]);
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+    };
+    solve("first", json!({}));
+    let table = std::fs::read_to_string(folder.join("first/trajectory.csv")).expect("written");
+    let last = table.lines().last().expect("a row").split(',').map(|x| x.parse().expect("a number"));
+    let last: Vec<f64> = last.collect();
+    let from = json!({ "q_start": [0.5, 0.1], "v_start": [0.6, -0.3], "q_goal": [1.0, 0.0], "v_goal": [0, 0] });
+    let with = |keys: Value| {
+        let mut all = from.clone();
+        all.as_object_mut().expect("an object").extend(keys.as_object().expect("an object").clone());
+        all
+    };
+    solve("second", with(json!({ "a_start": last[5..7] })));
+    solve("jumping", from.clone());
+    let several = |runs: &[&str], to: &str| aghf(&folder, &[&["export"], runs, &["--to", to, "--force"]].concat());
+    let run = several(&["first", "second"], "trajectory");
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    let text = std::fs::read_to_string(folder.join("first/trajectory.yaml")).expect("written");
+    let message = JointTrajectory::parse(&text, "trajectory.yaml").expect("it is one");
+    assert_eq!((message.header.frame_id.as_str(), message.points.len()), ("", 401));
+    let times: Vec<_> = message.points.iter().map(|point| point.time_from_start.nanoseconds()).collect();
+    assert!(
+        times.windows(2).all(|pair| pair[0] < pair[1]) && times[200] == 1_000_000_000 && times[400] == 2_000_000_000
+    );
+    let last = &message.points[400].positions;
+    assert!((last[0] - 1.0).abs() < 1e-12 && last[1].abs() < 1e-12, "{last:?}");
+    for (runs, to, words) in [
+        (["first", "jumping"], "trajectory", "jumping/summary.json: joint 'joint_1': its acceleration at the start is"),
+        (
+            ["second", "first"],
+            "trajectory",
+            "first/summary.json: joint 'joint_1': its position at the start is 0.1, and 1 at",
+        ),
+        (["first", "second"], "mcap", "first/summary.json: mcap: a recording has one motion, a trajectory several"),
+    ] {
+        let run = several(&runs, to);
+        assert_eq!(run.code, Some(2), "{}", run.stdout);
+        assert!(run.stderr.contains(words), "{}", run.stderr);
+    }
+}

@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 fn interrupted(folder: &Path, signal: &str, stage: &str) -> (Option<i32>, String) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_aghf"))
         .current_dir(folder)
-        .args(["solve", "pendulum_2_swingup", "--time-limit-s", "600", "-v", "--starts", "2"])
+        .args(["solve", "pendulum_2_swingup", "--time-limit-s", "600", "-v", "--starts", "100000"])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
@@ -47,7 +47,7 @@ fn ctrl_c_keeps_the_best_motion_and_says_so() {
     for (signal, _) in signals.chain([("-TERM", 15)]) {
         let folder = empty_folder(&format!("signal{signal}"));
         // The first batch has ended by then, and something was found.
-        let (code, stdout) = interrupted(&folder, signal, "start 4");
+        let (code, stdout) = interrupted(&folder, signal, "start 9");
         assert_eq!(code, Some(0), "{signal}: {stdout}");
         assert!(stdout.contains("interrupted: the motion is the best minimum"), "{stdout}");
         let out = "out/pendulum_2_swingup";
@@ -106,7 +106,7 @@ fn two_solves_for_one_folder_lose_none() {
         Command::new(env!("CARGO_BIN_EXE_aghf"))
             .current_dir(&folder)
             .env("TMPDIR", &spare)
-            .args(["solve", "pendulum_3_swingup", "--out", "same", "--time-limit-s", "1"])
+            .args(["solve", "pendulum_3_swingup", "--out", "same", "--time-limit-s", "1", "--starts", "100000"])
             .output()
             .expect("it runs")
     };

@@ -3,9 +3,9 @@
 use crate::{floats, page_of, shorts, solved};
 use aghf::dynamics::forward_kinematics;
 use aghf::spatial::Placement;
-use aghf_scenario::Scenario;
-use nalgebra::{Quaternion, UnitQuaternion};
-use serde_json::Value;
+use aghf_scenario::{Details, EnforcedLimits, PointOnTheWay, Scenario, SolveReport};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use serde_json::{Value, json};
 
 /// The largest page of a robot with 22 joints, bytes.
 const MAX_PAGE: usize = 2_000_000;
@@ -100,10 +100,17 @@ fn curves(plot: &Value, color: &str) -> usize {
     svg.matches(&format!("<polyline stroke=\"{color}\"")).count()
 }
 
+/// The page of a motion among obstacles with all limits of the robot.
+fn page_with_limits() -> (String, Value) {
+    let mut scenario = Scenario::load("kinova_obstacles_01").expect("it is built in");
+    let outcome = solved(&scenario, 1);
+    scenario.file.enforced_limits = EnforcedLimits::default();
+    page_of(&scenario, &outcome)
+}
+
 #[test]
 fn a_curve_for_each_joint_and_limits_in_its_colour() {
-    let scenario = Scenario::load("kinova_obstacles_01").expect("it is built in");
-    let (_, data) = page_of(&scenario, &solved(&scenario, 1));
+    let (_, data) = page_with_limits();
     let plots = data["plots"].as_array().expect("a list");
     let titles: Vec<_> = plots.iter().filter_map(|plot| plot["title"].as_str()).collect();
     let expected = ["Position", "Velocity", "Acceleration", "Torque", "Clearance", "Cost, by iteration", "Convergence"];
@@ -123,12 +130,51 @@ fn a_curve_for_each_joint_and_limits_in_its_colour() {
     assert_eq!(shaded(1), 2);
 }
 
+/// Strips are beyond the limits that the scenario enforces, and the waypoints have the times of the motion.
+#[test]
+fn limits_are_the_enforced_ones_and_waypoints_have_their_times() {
+    let mut scenario = Scenario::load("pendulum_2_swingup").expect("it is built in");
+    let strips = |scenario: &Scenario, outcome: &SolveReport| {
+        let (_, data) = page_of(scenario, outcome);
+        let plots = data["plots"].as_array().expect("a list")[..4].iter();
+        let svgs = plots.map(|plot| plot["svg"].as_str().expect("it is text").matches("<rect").count());
+        (svgs.collect::<Vec<_>>(), data["waypoints"].clone())
+    };
+    let enforced = |limits: Value| serde_json::from_value(limits).expect("they are limits");
+    let none = json!({ "position": false, "velocity": false, "torque": false });
+    scenario.file.enforced_limits = enforced(none.clone());
+    let outcome = solved(&scenario, 1);
+    let (without, times) = strips(&scenario, &outcome);
+    assert_eq!((without, times), (vec![0; 4], json!([])));
+    let largest = outcome.curve.at(0.5 * outcome.curve.horizon()).1[2].abs();
+    let mut limits = none;
+    limits["acceleration"] = json!(largest);
+    scenario.file.enforced_limits = enforced(limits);
+    let (with, _) = strips(&scenario, &outcome);
+    assert!(with[2] > 0 && [with[0], with[1], with[3]] == [0; 3], "{with:?}");
+
+    let mut passing = outcome;
+    let Details::Direct(details) = &mut passing.summary.details else { panic!("it was solved directly") };
+    details.waypoint_times_s = vec![0.25, 0.75];
+    let rest = PointOnTheWay { q: Some(vec![0.0; 2]), ..PointOnTheWay::default() };
+    scenario.file.waypoints = vec![rest];
+    let (_, found) = strips(&scenario, &passing);
+    assert_eq!([&found[0]["time"], &found[1]["time"]], [&json!(0.25), &json!(0.75)]);
+    let (x, _) = passing.curve.at(0.25);
+    let mut placements = vec![Placement::identity(); 2];
+    forward_kinematics(&scenario.model, &x.as_slice()[..2], &mut placements).expect("of this robot");
+    // The pendulum moves in a plane, and its tip is further out than its second joint.
+    let place: [f64; 3] = serde_json::from_value(found[0]["place"].clone()).expect("a place");
+    let joint = placements[1].translation;
+    assert!((joint - Vector3::from(place)).norm() > 0.1 && (joint.y - place[1]).abs() < 1e-9, "{place:?} {joint}");
+    assert_eq!(found[1]["place"], Value::Null);
+}
+
 /// A torque of one joint is not in the colour of another one whose limits are smaller, and where strips of several
 /// joints overlap, a grey one shows in their place until a joint is chosen.
 #[test]
 fn strips_beyond_limits_are_narrow_and_apart_and_labels_fit() {
-    let scenario = Scenario::load("kinova_obstacles_01").expect("it is built in");
-    let (_, data) = page_of(&scenario, &solved(&scenario, 1));
+    let (_, data) = page_with_limits();
     let numbers = |text: &str, key: &str| -> Vec<f64> {
         let begin = format!(" {key}=\"");
         let parts = text.split(begin.as_str()).skip(1);

@@ -1,7 +1,7 @@
 //! Rows: quantities of a motion with their bounds.
 
 use super::TOLERANCE;
-use crate::{Promise, Quantity, Scenario};
+use crate::{Promise, Quantity, Scenario, Scope};
 use aghf::certify::{Bernstein, Motion, ORDER, Part, Piece, Polynomial, Range};
 use aghf::constraint::{AnyConstraint, Constraint, PlacedState, RowSet};
 use aghf::dynamics::{Data, forward_kinematics};
@@ -142,7 +142,8 @@ impl<'a> Rows<'a> {
             let place = format!("joint '{}'", model.joints()[*joint].name());
             let largest = limit.bounds.into_iter().filter(|bound| bound.is_finite()).map(f64::abs).fold(0.0, f64::max);
             let scale = if largest > 0.0 { largest } else { 1.0 };
-            Row { scale, ..Row::new(limit.quantity, place, limit.bounds) }
+            let row = Row { scale, ..Row::new(limit.quantity, place, limit.bounds) };
+            if let Scope::Between(times) = limit.scope { Row { times, ..row } } else { row }
         };
         let mut all: Vec<Row> = limits.iter().map(limit_row).collect();
         let mut kept = Vec::new();

@@ -190,11 +190,9 @@ impl<'a> Search<'a> {
                 let x = 2.0 * place.fract() - 1.0;
                 let cut = |part: Part| {
                     let [begin, end] = part.ends();
-                    if part.segment as f64 == place.floor() && begin < x && x < end {
-                        part.split(x).to_vec()
-                    } else {
-                        vec![part]
-                    }
+                    // Two conditions from the same time on cut once.
+                    let is_inside = (x - begin).min(end - x) > OVERLAP;
+                    if part.segment as f64 == place.floor() && is_inside { part.split(x).to_vec() } else { vec![part] }
                 };
                 parts = parts.into_iter().flat_map(cut).collect();
             }

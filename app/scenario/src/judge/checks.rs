@@ -5,7 +5,7 @@ use super::intervals::{Bounded, CAUTION, Proof};
 use super::rates::means;
 use super::torques::torques;
 use super::{Check, Intervals, Outcome, Row, Trajectory, Worst, joint_name};
-use crate::{Quantity, Scenario};
+use crate::{Quantity, Scenario, Scope};
 use aghf::error::Result;
 
 /// A difference with the bound zero.
@@ -82,10 +82,10 @@ fn beyond(off: f64, explained: f64) -> f64 {
     if left < 0.0 { 0.0 } else { left }
 }
 
-/// The joints of which a quantity is limited, with the bounds.
-pub(super) fn limits_of(scenario: &Scenario, quantity: Quantity) -> Vec<(usize, [f64; 2])> {
+/// The joints of which a quantity is limited, with the bounds and the scope.
+pub(super) fn limits_of(scenario: &Scenario, quantity: Quantity) -> Vec<(usize, [f64; 2], Scope)> {
     let own = scenario.limits().into_iter().filter(|limit| limit.quantity == quantity);
-    own.filter_map(|limit| Some((limit.index?, limit.bounds))).collect()
+    own.filter_map(|limit| Some((limit.index?, limit.bounds, limit.scope))).collect()
 }
 
 /// Checks the limits of a derivative of positions: by its Bernstein coefficients in each interval; the accelerations of
@@ -102,7 +102,8 @@ fn limits(
 ) -> Result<Row> {
     let mut proof = Proof::new(Row::new(Check::Bounds(quantity), tolerance), intervals);
     proof.derived &= order > 0;
-    for (i, bounds) in limits_of(scenario, quantity) {
+    for (i, bounds, scope) in limits_of(scenario, quantity) {
+        let Scope::Between(times) = scope else { continue };
         let joint = &scenario.model.joints()[i];
         let (unit, name) = (quantity.unit(joint.kind()), || joint_name(joint));
         let time = |k: usize| trajectory.times[k] - trajectory.times[0];
@@ -121,7 +122,8 @@ fn limits(
         }
         for (k, joints) in intervals.joints.iter().enumerate() {
             let error = if order > 0 { intervals.error(order, k, i) } else { 0.0 };
-            proof.cover(k, [0.0, 1.0], |proof, part| {
+            let Some(part) = intervals.within(k, times) else { continue };
+            proof.cover(k, part, |proof, part| {
                 let [[least, most], [from, to]] = joints[i].bounds(order, part);
                 let middle = joints[i].at(order, 0.5 * (part[0] + part[1]));
                 let of = Bounded {

@@ -3,7 +3,7 @@
 use super::checks::{difference, limits_of};
 use super::intervals::{Bounded, Measured, Proof};
 use super::{Check, Intervals, Outcome, Row, Trajectory, Worst, joint_name};
-use crate::{Quantity, Scenario};
+use crate::{Quantity, Scenario, Scope};
 use aghf::dynamics::{Data, rnea};
 use aghf::error::Result;
 use aghf::scalar::Zero;
@@ -114,7 +114,7 @@ fn limits(
     let is_power = quantity == Quantity::Power;
     let table = trajectory.u.iter().flatten().enumerate();
     for (k, u) in table.filter(|_| !is_power || trajectory.v.is_some()) {
-        for (i, bounds) in &limited {
+        for (i, bounds, _) in &limited {
             let value = match &trajectory.v {
                 Some(v) if is_power => u[*i] * v[k][*i],
                 _ => u[*i],
@@ -131,7 +131,7 @@ fn limits(
         |joint| format!("joint '{joint}'"),
         |[q, v, a]| {
             rnea(model, &mut data, q, v, a, &mut torques)?;
-            let measured = |(i, bounds): &(usize, [f64; 2])| Measured {
+            let measured = |(i, bounds, _): &(usize, [f64; 2], Scope)| Measured {
                 of: Bounded::of(&if is_power { torques[*i] * v[*i] } else { torques[*i] }),
                 bounds: *bounds,
                 unit: unit(*i),

@@ -205,6 +205,13 @@ impl Scenario {
         (self.file.enforced_limits).bound(&self.model, limit, joint)
     }
 
+    /// The bounds that hold throughout: [`bound`](Self::bound), but for the position of a joint that starts outside of
+    /// its limit.
+    pub(crate) fn bound_throughout(&self, limit: Quantity, joint: usize) -> Option<[f64; 2]> {
+        let at_start = if limit == Quantity::Position { self.bound_at_start(joint) } else { None };
+        at_start.or_else(|| self.bound(limit, joint))
+    }
+
     /// Returns true if the scenario has no constraint: no obstacle, no enforced limit, no passive joint and no
     /// user-defined constraint.
     #[must_use]
@@ -231,7 +238,7 @@ impl Scenario {
     /// The same among the obstacles of another scene.
     fn state_constraints_in(&self, scene: &Scene) -> Vec<AnyConstraint> {
         let mut constraints = AnyConstraint::of_scene(scene);
-        let bound = |limit, joint| self.bound(limit, joint);
+        let bound = |limit, joint| self.bound_throughout(limit, joint);
         constraints.extend(limits_of_state(self.model.dof(), bound));
         constraints.extend(self.own.constraints.iter().cloned());
         constraints

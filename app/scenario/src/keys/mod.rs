@@ -22,6 +22,7 @@ pub(crate) mod rate_limits;
 pub(crate) mod scenario_file;
 pub(crate) mod schema;
 pub(crate) mod stand;
+pub(crate) mod start_tolerance;
 pub(crate) mod turns;
 pub(crate) mod upgrade;
 pub(crate) mod waypoints;

@@ -9,6 +9,7 @@ impl Scenario {
             format!("self_collision: links '{a}' and '{b}' {reason}, so they are not kept clear of each other")
         };
         let mut notes = self.turned.clone();
+        notes.extend(self.notes_on_start());
         notes.extend(self.overlapping.iter().map(unnamed));
         notes.extend(self.kept_clear().map(str::to_owned));
         let weighted = matches!(self.file.objective, Objective::Weights(_));

@@ -302,6 +302,7 @@ impl Scenario {
             ("free_final_velocity", file.free_final_velocity),
             ("a_start", file.a_start.is_some()),
             ("a_goal", file.a_goal.is_some()),
+            ("q_start outside of a limit of position", self.notes_on_start().next().is_some()),
             ("goal", !file.goal.is_empty()),
             ("keep", !file.keep.is_empty()),
             ("waypoints", !file.waypoints.is_empty()),

@@ -33,7 +33,7 @@ impl Scenario {
         let robot = std::mem::replace(&mut file.robot, self.robot_place.clone());
         let mut scenario = Self::new(file, &self.name, Path::new(""))?;
         scenario.file.robot = robot;
-        scenario.own = self.own.clone();
+        scenario.own.take_added(&self.own);
         Ok(scenario)
     }
 }

@@ -104,6 +104,9 @@ pub(crate) fn complete(file: &mut ScenarioFile, path: &str) -> Result<()> {
         ("obstacles", !file.obstacles.is_empty()),
         ("mount", file.mount.is_some()),
         ("free_final_velocity", file.free_final_velocity),
+        ("a_start", file.a_start.is_some()),
+        ("a_goal", file.a_goal.is_some()),
+        ("start_tolerance", file.start_tolerance.is_some()),
     ] {
         if given {
             return refuse(key, "a walk does not support it");

@@ -14,7 +14,7 @@ use crate::keys::schema::{self, FeedbackKeys, one_of};
 use crate::keys::stand::Stand;
 use crate::keys::turns::Turns;
 use crate::keys::waypoints::PointOnTheWay;
-use crate::{EnforcedLimits, Quantity};
+use crate::{EnforcedLimits, Quantity, StartTolerance};
 use aghf::curve::Chebyshev;
 use aghf::error::{Error, Result, plain};
 use aghf::model::Model;
@@ -86,6 +86,11 @@ pub struct ScenarioFile {
     /// if the robot is at rest there, and free if it moves.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub a_start: Option<Vec<f64>>,
+    /// The distance from limits of positions at which the motion may start, by default 1e-4 rad or m, and the time at
+    /// which it is back, which is also the least duration, by default 0.25 s, or half of `horizon_s` if that is
+    /// shorter. A scenario that was read has it if a joint starts outside of its limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_tolerance: Option<StartTolerance>,
     /// Configuration at the end; with `goal` a first guess of it, by default that at the start.
     #[serde(default)]
     pub q_goal: Vec<f64>,
@@ -184,14 +189,15 @@ impl ScenarioFile {
     }
 
     /// The shortest and the longest horizon, s: that of the file, those of `free_horizon`, or zero and infinity if the
-    /// objective alone makes it free.
+    /// objective alone makes it free; not before a start outside of limits is [back](StartTolerance::back_s).
     #[must_use]
     pub fn horizon_bounds(&self) -> [f64; 2] {
-        match self.free_horizon {
+        let [shortest, longest] = match self.free_horizon {
             Some(free) => [free.shortest_s, free.longest_s],
             None if self.objective.weighs_time() => [0.0, f64::INFINITY],
             None => [self.horizon_s; 2],
-        }
+        };
+        [self.start_tolerance.map_or(shortest, |start| shortest.max(start.back_s)), longest]
     }
 
     /// The accelerations of a motion at the start and at the end, `N` entries each: those that are given, and zero at
@@ -231,6 +237,7 @@ impl ScenarioFile {
             q_start,
             v_start,
             a_start: None,
+            start_tolerance: None,
             q_goal,
             v_goal,
             a_goal: None,

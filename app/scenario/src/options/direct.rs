@@ -52,8 +52,8 @@ pub struct DirectOptions {
     pub planned_starts: Option<PlannedStarts>,
     /// Number of threads for the starts, with the same result; by default all cores.
     pub threads: Option<usize>,
-    /// Time limit, s, after which the search stops with the best motion so far or one along a planned path; `starts`
-    /// is the number of starts that it tries until then.
+    /// Time limit, s, after which the search stops with the best motion so far or one along a planned path; starts that
+    /// other searches follow, as with a free horizon, have a half or a quarter of it.
     pub time_limit_s: Option<f64>,
 }
 

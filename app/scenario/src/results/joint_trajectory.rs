@@ -1,7 +1,8 @@
 //! Motions as messages of ROS 2.
 
+use crate::Quantity;
 use crate::keys::yaml::read_yaml;
-use aghf::error::Result;
+use aghf::error::{Error, Result, plain};
 use aghf::model::{Joint, Model};
 use aghf::motion::Sample;
 use serde::{Deserialize, Serialize};
@@ -64,7 +65,11 @@ impl Stamp {
     /// The stamp nearest to a time `t` of a motion, s.
     #[must_use]
     pub fn new(t: f64) -> Self {
-        let nanoseconds = (t * Self::PER_SECOND as f64).round() as u64;
+        Self::of_nanoseconds((t * Self::PER_SECOND as f64).round() as u64)
+    }
+
+    /// The stamp of a time in ns.
+    fn of_nanoseconds(nanoseconds: u64) -> Self {
         Self { sec: (nanoseconds / Self::PER_SECOND) as i32, nanosec: (nanoseconds % Self::PER_SECOND) as u32 }
     }
 
@@ -98,6 +103,44 @@ impl JointTrajectory {
             joint_names: names.map(str::to_owned).collect(),
             points: samples.into_iter().map(point).collect(),
         }
+    }
+
+    /// The largest difference between the end of a motion and the start of the next one, rad or m, per s, per s^2.
+    const JUMP: f64 = 1e-6;
+
+    /// Appends a motion that continues this one, without its first point; `file` names it in errors. The header of
+    /// several motions names none of them.
+    ///
+    /// # Errors
+    /// It is of other joints, or begins with a position, a velocity or an acceleration that differs by more than 1e-6.
+    pub fn append(&mut self, next: Self, file: &str) -> Result<()> {
+        if self.joint_names != next.joint_names {
+            return Err(Error::input(file, "joints", "they are not those of the motion before"));
+        }
+        let mut points = next.points.into_iter();
+        let (Some(last), Some(first)) = (self.points.last(), points.next()) else { return Ok(()) };
+        for (quantity, before, after) in [
+            (Quantity::Position, &last.positions, &first.positions),
+            (Quantity::Velocity, &last.velocities, &first.velocities),
+            (Quantity::Acceleration, &last.accelerations, &first.accelerations),
+        ] {
+            let pairs = self.joint_names.iter().zip(before.iter().zip(after));
+            let mut jumps = pairs.filter(|(_, (before, after))| (*before - *after).abs() > Self::JUMP);
+            if let Some((joint, (before, after))) = jumps.next() {
+                let (name, [before, after]) =
+                    (quantity.name(), [before, after].map(|x| plain((x * 1e9).round() / 1e9)));
+                let condition =
+                    format!("its {name} at the start is {after}, and {before} at the end of the motion before");
+                return Err(Error::input(file, format!("joint '{joint}'"), condition));
+            }
+        }
+        let begin = last.time_from_start.nanoseconds();
+        self.points.extend(points.map(|point| {
+            let time_from_start = Stamp::of_nanoseconds(begin + point.time_from_start.nanoseconds());
+            JointTrajectoryPoint { time_from_start, ..point }
+        }));
+        self.header.frame_id.clear();
+        Ok(())
     }
 
     /// Parses a message in YAML or JSON; `file` names it in errors.

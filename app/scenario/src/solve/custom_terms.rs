@@ -29,8 +29,19 @@ pub(crate) struct CustomTerms {
     pub stage: Vec<Arc<dyn StageConstraint>>,
     pub foot: Option<StandingFoot>,
     pub running_cost: Option<SharedCost>,
-    /// The number of constraints that were added in code.
-    pub added: usize,
+    /// The numbers of constraints on the state and in $(t, q, v, a, u)$ that were added in code, the last ones.
+    pub added: [usize; 2],
+}
+
+impl CustomTerms {
+    /// Adds what was added to others in code, and takes over their running cost.
+    pub fn take_added(&mut self, from: &Self) {
+        let [state, stage] = from.added;
+        self.constraints.extend_from_slice(&from.constraints[from.constraints.len() - state..]);
+        self.stage.extend_from_slice(&from.stage[from.stage.len() - stage..]);
+        self.running_cost.clone_from(&from.running_cost);
+        self.added = from.added;
+    }
 }
 
 impl Debug for CustomTerms {
@@ -50,7 +61,7 @@ impl Scenario {
     pub fn add_constraint(&mut self, constraint: impl Constraint + Clone + Debug + Send + Sync + 'static) {
         let constraint = AnyConstraint::Other(Box::new(constraint));
         self.own.constraints.push(constraint);
-        self.own.added += 1;
+        self.own.added[0] += 1;
         // An end keeps it, too.
         self.ends = OnceLock::new();
     }
@@ -58,13 +69,13 @@ impl Scenario {
     /// Adds rows in $(t, q, v, a, u)$, such as a limit of the power, likewise. Only the direct method supports them.
     pub fn add_stage_constraint(&mut self, constraint: impl StageConstraint + 'static) {
         self.own.stage.push(Arc::new(constraint));
-        self.own.added += 1;
+        self.own.added[1] += 1;
     }
 
     /// The number of constraints that were added in code, which no key has.
     #[must_use]
     pub fn added_constraints(&self) -> usize {
-        self.own.added
+        self.own.added.iter().sum()
     }
 
     /// Replaces the running cost of the scenario. Only the direct method supports this.

@@ -42,7 +42,10 @@ fn rests(v: &[f64]) -> bool {
 
 /// The largest accepted excess of a boundary state over a limit of its joint, rad or m: what the search accepts for a
 /// whole motion leaves it nothing to move with.
-const TOLERANCE_OF_ENDS: f64 = 0.5 * TOLERANCE;
+pub(crate) const TOLERANCE_OF_ENDS: f64 = 0.5 * TOLERANCE;
+
+/// The largest distance from a limit for which the message about a start suggests a tolerance, rad or m.
+const MAX_SUGGESTED: f64 = 0.05;
 
 /// One boundary state of a motion.
 struct End<'a> {
@@ -119,9 +122,10 @@ impl Scenario {
     pub fn outside_limits(&self) -> Vec<String> {
         let mut notes = Vec::new();
         for (key, q) in [("q_start", &self.file.q_start), ("q_goal", &self.file.q_goal)] {
-            for (joint, q) in self.model.joints().iter().zip(q) {
+            for (i, (joint, q)) in self.model.joints().iter().zip(q).enumerate() {
                 let (lower, upper) = (joint.limits().lower, joint.limits().upper);
-                if !(lower..=upper).contains(q) {
+                let is_noted = key == "q_start" && self.bound_when_back(i).is_some();
+                if !(lower..=upper).contains(q) && !is_noted {
                     let (name, [q, lower, upper]) = (joint.name(), [*q, lower, upper].map(plain));
                     notes.push(format!("{key}: joint '{name}' at {q} is outside [{lower}, {upper}]"));
                 }
@@ -157,6 +161,9 @@ impl Scenario {
         if let Some(a) = end.a {
             self.check_bounds(Quantity::Acceleration, a_key, a)?;
         }
+        if q_key == "q_start" {
+            self.check_way_back()?;
+        }
         let Some(v) = end.v else {
             return Ok(());
         };
@@ -171,10 +178,9 @@ impl Scenario {
             self.check_own_constraints(end.keys[0], end.q, v)?;
         }
         self.check_torques(end)?;
-        if end.v.is_some_and(rests) && end.a.is_none_or(rests) {
-            if self.file.continuity() == Continuous::Acceleration {
-                self.check_balance(end.keys[0], end.q)?;
-            }
+        let is_smooth = self.file.continuity() == Continuous::Acceleration;
+        if is_smooth && end.v.is_some_and(rests) && end.a.is_none_or(rests) {
+            self.check_balance(end.keys[0], end.q)?;
         }
         Ok(())
     }
@@ -182,7 +188,8 @@ impl Scenario {
     /// Refuses an entry of `x` beyond the limit of its joint.
     fn check_bounds(&self, limit: Quantity, key: &str, x: &[f64]) -> Result<()> {
         for (i, (joint, x)) in self.model.joints().iter().zip(x).enumerate() {
-            let Some([lower, upper]) = self.bound(limit, i) else {
+            let bound = if key == "q_start" { self.bound_throughout(limit, i) } else { self.bound(limit, i) };
+            let Some([lower, upper]) = bound else {
                 continue;
             };
             if *x < lower - TOLERANCE_OF_ENDS || *x > upper + TOLERANCE_OF_ENDS {
@@ -192,9 +199,16 @@ impl Scenario {
                     "rad" if in_degrees => "; angles are in radians, are these degrees?",
                     _ => "",
                 };
+                let off = (lower - x).max(x - upper);
+                let back = if key == "q_start" && off < MAX_SUGGESTED && self.file.phases.is_empty() {
+                    format!("; a start_tolerance.position of {} accepts it", three_digits(off, f64::ceil))
+                } else {
+                    String::new()
+                };
                 let [x, lower, upper] = [*x, lower, upper].map(plain);
                 let condition = format!(
-                    "joint '{name}' has {x} {unit}, its enforced {what} limits are [{lower}, {upper}] {unit}{units}"
+                    "joint '{name}' has {x} {unit}, its enforced {what} limits are [{lower}, {upper}] \
+                     {unit}{units}{back}"
                 );
                 return self.refuse(key, condition);
             }
@@ -301,7 +315,7 @@ impl Scenario {
                     format!("its enforced torque limit is {most} {unit}")
                 };
                 let condition = format!("joint '{name}' needs {torque} {unit} {task}, {but}");
-                return self.refuse(end.keys[0], condition);
+                return self.refuse(end.keys[if task.starts_with("for") { 2 } else { 0 }], condition);
             }
         }
         Ok(())

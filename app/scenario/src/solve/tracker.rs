@@ -63,6 +63,9 @@ impl ScenarioTracker {
     /// Those of [`Tracker::new`]; the objective is a preset that takes several searches; or an option is out of range.
     pub fn new(scenario: Scenario, options: &ScenarioTrackerOptions, interrupt: Interrupt) -> Result<Self> {
         scenario.refuse_walk()?;
+        if let Some(note) = scenario.notes_on_start().next() {
+            return Err(Error::input(&scenario.name, "tracker", format!("{note}; it has to start within it")));
+        }
         let mut options = options.in_full(&scenario)?;
         options.settings.interrupt = interrupt;
         let cell = Cell::try_new(scenario, |scenario| {

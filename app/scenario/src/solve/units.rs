@@ -133,6 +133,7 @@ impl Scenario {
     #[must_use]
     pub fn horizon_bounds(&self) -> Option<HorizonBounds> {
         let file = &self.file;
+        let back = file.start_tolerance.map_or(0.0, |start| start.back_s);
         let durations = file.durations();
         if file.free_horizon.is_none() && !durations.is_empty() {
             let [shortest_s, longest_s] = sum_of(&durations);
@@ -141,7 +142,7 @@ impl Scenario {
             return durations.iter().any(|of| of[0] < of[1]).then_some(bounds);
         }
         if file.free_horizon.is_some() || !file.objective.weighs_time() {
-            return file.free_horizon;
+            return file.free_horizon.map(|free| HorizonBounds { shortest_s: free.shortest_s.max(back), ..free });
         }
         let given = file.horizon_s;
         let aim = self.aim();
@@ -154,7 +155,7 @@ impl Scenario {
             None => MIN_MULTIPLE * given,
         };
         Some(HorizonBounds {
-            shortest_s: shortest.max(MIN_S).min(given),
+            shortest_s: shortest.max(MIN_S).min(given).max(back),
             longest_s: MAX_MULTIPLE * least.unwrap_or(given).max(given),
         })
     }

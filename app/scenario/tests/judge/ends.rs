@@ -38,6 +38,7 @@ fn every_key_has_a_check_or_promises_nothing() {
         q_start: _,
         v_start: _,
         a_start: _,
+        start_tolerance: _,
         q_goal: _,
         v_goal: _,
         a_goal: _,

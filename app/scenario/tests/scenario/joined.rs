@@ -1,7 +1,8 @@
-//! Given accelerations at the ends, so that one motion goes over into another.
+//! Given accelerations at the ends, so that one motion continues another.
 
 use crate::written::{load, solved_once, with};
 use aghf::curve::Curve;
+use aghf::direct::DirectSettings;
 use aghf_scenario::certify::{Failure, Texts, certify};
 use aghf_scenario::judge::{Check, Outcome, Tolerances, Trajectory, judge, sufficient_samples};
 use aghf_scenario::{RestOptions, Scenario, Solve, SolveOptions, SolveReport};
@@ -33,9 +34,13 @@ fn failures(scenario: &Scenario, report: &SolveReport) -> Vec<Failure> {
     certify(scenario, &report.summary.curve, texts, &[], 0.0).expect("its joints").failures
 }
 
-/// The outcome of the judge about accelerations, of a motion that is valid and certified.
+/// The outcome of the judge about accelerations, of a motion that is valid, and certified but for what the search
+/// accepts.
 fn judged(scenario: &Scenario, report: &SolveReport) -> Outcome {
-    assert!(failures(scenario, report).is_empty());
+    for failure in failures(scenario, report) {
+        let accepted = DirectSettings::FEASIBLE * failure.bound.abs().max(1.0);
+        assert!((failure.value - failure.bound).abs() <= accepted, "{failure:?}");
+    }
     let count = sufficient_samples(scenario, &report.curve).expect("a curve");
     let samples = aghf::motion::sample(&scenario.model, &report.curve, count).expect("its joints");
     let judgement = judge(scenario, &Trajectory::of_samples(samples), Tolerances::default()).expect("its joints");

@@ -40,6 +40,7 @@ mod schema;
 mod search;
 mod self_collision;
 mod stand;
+mod start_tolerance;
 mod stopping;
 mod surroundings;
 mod tracker;

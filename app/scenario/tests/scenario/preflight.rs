@@ -137,7 +137,9 @@ fn horizons_that_are_too_short_are_refused_with_the_least() {
 /// An end may be outside by rounding, and not by as much as the search accepts for a whole motion.
 #[test]
 fn an_end_beyond_a_limit_leaves_something_to_move_with() {
-    let bent = |by: f64| refusal(&with(kinova(), json!({ "q_start": entry(1, 2.25 + by) })));
+    let strict = json!({ "position": 0.0 });
+    let keys = |by: f64| json!({ "q_start": entry(1, 2.25 + by), "start_tolerance": strict });
+    let bent = |by: f64| refusal(&with(kinova(), keys(by)));
     assert_eq!(bent(1e-7), None);
     for by in [1e-6, 2e-6] {
         assert!(bent(by).expect("refused").contains("enforced position limits"), "{by}");

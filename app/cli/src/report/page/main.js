@@ -168,6 +168,7 @@ const addMotion = (motion, i) => {
     chips.append(part("path", "Path", "path"));
     if (motion.scene.tips.length > 1) chips.append(part("others", "Other paths", "path"));
     if (motion.scene.obstacles.length || motion.scene.planes.length) chips.append(part("obstacles", "Obstacles", "obstacle"));
+    if (motion.waypoints.length) chips.append(part("waypoints", "Waypoints", "path"));
     if (motion.clearance) chips.append(part("nearest", "Nearest pair", "near"));
     if (view.foot) chips.append(part("foot", `Ground force, 1 m = ${view.foot.newtonPerMetre} N, red beyond bounds`, "holds"));
     motion.tracks.forEach((one, number) => {
@@ -199,7 +200,7 @@ const addMotion = (motion, i) => {
   const panels = [
     data.plot && tradeoffPanel(),
     motion.failure && element("p", "fault", motion.failure),
-    panel("Over time", [element("p", "hint", "A click in a plot moves the robot there. A strip in the colour of a joint lies beyond each of its limits, and a grey one where limits of several joints lie together; a chosen joint shows its own."), grid(over)]),
+    panel("Over time", [element("p", "hint", "A click in a plot moves the robot there. A strip in the colour of a joint lies beyond each of its enforced limits, and a grey one where limits of several joints lie together; a chosen joint shows its own."), grid(over)]),
     panel("Joints", [joints.root]),
     search.length ? panel("The search", [grid(search)]) : null,
     minimaPanel(motion, track),

@@ -31,6 +31,11 @@ class PlotCard {
     this.left = left;
     this.width = right - left;
     if (plot.time) {
+      for (const { time } of motion.waypoints) {
+        const mark = element("div", "waypoint");
+        Object.assign(mark.style, { top: this.cursor.style.top, height: this.cursor.style.height, left: `${100 * this.shareAt(time)}%` });
+        this.area.append(mark);
+      }
       this.area.classList.add("seekable");
       let held = false;
       this.area.addEventListener("pointerdown", (event) => { held = true; this.area.setPointerCapture(event.pointerId); seek(this.timeAt(event)); });
@@ -49,8 +54,13 @@ class PlotCard {
 
   set(time) {
     if (!this.plot.time) return;
+    this.cursor.style.left = `${100 * this.shareAt(time)}%`;
+  }
+
+  // The place of a time as a share of the width.
+  shareAt(time) {
     const share = (time - this.plot.from) / (this.plot.to - this.plot.from || 1);
-    this.cursor.style.left = `${100 * (this.left + clamp(share, 0, 1) * this.width)}%`;
+    return this.left + clamp(share, 0, 1) * this.width;
   }
 
   // Shows one joint alone, or all for -1.

@@ -170,16 +170,23 @@ class View {
     this.camera = camera;
     this.renderer = new Renderer(canvas);
     this.meshes = motion.scene.meshes.map((mesh) => this.renderer.upload(meshSolid(mesh)));
-    this.shown = { obstacles: true, path: true, others: false, nearest: true, foot: true, tracks: new Set([0]) };
+    this.shown = { obstacles: true, path: true, others: false, nearest: true, foot: true, waypoints: true, tracks: new Set([0]) };
     this.paths = tracks.map((track) => motion.scene.tips.map((tip) => this.renderer.uploadPath(track.path(tip))));
     this.nearestPoints = motion.clearance && floats(motion.clearance.points);
     this.nearestPath = this.nearestPoints && this.renderer.uploadPath([0, 0, 0, 0, 0, 0]);
+    const places = motion.waypoints.map(({ place }) => place).filter(Boolean);
+    this.waypoints = places.map((place) => this.ball(place, 0.012 * camera.bounds.radius));
     if (motion.foot) this.foot = new FootPicture(motion.foot, camera.bounds.radius, this.renderer);
     const upward = motion.scene.planes.filter((plane) => plane.normal[2] > 0.999);
     this.floor = upward.length ? Math.max(...upward.map((p) => p.offset)) : (motion.foot?.pose[2] ?? motion.lowest);
     const walls = motion.scene.planes.filter((plane) => plane.normal[2] <= 0.999).map((plane) => this.wall(plane));
     this.obstacles = [...motion.scene.obstacles, ...walls].flatMap((item) => this.parts(item, [0, 0, 0], [0, 0, 0, 1]));
     this.bodies = motion.scene.shapes.map((item) => ({ item, parts: this.parts(item, [0, 0, 0], [0, 0, 0, 1]) }));
+  }
+
+  ball(at, radius) {
+    const scale = [radius, radius, radius];
+    return { solid: this.renderer.solids.ball, scale, model: placed(at, [0, 0, 0, 1], scale) };
   }
 
   wall({ normal, offset }) {
@@ -265,8 +272,9 @@ class View {
       lines.push({ path: this.nearestPath, width: 1.8, color: [...colors.near, 1], split: 1e9 });
     }
     const obstacle = [...colors.obstacle, 0.36];
+    const waypoints = this.shown.waypoints ? this.waypoints.map((ball) => ({ ...ball, color: [...colors.path, 1] })) : [];
     this.renderer.draw({
-      opaque: this.robot(this.tracks[0], time, paint),
+      opaque: [...this.robot(this.tracks[0], time, paint), ...waypoints],
       seeThrough: this.shown.obstacles ? this.obstacles.map((part) => ({ ...part, color: obstacle })) : [],
       ghosts: ghosts.map(ghost),
       lines,
