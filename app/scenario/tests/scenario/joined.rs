@@ -41,8 +41,8 @@ fn judged(scenario: &Scenario, report: &SolveReport) -> Outcome {
         let accepted = DirectSettings::FEASIBLE * failure.bound.abs().max(1.0);
         assert!((failure.value - failure.bound).abs() <= accepted, "{failure:?}");
     }
-    let count = sufficient_samples(scenario, &report.curve).expect("a curve");
-    let samples = aghf::motion::sample(&scenario.model, &report.curve, count).expect("its joints");
+    let intervals = sufficient_samples(scenario, &report.curve).expect("a curve") - 1;
+    let samples = aghf::motion::sample(&scenario.model, &report.curve, intervals).expect("its joints");
     let judgement = judge(scenario, &Trajectory::of_samples(samples), Tolerances::default()).expect("its joints");
     assert!(judgement.valid, "{judgement:?}");
     judgement.checks.iter().find(|row| row.check == Check::Continuity).expect("it is checked").outcome

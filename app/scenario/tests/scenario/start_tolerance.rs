@@ -62,8 +62,8 @@ proptest! {
         }
         let notes = report.summary.notes.iter().filter(|note| note.contains("outside of its limit"));
         prop_assert_eq!(notes.count(), 2);
-        let count = sufficient_samples(&scenario, &report.curve).expect("a curve");
-        let samples = aghf::motion::sample(&scenario.model, &report.curve, count).expect("its joints");
+        let intervals = sufficient_samples(&scenario, &report.curve).expect("a curve") - 1;
+        let samples = aghf::motion::sample(&scenario.model, &report.curve, intervals).expect("its joints");
         let samples = Trajectory::of_samples(samples);
         let judged = |scenario: &Scenario| judge(scenario, &samples, Tolerances::default()).expect("its joints").valid;
         prop_assert!(judged(&scenario));
