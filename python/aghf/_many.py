@@ -164,7 +164,7 @@ def _resumed(
 
 
 def _record(request: Request, options: str) -> dict[str, Any]:
-    """What is solved, to be compared: the scenario, or its name and the text of its file, and the options."""
+    """The scenario, with the text of its file, and the options: a folder has to have the same."""
     name, content = request
     if content is None and Path(name).is_file():
         content = Path(name).read_text("utf-8")

@@ -121,7 +121,7 @@ impl<'m> Problem<'m> {
     /// # Errors
     /// The horizon is out of range.
     pub fn with_horizon(&self, horizon: f64) -> Result<Self> {
-        Self::check_horizon(horizon).map_err(|condition| Error::input(self.model.name(), "horizon", condition))?;
+        Self::check(self.model, [&self.start, &self.goal], horizon)?;
         Ok(Self { horizon, ..self.clone() })
     }
 

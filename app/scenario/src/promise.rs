@@ -143,6 +143,7 @@ impl Scenario {
             let quantity = if of == Quantity::Torque && self.is_passive(joint) { Quantity::Passive } else { of };
             let bounds = self.bound_throughout(of, joint).map(|bounds| (bounds, Scope::THROUGHOUT));
             let back = self.bound_when_back(joint).filter(|_| of == Quantity::Position);
+            let back = back.map(|(bounds, back_s)| (bounds, Scope::Between([back_s, f64::INFINITY])));
             let all = bounds.into_iter().chain(back);
             all.map(move |(bounds, scope)| Promise { quantity, index: Some(joint), bounds, scope })
         };

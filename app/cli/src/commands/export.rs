@@ -64,6 +64,9 @@ impl Export {
             (Target::Mcap, _) => "motion.mcap",
         };
         let path = self.out.unwrap_or_else(|| Path::new(&summaries[0]).with_file_name(name));
+        if matches!(self.to, Target::Mcap) && summaries.len() > 1 {
+            return Err(Error::input(&summaries[0], "mcap", "a recording has one motion, a trajectory several"));
+        }
         refuse_existing(&path, self.force)?;
         let sampling = self.sampling.sampling();
         let mut message: Option<JointTrajectory> = None;
@@ -73,9 +76,6 @@ impl Export {
             let (scenario, curve) = (&solved.scenario, &solved.curve);
             let run = sha256(&read_bytes(Path::new(summary))?);
             match (self.to, &mut message) {
-                (Target::Mcap, _) if summaries.len() > 1 => {
-                    return Err(Error::input(summary, "mcap", "a recording has one motion, a trajectory several"));
-                }
                 (Target::Mcap, _) => save_mcap(scenario, curve, sampling, Some(&run), &path)?,
                 (Target::Trajectory, Some(before)) => {
                     before.append(joint_trajectory(scenario, curve, sampling, None)?, summary)?;

@@ -9,7 +9,7 @@ use super::scene::{Scene, scene_of};
 use super::track::{Clearance, GHOST, MOTION, Track, placements_of, rows_of};
 use aghf::curve::Curve;
 use aghf::direct::LocalMinimum;
-use aghf::dynamics::forward_kinematics;
+use aghf::dynamics::{forward_kinematics, frame_placement};
 use aghf::error::Result;
 use aghf::model::JointKind;
 use aghf::motion::Sample;
@@ -209,19 +209,17 @@ fn passages(motion: &Motion<'_>) -> Result<Vec<Passage>> {
     let mut placements = vec![Placement::identity(); model.dof()];
     let mut all = Vec::new();
     for (k, time) in motion.facts.waypoint_times.iter().copied().enumerate() {
-        let point = scenario.file.waypoints.get(k);
-        let frame = point.and_then(|point| point.poses.as_ref()).map(|poses| &poses.frame);
-        let of = match (point, frame) {
-            (None, _) => None,
-            (Some(_), None) => tip.as_ref().map(|tip| (Some(tip.body), Vector3::from(tip.point))),
-            (Some(_), Some(name)) => {
-                let frame = model.frames().iter().find(|frame| frame.name == *name);
-                frame.map(|frame| (frame.body, frame.placement.translation))
-            }
-        };
         let (x, _) = motion.curve.at(time);
         forward_kinematics(model, &x.as_slice()[..model.dof()], &mut placements)?;
-        let place = of.map(|(body, point)| body.map_or(point, |body| placements[body].point(&point)));
+        let poses = scenario.file.waypoints.get(k).map(|point| point.poses.as_ref());
+        let place = match poses {
+            None => None,
+            Some(None) => tip.as_ref().map(|tip| placements[tip.body].point(&Vector3::from(tip.point))),
+            Some(Some(poses)) => {
+                let frame = model.frames().iter().find(|frame| frame.name == poses.frame);
+                frame.map(|frame| frame_placement(frame, &placements)).transpose()?.map(|placed| placed.translation)
+            }
+        };
         all.push(Passage { time, place: place.map(Into::into) });
     }
     Ok(all)

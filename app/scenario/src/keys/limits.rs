@@ -302,7 +302,7 @@ impl Scenario {
 }
 
 /// The bounds on the positions and velocities of `n` joints as constraints, without those that have no rows.
-fn limits_of_state(n: usize, bound: impl Fn(Quantity, usize) -> Option<[f64; 2]>) -> Vec<AnyConstraint> {
+pub(crate) fn limits_of_state(n: usize, bound: impl Fn(Quantity, usize) -> Option<[f64; 2]>) -> Vec<AnyConstraint> {
     let mut constraints = Vec::new();
     for (limit, first) in [(Quantity::Position, 0), (Quantity::Velocity, n)] {
         let bounds: Vec<Bound> = (0..n)

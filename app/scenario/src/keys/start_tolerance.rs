@@ -1,7 +1,8 @@
 //! A start a little outside of the limits of positions, from which the motion returns.
 
-use crate::{Quantity, Scenario, ScenarioFile, Scope};
-use aghf::constraint::{AnyConstraint, Bound, Bounds, Side, StageConstraint, TimeWindow};
+use crate::keys::limits::limits_of_state;
+use crate::{Quantity, Scenario, ScenarioFile};
+use aghf::constraint::{StageConstraint, TimeWindow};
 use aghf::error::{Error, Result, plain};
 use aghf::model::Model;
 use schemars::JsonSchema;
@@ -48,8 +49,12 @@ impl ScenarioFile {
             return refuse("back_s", format!("it is {} and must be positive", plain(tolerance.back_s)));
         }
         let given = self.start_tolerance.replace(tolerance);
-        let outside: Vec<_> = (0..model.dof()).filter(|joint| self.bound_at_start(model, *joint).is_some()).collect();
-        if given.is_none() && (outside.is_empty() || !self.phases.is_empty()) {
+        let limit = |of: Quantity, joint: usize| {
+            let is_outside = of == Quantity::Position && self.bound_at_start(model, joint).is_some();
+            if is_outside { self.enforced_limits.bound(model, of, joint) } else { None }
+        };
+        let limits = limits_of_state(model.dof(), limit);
+        if given.is_none() && (limits.is_empty() || !self.phases.is_empty()) {
             self.start_tolerance = None;
             return Ok(None);
         }
@@ -57,16 +62,10 @@ impl ScenarioFile {
             let (back, horizon) = (plain(tolerance.back_s), plain(self.horizon_s));
             return refuse("back_s", format!("it is {back} s, and horizon_s is {horizon} s"));
         }
-        if outside.is_empty() {
+        if limits.is_empty() {
             return Ok(None);
         }
-        let sides = outside.into_iter().flat_map(|entry| {
-            let bounds = self.enforced_limits.bound(model, Quantity::Position, entry).into_iter().flatten();
-            let sides = [Side::Lower, Side::Upper].into_iter().zip(bounds);
-            sides.map(move |(side, value)| Bound { entry, side, value })
-        });
-        let rows = vec![AnyConstraint::Bounds(Bounds(sides.filter(|bound| bound.value.is_finite()).collect()))];
-        let window = TimeWindow::new(model.clone(), rows, [tolerance.back_s, f64::INFINITY])?;
+        let window = TimeWindow::new(model.clone(), limits, [tolerance.back_s, f64::INFINITY])?;
         Ok(Some(Arc::new(window)))
     }
 
@@ -82,11 +81,18 @@ impl ScenarioFile {
 }
 
 impl Scenario {
-    /// The limit of the position of a joint that starts outside of it, with the times from when it is back.
-    pub(crate) fn bound_when_back(&self, joint: usize) -> Option<([f64; 2], Scope)> {
+    /// The limit of the position of a joint that starts outside of it, and the time at which the joint is back, s.
+    pub(crate) fn bound_when_back(&self, joint: usize) -> Option<([f64; 2], f64)> {
         self.bound_at_start(joint)?;
-        let own = self.file.enforced_limits.bound(&self.model, Quantity::Position, joint)?;
-        Some((own, Scope::Between([self.file.start_tolerance?.back_s, f64::INFINITY])))
+        Some((self.bound(Quantity::Position, joint)?, self.file.start_tolerance?.back_s))
+    }
+
+    /// The distance of a joint from its limit at the start, rad or m, and the time at which it is back, s; `None` if it
+    /// starts within its limit.
+    fn way_back(&self, joint: usize) -> Option<(f64, f64)> {
+        let ([lower, upper], back) = self.bound_when_back(joint)?;
+        let q = self.file.q_start[joint];
+        Some(((lower - q).max(q - upper), back))
     }
 
     /// The bounds on the position of a joint that starts outside of its limit, at all times; `None` of another joint.
@@ -97,14 +103,13 @@ impl Scenario {
     /// Refuses a start from which a joint is not back in time at its velocity limit.
     pub(crate) fn check_way_back(&self) -> Result<()> {
         for (i, joint) in self.model.joints().iter().enumerate() {
-            let (Some(([lower, upper], _)), Some(start)) = (self.bound_when_back(i), self.file.start_tolerance) else {
+            let Some((way, back)) = self.way_back(i) else {
                 continue;
             };
-            let q = self.file.q_start[i];
             let [_, most] = self.bound(Quantity::Velocity, i).unwrap_or([f64::INFINITY; 2]);
-            let least = (lower - q).max(q - upper) / most;
-            if least > start.back_s {
-                let (name, [least, back]) = (joint.name(), [least, start.back_s].map(plain));
+            let least = way / most;
+            if least > back {
+                let (name, [least, back]) = (joint.name(), [least, back].map(plain));
                 let condition =
                     format!("it is {back} s, and joint '{name}' is within its limit after {least} s at least");
                 return Err(Error::input(&self.name, "start_tolerance.back_s", condition));
@@ -115,13 +120,11 @@ impl Scenario {
 
     /// The joints that start outside of their limits, in words.
     pub(crate) fn notes_on_start(&self) -> impl Iterator<Item = String> + use<'_> {
-        let joints = self.model.joints().iter().zip(&self.file.q_start).enumerate();
-        joints.filter_map(|(i, (joint, q))| {
-            let ([lower, upper], scope) = self.bound_when_back(i)?;
-            let Scope::Between([back, _]) = scope else { return None };
-            let (name, unit, off) = (joint.name(), Quantity::Position.unit(joint.kind()), (lower - q).max(q - upper));
+        self.model.joints().iter().enumerate().filter_map(|(i, joint)| {
+            let (way, back) = self.way_back(i)?;
+            let (name, unit) = (joint.name(), Quantity::Position.unit(joint.kind()));
             Some(format!(
-                "q_start: joint '{name}' is {off:.1e} {unit} outside of its limit, and within it from {back} s on"
+                "q_start: joint '{name}' is {way:.1e} {unit} outside of its limit, and within it from {back} s on"
             ))
         })
     }

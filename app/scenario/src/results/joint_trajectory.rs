@@ -65,11 +65,11 @@ impl Stamp {
     /// The stamp nearest to a time `t` of a motion, s.
     #[must_use]
     pub fn new(t: f64) -> Self {
-        Self::of_nanoseconds((t * Self::PER_SECOND as f64).round() as u64)
+        Self::from_nanoseconds((t * Self::PER_SECOND as f64).round() as u64)
     }
 
     /// The stamp of a time in ns.
-    fn of_nanoseconds(nanoseconds: u64) -> Self {
+    fn from_nanoseconds(nanoseconds: u64) -> Self {
         Self { sec: (nanoseconds / Self::PER_SECOND) as i32, nanosec: (nanoseconds % Self::PER_SECOND) as u32 }
     }
 
@@ -136,7 +136,7 @@ impl JointTrajectory {
         }
         let begin = last.time_from_start.nanoseconds();
         self.points.extend(points.map(|point| {
-            let time_from_start = Stamp::of_nanoseconds(begin + point.time_from_start.nanoseconds());
+            let time_from_start = Stamp::from_nanoseconds(begin + point.time_from_start.nanoseconds());
             JointTrajectoryPoint { time_from_start, ..point }
         }));
         self.header.frame_id.clear();

@@ -42,7 +42,7 @@ fn rests(v: &[f64]) -> bool {
 
 /// The largest accepted excess of a boundary state over a limit of its joint, rad or m: what the search accepts for a
 /// whole motion leaves it nothing to move with.
-pub(crate) const TOLERANCE_OF_ENDS: f64 = 0.5 * TOLERANCE;
+const TOLERANCE_OF_ENDS: f64 = 0.5 * TOLERANCE;
 
 /// The largest distance from a limit for which the message about a start suggests a tolerance, rad or m.
 const MAX_SUGGESTED: f64 = 0.05;
@@ -124,8 +124,8 @@ impl Scenario {
         for (key, q) in [("q_start", &self.file.q_start), ("q_goal", &self.file.q_goal)] {
             for (i, (joint, q)) in self.model.joints().iter().zip(q).enumerate() {
                 let (lower, upper) = (joint.limits().lower, joint.limits().upper);
-                let is_noted = key == "q_start" && self.bound_when_back(i).is_some();
-                if !(lower..=upper).contains(q) && !is_noted {
+                let returns = key == "q_start" && self.bound_when_back(i).is_some();
+                if !(lower..=upper).contains(q) && !returns {
                     let (name, [q, lower, upper]) = (joint.name(), [*q, lower, upper].map(plain));
                     notes.push(format!("{key}: joint '{name}' at {q} is outside [{lower}, {upper}]"));
                 }
@@ -296,9 +296,10 @@ impl Scenario {
         let n = self.model.dof();
         let (zeros, mut torques) = (vec![0.0; n], vec![0.0; n]);
         let data = &mut Data::new(&self.model);
-        let (v, a, task) = match (end.v, end.a) {
-            (Some(v), Some(a)) if !rests(v) || !rests(a) => (v, a, "for the given acceleration"),
-            (Some(v), _) if rests(v) => (v, &zeros[..], "to hold the robot at rest"),
+        let [q_key, _, a_key] = end.keys;
+        let (v, a, key, task) = match (end.v, end.a) {
+            (Some(v), Some(a)) if !rests(v) || !rests(a) => (v, a, a_key, "for the given acceleration"),
+            (Some(v), _) if rests(v) => (v, &zeros[..], q_key, "to hold the robot at rest"),
             _ => return Ok(()),
         };
         rnea(&self.model, data, end.q, v, a, &mut torques)?;
@@ -315,7 +316,7 @@ impl Scenario {
                     format!("its enforced torque limit is {most} {unit}")
                 };
                 let condition = format!("joint '{name}' needs {torque} {unit} {task}, {but}");
-                return self.refuse(end.keys[if task.starts_with("for") { 2 } else { 0 }], condition);
+                return self.refuse(key, condition);
             }
         }
         Ok(())

@@ -1,10 +1,9 @@
 //! Given accelerations at the ends, so that one motion continues another.
 
-use crate::written::{load, solved_once, with};
+use crate::written::{failures, load, sampled, solved_once, with};
 use aghf::curve::Curve;
 use aghf::direct::DirectSettings;
-use aghf_scenario::certify::{Failure, Texts, certify};
-use aghf_scenario::judge::{Check, Outcome, Tolerances, Trajectory, judge, sufficient_samples};
+use aghf_scenario::judge::{Check, Outcome, Tolerances, judge};
 use aghf_scenario::{RestOptions, Scenario, Solve, SolveOptions, SolveReport};
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -28,12 +27,6 @@ fn acceleration(curve: &Curve, is_end: bool) -> Vec<f64> {
     rates.as_slice()[N..].to_vec()
 }
 
-/// The failures of a proof that a motion keeps a scenario.
-fn failures(scenario: &Scenario, report: &SolveReport) -> Vec<Failure> {
-    let texts = Texts { scenario: &[], run: "" };
-    certify(scenario, &report.summary.curve, texts, &[], 0.0).expect("its joints").failures
-}
-
 /// The outcome of the judge about accelerations, of a motion that is valid, and certified but for what the search
 /// accepts.
 fn judged(scenario: &Scenario, report: &SolveReport) -> Outcome {
@@ -41,9 +34,7 @@ fn judged(scenario: &Scenario, report: &SolveReport) -> Outcome {
         let accepted = DirectSettings::FEASIBLE * failure.bound.abs().max(1.0);
         assert!((failure.value - failure.bound).abs() <= accepted, "{failure:?}");
     }
-    let intervals = sufficient_samples(scenario, &report.curve).expect("a curve") - 1;
-    let samples = aghf::motion::sample(&scenario.model, &report.curve, intervals).expect("its joints");
-    let judgement = judge(scenario, &Trajectory::of_samples(samples), Tolerances::default()).expect("its joints");
+    let judgement = judge(scenario, &sampled(scenario, report), Tolerances::default()).expect("its joints");
     assert!(judgement.valid, "{judgement:?}");
     judgement.checks.iter().find(|row| row.check == Check::Continuity).expect("it is checked").outcome
 }

@@ -1,13 +1,13 @@
 //! Conditions that are kept along the way.
 
-use crate::written::{load, solved_once, with};
+use crate::written::{load, sampled, solved_once, with};
 use aghf::curve::Curve;
 use aghf::direct::DirectSettings;
 use aghf::dynamics::{Data, forward_kinematics, frame_jacobian, frame_placement};
 use aghf::model::Model;
 use aghf::spatial::Placement;
 use aghf_scenario::certify::{Texts, certify};
-use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge, sufficient_samples};
+use aghf_scenario::judge::{Check, Tolerances, Trajectory, judge};
 use aghf_scenario::{DirectOptions, Quantity, Scenario, Solve, Verdict};
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
@@ -72,9 +72,7 @@ fn two_arms_carry_a_bar() {
     let bar = Scenario::load("two_arms_bar_01").expect("built in");
     let report = solved_once(&bar);
     assert!(report.summary.success, "{:?}", report.summary.failure);
-    let intervals = sufficient_samples(&bar, &report.curve).expect("its joints") - 1;
-    let samples = aghf::motion::sample(&bar.model, &report.curve, intervals);
-    let motion = Trajectory::of_samples(samples.expect("its joints"));
+    let motion = sampled(&bar, &report);
     let judged = judge(&bar, &motion, Tolerances::default()).expect("its joints");
     assert!(judged.valid, "{:?}", judged.worst());
     let kept = judged.checks.iter().find(|row| row.check == Check::Bounds(Quantity::Frame));

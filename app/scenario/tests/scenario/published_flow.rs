@@ -1,7 +1,8 @@
 //! The published flow on the built-in scenarios.
 
 use crate::common::assert_refused;
-use aghf_scenario::judge::{Tolerances, Trajectory, judge, sufficient_samples};
+use crate::written::sampled;
+use aghf_scenario::judge::{Tolerances, judge};
 use aghf_scenario::{
     FlowOptions, Quantity, RestOptions, Scenario, Solve, SolveOptions, SolveReport, Verdict, builtin_scenarios,
 };
@@ -47,10 +48,7 @@ fn judged(name: &str, options: SolveOptions) -> (SolveReport, bool) {
     let scenario = Scenario::load(name).expect("built in");
     let found = Solve::new(&scenario).options(options).run();
     let report = found.expect("it is good");
-    let intervals = sufficient_samples(&scenario, &report.curve).expect("its joints") - 1;
-    let samples = aghf::motion::sample(&scenario.model, &report.curve, intervals);
-    let motion = Trajectory::of_samples(samples.expect("its joints"));
-    let judged = judge(&scenario, &motion, Tolerances::default()).expect("its joints");
+    let judged = judge(&scenario, &sampled(&scenario, &report), Tolerances::default()).expect("its joints");
     (report, judged.valid)
 }
 

@@ -1,10 +1,9 @@
 //! Starts a little outside of limits of positions.
 
-use crate::written::{load, solved_once, with};
+use crate::written::{failures, load, sampled, solved_once, with};
 use aghf::constraint::Bounds;
 use aghf::curve::Curve;
-use aghf_scenario::certify::{Texts, certify};
-use aghf_scenario::judge::{Tolerances, Trajectory, judge, sufficient_samples};
+use aghf_scenario::judge::{Tolerances, judge};
 use aghf_scenario::{Quantity, Scenario, ScenarioTracker, ScenarioTrackerOptions};
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -33,12 +32,6 @@ fn off(curve: &Curve, (joint, limit): (usize, f64), [from, to]: [f64; 2]) -> f64
     times.map(|t| curve.at(t).0[joint].abs() - limit).fold(f64::NEG_INFINITY, f64::max)
 }
 
-fn failures(scenario: &Scenario, curve: &aghf_scenario::CurveFile) -> Vec<String> {
-    let texts = Texts { scenario: &[], run: "" };
-    let found = certify(scenario, curve, texts, &[], 0.0).expect("its joints");
-    found.failures.into_iter().map(|failure| failure.promise).collect()
-}
-
 proptest! {
     #![proptest_config(crate::common::config(4))]
 
@@ -62,17 +55,15 @@ proptest! {
         }
         let notes = report.summary.notes.iter().filter(|note| note.contains("outside of its limit"));
         prop_assert_eq!(notes.count(), 2);
-        let intervals = sufficient_samples(&scenario, &report.curve).expect("a curve") - 1;
-        let samples = aghf::motion::sample(&scenario.model, &report.curve, intervals).expect("its joints");
-        let samples = Trajectory::of_samples(samples);
+        let samples = sampled(&scenario, &report);
         let judged = |scenario: &Scenario| judge(scenario, &samples, Tolerances::default()).expect("its joints").valid;
         prop_assert!(judged(&scenario));
-        prop_assert_eq!(failures(&scenario, &report.summary.curve), Vec::<String>::new());
+        prop_assert_eq!(failures(&scenario, &report), []);
         let mut strict = scenario.clone();
         strict.file.start_tolerance = None;
         // The judge accepts a thousandth.
         prop_assert!(by.iter().all(|by| by.abs() < 2e-3) || !judged(&strict));
-        prop_assert!(failures(&strict, &report.summary.curve).contains(&"position limits".to_owned()));
+        prop_assert!(failures(&strict, &report).iter().any(|failure| failure.promise == "position limits"));
     }
 }
 

@@ -1,5 +1,7 @@
 //! Scenario files written by a test.
 
+use aghf_scenario::certify::{Failure, Texts, certify};
+use aghf_scenario::judge::{Trajectory, sufficient_samples};
 use aghf_scenario::{DirectOptions, Scenario, Solve, SolveReport};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -29,6 +31,19 @@ pub fn solved_once(scenario: &Scenario) -> SolveReport {
     let report = report.expect("it is good");
     assert!(report.summary.success, "{:?}", report.summary);
     report
+}
+
+/// As many samples of the motion of a solve as the judge needs.
+pub fn sampled(scenario: &Scenario, report: &SolveReport) -> Trajectory {
+    let intervals = sufficient_samples(scenario, &report.curve).expect("its joints") - 1;
+    let samples = aghf::motion::sample(&scenario.model, &report.curve, intervals);
+    Trajectory::of_samples(samples.expect("its joints"))
+}
+
+/// The failures of a proof that the motion of a solve without waypoints keeps a scenario.
+pub fn failures(scenario: &Scenario, report: &SolveReport) -> Vec<Failure> {
+    let texts = Texts { scenario: &[], run: "" };
+    certify(scenario, &report.summary.curve, texts, &[], 0.0).expect("its joints").failures
 }
 
 /// Writes a scenario file and loads it; the error is without the path of the file, which is there.
