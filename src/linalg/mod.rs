@@ -5,6 +5,8 @@
 mod block_tridiagonal;
 #[cfg(feature = "solvers")]
 mod gram;
+#[cfg(feature = "solvers")]
+mod indefinite;
 mod ldlt;
 #[cfg(feature = "solvers")]
 mod matmul;
@@ -17,6 +19,8 @@ mod tiled;
 pub use block_tridiagonal::{BlockTridiagonal, Scratch};
 #[cfg(feature = "solvers")]
 pub(crate) use gram::{ROWS, weighted_gram};
+#[cfg(feature = "solvers")]
+pub use indefinite::Indefinite;
 pub use ldlt::Ldlt;
 #[cfg(feature = "solvers")]
 pub use matmul::multiply;

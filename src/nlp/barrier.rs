@@ -3,6 +3,9 @@
 use super::{Options, Progress, Row, RowState, State};
 use std::fmt::Debug;
 
+/// The least first slack of a hard row: 1e-2 as in WB (3.6).
+const FIRST_SLACK: f64 = 1e-2;
+
 /// The parameters of the barrier function.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Barrier {
@@ -46,7 +49,7 @@ impl BarrierState {
             complementarity: state.measure * state.iterate.gap() / scale,
             decrease: decrease / scale,
             alpha: state.progress.alpha,
-            has_equalities: !state.iterate.equalities.is_empty(),
+            has_equalities: !state.iterate.equalities.is_empty() && !state.iterate.is_saddle,
             stalled: state.stalled,
         }
     }
@@ -118,7 +121,8 @@ impl Barrier {
     pub fn central(&self, row: Row, h: f64, nu: f64) -> RowState {
         let mu = self.mu;
         if row.is_hard {
-            return RowState { row, slack: -h, elastic: 0.0, multiplier: -mu / h, penalty: f64::INFINITY };
+            let slack = (-h).max(FIRST_SLACK);
+            return RowState { row, slack, elastic: h + slack, multiplier: mu / slack, penalty: f64::INFINITY };
         }
         let [slack, elastic] = self.split(&row, h, nu);
         let state = RowState { row, slack, elastic, multiplier: 0.0, penalty: nu };

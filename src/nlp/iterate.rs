@@ -24,6 +24,8 @@ pub struct Iterate {
     /// The largest equality at the last update of their multipliers.
     before: f64,
     pub barrier: Barrier,
+    /// True if equalities are those of the saddle-point equations, which the barrier function does not have.
+    pub is_saddle: bool,
     /// The least change of a row per change of its multiplier in the condensed equations.
     pub compliance: f64,
     /// The factor, from 0 to 1, of the second derivatives of [curved](Row::is_curved) inequalities in the Hessian.
@@ -52,6 +54,7 @@ impl Clone for Iterate {
         self.working.clone_from(&from.working);
         self.equalities.clone_from(&from.equalities);
         (self.before, self.barrier, self.compliance) = (from.before, from.barrier, from.compliance);
+        self.is_saddle = from.is_saddle;
         (self.curvature_weight, self.without_curvature) = (from.curvature_weight, from.without_curvature);
         self.is_lagrangian = from.is_lagrangian;
     }
@@ -65,6 +68,7 @@ impl Iterate {
             equalities,
             before: f64::INFINITY,
             barrier,
+            is_saddle: false,
             compliance: 0.0,
             curvature_weight: 1.0,
             without_curvature: 0,
@@ -153,6 +157,7 @@ impl Iterate {
     pub(crate) fn restart(&mut self, barrier: Barrier, equalities: Vec<Equality>) {
         self.working.clear();
         (self.equalities, self.before, self.barrier) = (equalities, f64::INFINITY, barrier);
+        self.is_saddle = false;
         self.curvature_weight = 1.0;
     }
 
@@ -190,6 +195,9 @@ impl Iterate {
     /// `factor`, at most to `largest`, if the largest equality exceeds its tolerance and is more than a quarter of the
     /// one before (NW, framework 17.3).
     pub fn update_equalities(&mut self, h: &[f64], factor: f64, largest: f64, feasible: f64) {
+        if self.is_saddle {
+            return;
+        }
         let mut most = 0.0_f64;
         for equality in &mut self.equalities {
             let value = h[equality.row.at];
@@ -230,7 +238,9 @@ impl Iterate {
         let mu = self.barrier.mu;
         for state in &mut self.working {
             let h = h[state.row.at];
-            if h < 0.0 {
+            if state.row.is_hard {
+                state.meet(h);
+            } else if h < 0.0 {
                 state.slack = state.elastic - h;
             } else {
                 state.elastic = state.slack + h;
@@ -349,9 +359,10 @@ impl Iterate {
     pub fn barrier_terms(&self, h: &[f64], measure: impl Fn(usize) -> f64) -> f64 {
         let (mut sum, mu) = (MeasuredSum::default(), self.barrier.mu);
         for of in &self.working {
-            sum.add(measure(of.row.at), of.row.weight * of.barrier_term(mu));
+            let term = of.barrier_term(mu);
+            sum.add(measure(of.row.at), of.row.weight * term);
         }
-        for equality in &self.equalities {
+        for equality in self.equalities.iter().filter(|_| !self.is_saddle) {
             let row = equality.row;
             let term = self.equality_term(equality, h[row.at]).cost;
             sum.add(measure(row.at), row.weight * term);

@@ -1,6 +1,6 @@
 //! The primal-dual equations, condensed to the unknowns.
 
-use super::{Options, Progress};
+use super::{Options, Progress, Saddle};
 use crate::linalg::{BlockTridiagonal, Scratch, assign};
 use nalgebra::{DMatrix, DVector};
 
@@ -21,6 +21,8 @@ pub struct Bordered {
 pub struct Kkt {
     pub gradient: DVector<f64>,
     pub hessian: Bordered,
+    /// The equalities, if they are those of the [saddle-point equations](super::Nlp::is_saddle).
+    pub equalities: Saddle,
     norm: Bordered,
     factor: Bordered,
     memory: Memory,
@@ -58,6 +60,8 @@ pub struct Step {
     pub x: DVector<f64>,
     /// The product of gradient and step.
     pub slope: f64,
+    /// The changes of the multipliers of the equalities.
+    pub multipliers: DVector<f64>,
 }
 
 impl Bordered {
@@ -69,6 +73,14 @@ impl Bordered {
     /// The number of rows.
     pub fn order(&self) -> usize {
         self.border.nrows() + self.border.ncols()
+    }
+
+    /// Puts all entries at the beginning of a dense matrix.
+    pub(crate) fn put_dense(&self, out: &mut DMatrix<f64>) {
+        let (n, columns) = self.border.shape();
+        out.view_mut((0, 0), (n, n)).copy_from(&self.matrix.to_dense());
+        out.view_mut((n, 0), (columns, n)).copy_from(&self.border.transpose());
+        out.view_mut((n, n), (columns, columns)).copy_from(&self.corner);
     }
 
     /// Sets the matrix to `a + factor b`.
@@ -148,6 +160,7 @@ impl Kkt {
         Some(Self {
             gradient: DVector::zeros(order),
             hessian: norm.clone(),
+            equalities: Saddle::default(),
             factor,
             norm,
             memory,
@@ -235,7 +248,12 @@ impl Kkt {
         loop {
             progress.factorisations += 1;
             self.factor.set_sum(&self.hessian, multiple * scale, &self.norm);
-            if self.factor.factorise(&mut self.memory) {
+            let factorised = if self.equalities.is_empty() {
+                self.factor.factorise(&mut self.memory)
+            } else {
+                self.equalities.factorise(&self.factor, scale)
+            };
+            if factorised {
                 break;
             }
             multiple = if multiple > 0.0 && multiple == self.floor {
@@ -260,16 +278,38 @@ impl Kkt {
         let mut x = std::mem::take(&mut self.memory.step);
         assign(&mut x, &self.gradient);
         x.neg_mut();
-        self.factor.solve(&mut x);
+        let mut multipliers = -&self.equalities.values;
+        self.solve(&mut x, &mut multipliers);
+        if !self.equalities.is_empty() {
+            self.refine(&mut x, &mut multipliers, multiple * scale);
+        }
         let slope = self.gradient.dot(&x);
         progress.step = self.length(&x);
-        progress.stationarity = (-slope / scale).sqrt();
-        Some(Step { x, slope })
+        // The energy of the step, which may be negative across equalities.
+        let energy = multipliers.dot(&self.equalities.values) - slope;
+        let energy = if self.equalities.is_empty() { energy } else { energy.abs() };
+        progress.stationarity = (energy / scale).sqrt();
+        Some(Step { x, slope, multipliers })
     }
 
-    /// Replaces `b` by the solution for the matrix of the last step.
-    pub(super) fn solve(&self, b: &mut DVector<f64>) {
-        self.factor.solve(b);
+    /// One step of iterative refinement.
+    fn refine(&mut self, x: &mut DVector<f64>, multipliers: &mut DVector<f64>, multiple: f64) {
+        let [mut b, mut e] = [-&self.gradient, -&self.equalities.values];
+        b -= self.hessian.product(x);
+        b.axpy(-multiple, &self.norm.product(x), 1.0);
+        self.equalities.subtract([x, multipliers], &mut b, &mut e);
+        self.equalities.solve(&mut b, &mut e);
+        *x += b;
+        *multipliers += e;
+    }
+
+    /// Replaces `b` and `e` by the solution for the matrices of the last step; see [`Saddle::solve`].
+    pub(super) fn solve(&self, b: &mut DVector<f64>, e: &mut DVector<f64>) {
+        if self.equalities.is_empty() {
+            self.factor.solve(b);
+        } else {
+            self.equalities.solve(b, e);
+        }
     }
 
     /// Keeps the memory of a step.

@@ -1,8 +1,9 @@
 //! Backtracking on the barrier function.
 
+use super::filter::Accepted;
 use super::iterate::MeasuredSum;
 use super::kkt::Step;
-use super::{Iterate, Nlp, Options, RowStep, State};
+use super::{Iterate, Nlp, Options, Row, RowStep, State};
 use crate::error::Result;
 use crate::linalg::assign;
 use nalgebra::DVector;
@@ -21,13 +22,12 @@ pub(super) fn line_search<P: Nlp>(
     step: &Step,
     options: &Options,
 ) -> Result<Option<f64>> {
-    let before = state.merit(problem);
-    let highest = state.remember(before, options.memory);
     let mut trial = std::mem::take(&mut state.trial);
     trial.iterate.clone_from(&state.iterate);
     trial.set_tangent(problem, state, step, options)?;
+    let start = Start::new(problem, state, step, options);
     let whole = options.longest_step / state.progress.step;
-    let allowed = problem.max_step_fraction(&state.x, &step.x);
+    let allowed = problem.max_step_fraction(&state.x, &step.x).min(state.to_boundary(&trial.tangent, options));
     let first = allowed.min(whole);
     // Without a longest step only bounds limit a step, which say nothing about the quadratic model.
     let model = if whole.is_finite() { 1.0 } else { allowed };
@@ -35,26 +35,28 @@ pub(super) fn line_search<P: Nlp>(
     for _ in 0..options.max_backtracks {
         let f = trial.evaluate(problem, state, &step.x, alpha)?;
         if f.is_finite() {
-            let slope = step.slope + trial.take(problem, state, alpha, options);
+            let mut end = start.end(problem, state, step, (alpha, f), trial, options);
             if predicted.is_nan() {
-                predicted = -slope;
+                predicted = if state.iterate.is_saddle { start.gap } else { -end.slope };
             }
-            let after = trial.merit(problem, f);
-            let (gained, rounding) = (highest - after, ROUNDING * before.abs().max(f.abs()));
-            let hidden = gained.abs() <= rounding && (alpha * slope).abs() <= rounding;
-            let mut is_taken = hidden || gained >= -options.sufficient_decrease * alpha * slope;
-            let (mut f, mut after) = (f, after);
-            if P::HAS_ROW_GRADIENTS && !is_taken && alpha == first && trial.correct(problem, state, alpha) {
+            let mut accepted = start.accepts(state, &end, options);
+            if P::HAS_ROW_GRADIENTS && accepted.is_none() && alpha == first {
                 // The Maratos effect (NW 15.6, WB 2.4).
-                f = problem.value(&trial.x, &mut trial.h)?;
-                if f.is_finite() {
-                    let slope = step.slope + trial.take(problem, state, alpha, options);
-                    after = trial.merit(problem, f);
-                    is_taken = highest - after >= -options.sufficient_decrease * alpha * slope;
+                let mut corrected = std::mem::take(&mut end.trial);
+                if corrected.correct(problem, state, alpha) {
+                    let f = problem.value(&corrected.x, &mut corrected.h)?;
+                    if f.is_finite() && corrected.keeps_slacks(state, alpha, options) {
+                        end = start.end(problem, state, step, (alpha, f), corrected, options);
+                        accepted = start.accepts(state, &end, options);
+                        corrected = std::mem::take(&mut end.trial);
+                    }
                 }
+                end.trial = corrected;
             }
-            if is_taken {
-                let mut end = End { alpha, f, trial, merit: after };
+            if let Some(accepted) = accepted {
+                if accepted == Accepted::Progress {
+                    state.filter.add([start.violation, start.merit]);
+                }
                 if alpha == first {
                     let mut longer = std::mem::take(&mut state.longer);
                     end.extend(problem, (state, step), &mut longer, options)?;
@@ -65,6 +67,7 @@ pub(super) fn line_search<P: Nlp>(
                 state.move_to(problem, end.f, end.trial, options);
                 return Ok(Some(predicted));
             }
+            trial = end.trial;
         }
         alpha *= options.backtracking;
     }
@@ -73,12 +76,70 @@ pub(super) fn line_search<P: Nlp>(
     Ok(None)
 }
 
+/// The start of a line search.
+struct Start {
+    /// The barrier function, and the largest of its last values.
+    merit: f64,
+    highest: f64,
+    /// The violation that a filter bounds.
+    violation: f64,
+    /// The slope of the barrier function without the terms of the rows.
+    slope: f64,
+    /// The error of the equations at the start, in the unit of the objective.
+    gap: f64,
+}
+
+impl Start {
+    fn new<P: Nlp>(problem: &P, state: &mut State, step: &Step, options: &Options) -> Self {
+        let merit = state.merit(problem);
+        let [of_equalities, gap] = state.terms_of_equalities(problem);
+        Self {
+            merit,
+            highest: state.remember(merit, options.memory),
+            violation: state.iterate.violation(&state.h),
+            slope: step.slope + of_equalities,
+            gap: state.progress.stationarity.powi(2) * state.scale() + gap,
+        }
+    }
+
+    /// The end of a fraction of a step with this objective.
+    fn end<P: Nlp>(
+        &self,
+        problem: &P,
+        state: &State,
+        step: &Step,
+        (alpha, f): (f64, f64),
+        mut trial: Trial,
+        options: &Options,
+    ) -> End {
+        let slope = self.slope + trial.take(problem, state, step, alpha, options);
+        let merit = trial.merit(problem, f);
+        End { alpha, f, trial, merit, slope }
+    }
+
+    /// Accepts an end that decreases the barrier function sufficiently, or that a filter accepts.
+    fn accepts(&self, state: &mut State, end: &End, options: &Options) -> Option<Accepted> {
+        let rounding = ROUNDING * self.merit.abs().max(end.f.abs());
+        let expected = end.alpha * end.slope;
+        if state.iterate.is_saddle {
+            let after = [end.trial.iterate.violation(&end.trial.h), end.merit];
+            let rule = (options.sufficient_decrease, rounding);
+            return state.filter.test([self.violation, self.merit], after, (end.alpha, end.slope), rule);
+        }
+        let gained = self.highest - end.merit;
+        let hidden = gained.abs() <= rounding && expected.abs() <= rounding;
+        (hidden || gained >= -options.sufficient_decrease * expected).then_some(Accepted::Descent)
+    }
+}
+
 /// The end of a fraction of a step.
 struct End {
     alpha: f64,
     f: f64,
     trial: Trial,
     merit: f64,
+    /// The slope of the barrier function along the whole step.
+    slope: f64,
 }
 
 impl End {
@@ -107,7 +168,7 @@ impl End {
             longer.tangent.clone_from(&self.trial.tangent);
             let f = longer.evaluate(problem, state, &step.x, alpha)?;
             let merit = if f.is_finite() {
-                longer.take(problem, state, alpha, options);
+                longer.take(problem, state, step, alpha, options);
                 longer.merit(problem, f)
             } else {
                 f64::INFINITY
@@ -156,9 +217,22 @@ impl Trial {
             .collect();
         let mut correction = DVector::zeros(self.x.len());
         problem.add_row_gradients(&weights, &mut correction);
-        state.kkt.solve(&mut correction);
+        let values = state.kkt.equalities.values.iter().zip(&from.equalities);
+        // The linearised equalities vanish at the end of the whole step.
+        let beyond = values.map(|(value, of)| self.h[of.row.at] - (1.0 - alpha) * value);
+        let mut beyond = DVector::from_iterator(state.kkt.equalities.values.len(), beyond);
+        state.kkt.solve(&mut correction, &mut beyond);
         self.x -= correction;
         self.x.iter().all(|x| x.is_finite()) && problem.max_step_fraction(&state.x, &(&self.x - &state.x)) >= 1.0
+    }
+
+    /// Returns true if the slacks of hard rows can follow the rows.
+    fn keeps_slacks(&self, state: &State, alpha: f64, options: &Options) -> bool {
+        let mut hard = state.iterate.working.iter().filter(|of| of.row.is_hard);
+        hard.all(|of| {
+            let rest = (1.0 - alpha) * of.elastic;
+            rest - self.h[of.row.at] >= (1.0 - options.fraction_to_boundary) * of.slack
+        })
     }
 
     /// Sets the changes of the linearised rows along a step: those over a short part of it, relative to that.
@@ -167,7 +241,8 @@ impl Trial {
         if working.is_empty() && held.is_empty() {
             return Ok(());
         }
-        let part = (options.tangent / state.progress.step).min(1.0);
+        let allowed = problem.max_step_fraction(&state.x, &step.x);
+        let part = (options.tangent / state.progress.step).min(allowed);
         assign(&mut self.x, &state.x);
         self.x.axpy(part, &step.x, 1.0);
         problem.value(&self.x, &mut self.h)?;
@@ -186,7 +261,7 @@ impl Trial {
 
     /// Takes this fraction of the steps of the rows, whose values at its end are known. Returns the difference between
     /// the slope of the barrier function along the step and that of the condensed equations.
-    fn take<P: Nlp>(&mut self, problem: &P, state: &State, alpha: f64, options: &Options) -> f64 {
+    fn take<P: Nlp>(&mut self, problem: &P, state: &State, of: &Step, alpha: f64, options: &Options) -> f64 {
         let (from, mut slope) = (&state.iterate, MeasuredSum::default());
         let measure = |row| problem.row_measure(&state.x, row);
         let rows = from.working.iter().zip(&mut self.iterate.working);
@@ -200,11 +275,23 @@ impl Trial {
                 ..from.step(before, state.h[at], change)
             };
             let [bend, condensed] = from.bend(before, &step, change);
-            slope.add(measure(at), before.row.weight * (condensed - bend));
+            let mut difference = condensed - bend;
+            if before.row.is_hard {
+                difference += (before.multiplier + step.multiplier) * before.elastic;
+            }
+            slope.add(measure(at), before.row.weight * difference);
             *after = before.take(&step, alpha, options.fraction_to_boundary);
             after.meet(self.h[at]);
         }
         let held = from.equalities.iter().zip(&mut self.iterate.equalities);
+        if !of.multipliers.is_empty() {
+            for ((before, after), change) in held.zip(&of.multipliers) {
+                let weight = measure(before.row.at) * before.row.weight;
+                after.multiplier = before.multiplier + alpha.min(1.0) * change / weight;
+                after.estimate = after.multiplier;
+            }
+            return slope.total();
+        }
         for ((before, after), tangent) in held.zip(&self.tangent[from.working.len()..]) {
             let end = from.equality_term(before, state.h[before.row.at] + tangent).slope;
             after.estimate = before.estimate + alpha.min(1.0) * (end - before.estimate);
@@ -214,9 +301,36 @@ impl Trial {
 }
 
 impl State {
+    /// The difference between the slope of the objective along a step and that of the Lagrangian of the equalities, and
+    /// the sum of the sizes of its terms with those of hard rows.
+    fn terms_of_equalities<P: Nlp>(&self, problem: &P) -> [f64; 2] {
+        let measure = |row: &Row| problem.row_measure(&self.x, row.at) * row.weight;
+        let [mut sum, mut sizes] = [0.0; 2];
+        for (held, value) in self.iterate.equalities.iter().zip(&self.kkt.equalities.values) {
+            let term = measure(&held.row) * self.iterate.equality_term(held, *value).slope * value;
+            sum += term;
+            sizes += term.abs();
+        }
+        for of in self.iterate.working.iter().filter(|of| of.row.is_hard) {
+            sizes += measure(&of.row) * of.multiplier * of.elastic;
+        }
+        [sum, sizes]
+    }
+
+    /// The fraction of a step up to which the slacks of hard rows keep a part of their value (WB 15).
+    fn to_boundary(&self, tangent: &[f64], options: &Options) -> f64 {
+        let hard = self.iterate.working.iter().zip(tangent).filter(|(of, _)| of.row.is_hard);
+        let fractions = hard.map(|(of, change)| {
+            let step = self.iterate.step(of, self.h[of.row.at], *change).slack;
+            if step < 0.0 { -options.fraction_to_boundary * of.slack / step } else { 1.0 }
+        });
+        fractions.fold(1.0, f64::min)
+    }
+
     /// Forgets the barrier function at the last iterates, for another barrier or working set.
     pub(super) fn forget_merits(&mut self) {
         self.merits.clear();
+        self.filter.clear();
         self.decreased = f64::INFINITY;
     }
 

@@ -12,19 +12,23 @@
 //! The slack of an inequality costs nothing, $\underline\nu_j = 0$; that of an equality is a violation too,
 //! $\underline\nu_j = \nu_j$, and its multiplier is between $-\nu_j$ and $\nu_j$. There are feasible points for any
 //! `x`, so a start may violate the rows and no restoration phase is needed; rows with elastic variables that do not
-//! vanish are those that cannot be kept. [`Nlp::equalities`] have the terms of an augmented Lagrangian instead: walks
-//! take fewer iterations with these. The condensed matrix is positive definite if and only if the saddle-point matrix
-//! of `x` and all multipliers has the inertia of a minimum (NW 16.3), dependent rows or not. The loop of [`solve`] is
-//! that of Nocedal and Wright, *Numerical Optimization*, algorithm 19.2, and of Wächter and Biegler, *On the
-//! implementation of an interior-point filter line-search algorithm*, 2006 (WB):
+//! vanish are those that cannot be kept. The condensed matrix is positive definite if and only if the saddle-point
+//! matrix of `x` and all multipliers has the inertia of a minimum (NW 16.3), dependent rows or not.
+//!
+//! Where equalities are many, they are no rows with elastic variables but [equations](Saddle) of the step, as those of
+//! [hard](Row::is_hard) rows are, $h_j + s_j = 0$, if the program [asks for it](Nlp::is_saddle); a filter of their
+//! violation and the barrier function accepts steps (WB 2.3). Motions still have the terms of an augmented Lagrangian
+//! in place of these equations. The loop of [`solve`] is that of Nocedal and Wright, *Numerical Optimization*,
+//! algorithm 19.2, and of Wächter and Biegler, *On the implementation of an interior-point filter line-search
+//! algorithm*, 2006 (WB):
 //!
 //! 1. `kkt`: the Newton step of the primal-dual equations, condensed to `x`; multiples of a norm are added to the
 //!    Hessian until the condensed matrix is positive definite (WB 3.1).
-//! 2. `line_search`: backtracking until the barrier function is sufficiently below the largest of its last values; each
-//!    slack and each multiplier keeps a part of its distance from its bounds, row by row (WB 2.2). Slacks follow the
-//!    rows themselves, multipliers the linearised ones (NW 19.12). Along negative curvature a step is doubled while
-//!    that decreases the barrier function further. A whole step that the curvature of rows makes too long is corrected
-//!    once (NW 15.6, WB 2.4).
+//! 2. `line_search`: backtracking until the barrier function is sufficiently below the largest of its last values, or
+//!    until `filter` accepts it; each slack and each multiplier keeps a part of its distance from its bounds, row by
+//!    row (WB 2.2). Slacks follow the rows themselves, multipliers the linearised ones (NW 19.12). Along negative
+//!    curvature a step is doubled while that decreases the barrier function further. A whole step that the curvature
+//!    of rows makes too long is corrected once (NW 15.6, WB 2.4).
 //! 3. `barrier`: the barrier parameter is reduced when the predicted decrease of its problem is small, or after some
 //!    iterations with a small decrease ([`BarrierUpdate`]).
 //! 4. [`Nlp::tighten`]: after each reduction the rows are evaluated between the points of the quadrature, and violated
@@ -32,12 +36,15 @@
 //! 5. `warm_start`: with known multipliers the barrier parameter begins at the error of the start, or the search ends.
 
 mod barrier;
+mod filter;
 mod iterate;
 mod kkt;
 mod kkt_error;
 mod line_search;
 mod options;
 mod row;
+mod saddle;
+mod scaled;
 mod smooth;
 mod smooth_program;
 mod state;
@@ -50,6 +57,7 @@ pub use kkt::{Bordered, Kkt};
 pub use kkt_error::{KktError, Scales};
 pub use options::Options;
 pub use row::{Equality, Row, RowState, RowStep, Term};
+pub use saddle::Saddle;
 pub use smooth::{SmoothSolution, solve_smooth};
 pub use smooth_program::{SmoothDerivatives, SmoothProgram};
 
@@ -84,7 +92,7 @@ pub trait Nlp {
     }
 
     /// Equalities with the terms of an augmented Lagrangian, with their first penalties for an objective of this
-    /// density.
+    /// density, or those of the [saddle-point equations](Self::is_saddle), without penalties.
     fn equalities(&self, _density: f64) -> Vec<Equality> {
         Vec::new()
     }
@@ -92,6 +100,12 @@ pub trait Nlp {
     /// True if the program [adds gradients of single rows](Self::add_row_gradients), with which steps have a
     /// second-order correction.
     const HAS_ROW_GRADIENTS: bool = false;
+
+    /// True if equalities are those of the saddle-point equations, whose gradients are put into [`Kkt::equalities`]
+    /// with the [derivatives](Self::derivatives), and if inequalities without elastic variables may be violated.
+    fn is_saddle(&self) -> bool {
+        false
+    }
 
     /// Adds the gradients of rows at the point at which derivatives were last computed, each times its weight, to
     /// `out`.
@@ -252,7 +266,10 @@ pub(crate) fn iterate<P: Nlp>(
     };
     observe(&state.progress);
     let used = state.progress.regularisation;
-    state.kkt.adapt(state.taken, used, options);
+    // The length of a step to the linearised equalities does not depend on that multiple.
+    if !state.iterate.is_saddle {
+        state.kkt.adapt(state.taken, used, options);
+    }
     state.iterate.adapt_curvature_weight(used > 0.0, options);
     let at = BarrierState::after(state, taken.unwrap_or_default(), options);
     let solved = taken.is_none() || options.barrier.is_solved(&at);

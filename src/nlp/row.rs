@@ -14,7 +14,8 @@ pub struct Row {
     /// derivatives the Hessian has [a part](super::Iterate::curvature_weight).
     pub is_curved: bool,
     pub is_equality: bool,
-    /// True for an inequality that holds at the start and is never violated: its penalty is infinite.
+    /// True for an inequality without an elastic variable, $h + s = 0$: the violation of that equation is one of the
+    /// [filter](super::Nlp::is_saddle).
     pub is_hard: bool,
 }
 
@@ -63,7 +64,8 @@ impl Equality {
 /// The slack $s$, the elastic variable $t$, the multiplier $\lambda$ and the penalty $\nu$ of a row, with the
 /// conditions $s (\lambda - \underline\lambda) = \mu$ and $t (\nu - \lambda) = \mu$. The slack of an inequality
 /// costs nothing: $\underline\lambda = 0$; that of an equality is a violation as the elastic variable is:
-/// $\underline\lambda = -\nu$. With an infinite penalty the elastic variable is zero.
+/// $\underline\lambda = -\nu$. The penalty of a [hard](Row::is_hard) row is infinite, and `t` is the rest of its
+/// equation, not negative, which vanishes along the Newton step.
 #[derive(Clone, Copy, Debug)]
 pub struct RowState {
     pub row: Row,
@@ -161,7 +163,8 @@ impl RowState {
     #[inline]
     pub fn meet(&mut self, h: f64) {
         if self.row.is_hard {
-            self.slack = -h;
+            self.slack = self.slack.max(-h);
+            self.elastic = h + self.slack;
             return;
         }
         let excess = h + self.slack - self.elastic;
@@ -177,7 +180,7 @@ impl RowState {
         let (s, t, nu, least) = (self.slack, self.elastic, self.penalty, self.least());
         let ([below, above], most) = (self.distances(), (1.0 - f64::EPSILON) * (nu - least));
         // Not less than rounding leaves between a multiplier and a bound that is not zero.
-        if s > t {
+        if s > t || self.row.is_hard {
             let from = (mu / s / range).max(f64::EPSILON * least.abs());
             self.multiplier = least + below.clamp(from, (mu / s * range).max(from)).min(most);
         } else {

@@ -1,5 +1,6 @@
 //! A search in progress.
 
+use super::filter::Filter;
 use super::line_search::{Trial, leave_saddle};
 use super::{Barrier, Iterate, Kkt, Nlp, Options, Progress, Row, RowState, Solution, Status, Tightened};
 use crate::error::Result;
@@ -32,6 +33,7 @@ pub(crate) struct State {
     residual: f64,
     /// The barrier function at the last iterates with this barrier and working set.
     pub(super) merits: std::collections::VecDeque<f64>,
+    pub(super) filter: Filter,
     /// The barrier function when it last decreased by more than the barrier parameter summed over all rows, and the
     /// number of iterations since then.
     pub(super) decreased: f64,
@@ -75,6 +77,7 @@ impl State {
             is_infeasible: false,
             residual: f64::INFINITY,
             merits: Default::default(),
+            filter: Filter::default(),
             decreased: f64::INFINITY,
             stalled: 0,
             trial: Trial::default(),
@@ -103,6 +106,7 @@ impl State {
         let nu = penalty.max(options.penalty_of_multipliers * largest);
         let equalities = problem.equalities(scale / measure);
         self.iterate.restart(Barrier { mu: 0.0, nu }, equalities);
+        self.iterate.is_saddle = problem.is_saddle();
         self.iterate.compliance = options.compliance * measure / scale;
         // In the memory of the search before.
         match (multipliers, &mut self.known) {
@@ -155,6 +159,10 @@ impl State {
     pub(super) fn derive<P: Nlp>(&mut self, problem: &mut P) -> Result<()> {
         self.measure = problem.measure(&self.x);
         problem.derivatives(&self.x, &self.iterate, &mut self.kkt)?;
+        if self.iterate.is_saddle {
+            let values = self.iterate.equalities.iter().map(|held| self.h[held.row.at]);
+            self.kkt.equalities.values = DVector::from_iterator(self.iterate.equalities.len(), values);
+        }
         self.iterations += 1;
         let working = self.iterate.working.iter();
         self.progress = Progress {
@@ -162,7 +170,10 @@ impl State {
             measure: self.measure,
             stationarity: f64::INFINITY,
             complementarity: self.complementarity(),
-            infeasibility: working.fold(0.0, |most, of| of.row.violation(self.h[of.row.at]).max(most)),
+            infeasibility: working
+                .map(|of| of.row.violation(self.h[of.row.at]))
+                .chain(self.kkt.equalities.values.iter().map(|value| value.abs()))
+                .fold(0.0, f64::max),
             ..Progress::default()
         };
         Ok(())
@@ -191,9 +202,11 @@ impl State {
         residual <= options.tolerance || residual > 0.5 * before
     }
 
-    /// Returns true if the Newton decrement is within the tolerance at the last barrier parameter.
+    /// Returns true if the Newton decrement is within the tolerance at the last barrier parameter, and the equalities
+    /// and hard rows are kept.
     pub(super) fn is_within_tolerance(&self, options: &Options) -> bool {
-        self.is_last_barrier(options) && self.progress.stationarity <= options.tolerance
+        let is_kept = !self.iterate.is_saddle || self.progress.infeasibility <= options.feasible;
+        self.is_last_barrier(options) && self.progress.stationarity <= options.tolerance && is_kept
     }
 
     /// Returns true if the search may continue after no fraction of a step decreased the barrier function: to the end,
@@ -296,6 +309,7 @@ impl State {
         }
         if self.rounds <= options.rounds
             && self.progress.regularisation > 0.0
+            && !self.iterate.is_saddle
             && let Some(direction) = self.kkt.negative_curvature(self.scale())
             && leave_saddle(problem, self, &direction, options)?
         {

@@ -19,6 +19,7 @@ mod certify {
 
 #[path = "../linalg"]
 mod linalg {
+    mod indefinite;
     mod ldlt;
     mod matmul;
     mod tensor;

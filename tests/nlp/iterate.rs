@@ -295,7 +295,8 @@ fn known_multipliers_of_equalities() {
     }
 }
 
-/// A row with an infinite penalty has the slack of its value and no elastic variable, whatever the step.
+/// A hard row has the slack of its value and no elastic variable, whatever the step; a violated one has a slack all the
+/// same, and the whole step removes the rest of its equation.
 #[test]
 fn a_hard_row_is_not_elastic() {
     let barrier = Barrier { mu: 1e-3, nu: 1.0 };
@@ -306,9 +307,15 @@ fn a_hard_row_is_not_elastic() {
     let step = iterate.step(&state, -0.2, 0.1);
     assert_close!(&[step.slack, step.elastic, step.multiplier], &[-0.1, 0.0, 2.5e-3], 1e-15);
     let mut after = state.take(&step, 1.0, 0.9);
-    after.meet(-0.05);
-    assert_close!(&[after.slack, after.elastic, after.multiplier], &[0.05, 0.0, 7.5e-3], 1e-15);
+    after.meet(-0.1);
+    assert_close!(&[after.slack, after.elastic, after.multiplier], &[0.1, 0.0, 7.5e-3], 1e-15);
     assert_close!(&[iterate.barrier_terms(&[0.0], |_| 1.0)], &[-1e-3 * f64::ln(0.2)], 1e-15);
+    let state = barrier.central(Row { is_hard: true, ..ROW }, 0.5, 1.0);
+    assert_close!(&[state.slack, state.elastic, state.multiplier], &[0.01, 0.51, 0.1], 1e-15);
+    let step = iterate.step(&state, 0.5, -0.8);
+    let mut after = state.take(&step, 1.0, 0.9);
+    after.meet(-0.3);
+    assert_close!(&[after.slack, after.elastic], &[0.3, 0.0], 1e-15);
 }
 
 /// Penalties grow after a step that hardly decreases a violation, of rows whose multipliers have nearly reached them.

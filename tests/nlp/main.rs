@@ -6,11 +6,13 @@ mod common;
 
 mod barrier;
 mod dense;
+mod filter;
 mod iterate;
 mod kkt;
 mod line_search;
 mod options;
 mod problems;
+mod saddle;
 mod smooth;
 mod state;
 mod warm_start;
