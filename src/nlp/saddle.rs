@@ -4,8 +4,8 @@
 //!
 //! $$ W p + A^T l = -g, \quad A p - \delta_c l = -c . $$
 //!
-//! The step is one of descent along the equalities if and only if the matrix has as many positive eigenvalues as there
-//! are unknowns and as many negative ones as there are equalities (NW 16.3).
+//! It is a step of descent along the equalities if and only if the matrix of these equations has as many positive
+//! eigenvalues as there are unknowns and as many negative ones as there are equalities (NW 16.3).
 
 use super::Bordered;
 use crate::linalg::Indefinite;
