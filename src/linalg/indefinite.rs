@@ -16,26 +16,26 @@ impl Indefinite {
         Self(Lblt::new(MatRef::from_column_major_slice(matrix.as_slice(), rows, columns), Side::Lower))
     }
 
-    /// The numbers of positive, negative and other eigenvalues (Sylvester): zero or not a number.
+    /// The numbers of positive, negative and all other eigenvalues (Sylvester); those are zero or not a number.
     #[must_use]
     pub fn inertia(&self) -> [usize; 3] {
         let (diagonal, below) = (self.0.B_diag().column_vector(), self.0.B_subdiag().column_vector());
         let n = diagonal.nrows();
-        let mut values = Vec::new();
-        let mut i = 0;
+        let [mut positive, mut negative, mut i] = [0; 3];
         while i < n {
+            // The eigenvalues of the pivot; the second of one row is zero.
+            let mut pair = [diagonal[i], 0.0];
             if i + 1 < n && below[i] != 0.0 {
                 let [mean, half] = [0.5 * (diagonal[i] + diagonal[i + 1]), 0.5 * (diagonal[i] - diagonal[i + 1])];
                 let root = half.hypot(below[i]);
-                values.extend([mean + root, mean - root]);
-                i += 2;
-            } else {
-                values.push(diagonal[i]);
+                pair = [mean + root, mean - root];
                 i += 1;
             }
+            positive += pair.iter().filter(|value| **value > 0.0).count();
+            negative += pair.iter().filter(|value| **value < 0.0).count();
+            i += 1;
         }
-        let count = |condition: &dyn Fn(f64) -> bool| values.iter().filter(|value| condition(**value)).count();
-        [count(&|value| value > 0.0), count(&|value| value < 0.0), count(&|value| value == 0.0 || value.is_nan())]
+        [positive, negative, n - positive - negative]
     }
 
     /// Replaces `b` by the solution.

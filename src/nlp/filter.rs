@@ -38,9 +38,9 @@ impl Filter {
         self.first = 0.0;
     }
 
-    /// Accepts the end of a fraction of a step, with violation and barrier function before and after, the slope of the
-    /// latter along the whole step, and the part of it that counts as sufficient; `slack` is the part that rounding can
-    /// hide.
+    /// Accepts the end of the fraction `alpha` of a step, with violation and barrier function before and after, and the
+    /// slope of the latter along the whole step: `sufficient` is the part of it that a descent achieves, less what
+    /// `rounding` can hide.
     pub fn test(
         &mut self,
         before: [f64; 2],
@@ -56,8 +56,8 @@ impl Filter {
         if !(after[0] <= MOST * self.first && after[1].is_finite()) || self.entries.iter().any(barred) {
             return None;
         }
-        let [of_slope, of_violation] = POWERS;
-        let switches = slope < 0.0 && alpha * (-slope).powf(of_slope) > before[0].powf(of_violation);
+        let [slope_power, violation_power] = POWERS;
+        let switches = slope < 0.0 && alpha * (-slope).powf(slope_power) > before[0].powf(violation_power);
         if switches && before[0] <= LEAST * self.first {
             let enough = after[1] <= before[1] + sufficient * alpha * slope + rounding;
             return enough.then_some(Accepted::Descent);

@@ -157,7 +157,6 @@ impl Iterate {
     pub(crate) fn restart(&mut self, barrier: Barrier, equalities: Vec<Equality>) {
         self.working.clear();
         (self.equalities, self.before, self.barrier) = (equalities, f64::INFINITY, barrier);
-        self.is_saddle = false;
         self.curvature_weight = 1.0;
     }
 
@@ -195,9 +194,6 @@ impl Iterate {
     /// `factor`, at most to `largest`, if the largest equality exceeds its tolerance and is more than a quarter of the
     /// one before (NW, framework 17.3).
     pub fn update_equalities(&mut self, h: &[f64], factor: f64, largest: f64, feasible: f64) {
-        if self.is_saddle {
-            return;
-        }
         let mut most = 0.0_f64;
         for equality in &mut self.equalities {
             let value = h[equality.row.at];
@@ -359,8 +355,7 @@ impl Iterate {
     pub fn barrier_terms(&self, h: &[f64], measure: impl Fn(usize) -> f64) -> f64 {
         let (mut sum, mu) = (MeasuredSum::default(), self.barrier.mu);
         for of in &self.working {
-            let term = of.barrier_term(mu);
-            sum.add(measure(of.row.at), of.row.weight * term);
+            sum.add(measure(of.row.at), of.row.weight * of.barrier_term(mu));
         }
         for equality in self.equalities.iter().filter(|_| !self.is_saddle) {
             let row = equality.row;

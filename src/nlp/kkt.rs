@@ -281,7 +281,7 @@ impl Kkt {
         let mut multipliers = -&self.equalities.values;
         self.solve(&mut x, &mut multipliers);
         if !self.equalities.is_empty() {
-            self.refine(&mut x, &mut multipliers, multiple * scale);
+            self.refine(&mut x, &mut multipliers);
         }
         let slope = self.gradient.dot(&x);
         progress.step = self.length(&x);
@@ -292,11 +292,10 @@ impl Kkt {
         Some(Step { x, slope, multipliers })
     }
 
-    /// One step of iterative refinement.
-    fn refine(&mut self, x: &mut DVector<f64>, multipliers: &mut DVector<f64>, multiple: f64) {
+    /// One step of iterative refinement of the solution with equalities, whose factor leaves the matrix as it is.
+    fn refine(&self, x: &mut DVector<f64>, multipliers: &mut DVector<f64>) {
         let [mut b, mut e] = [-&self.gradient, -&self.equalities.values];
-        b -= self.hessian.product(x);
-        b.axpy(-multiple, &self.norm.product(x), 1.0);
+        b -= self.factor.product(x);
         self.equalities.subtract([x, multipliers], &mut b, &mut e);
         self.equalities.solve(&mut b, &mut e);
         *x += b;

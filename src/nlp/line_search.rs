@@ -12,7 +12,8 @@ use nalgebra::DVector;
 const ROUNDING: f64 = 1e-13;
 
 /// Takes a fraction of a step that decreases the barrier function sufficiently (NW 3.4) below the largest of its last
-/// values. Returns the predicted decrease of the whole step, or `None` if no fraction decreases it sufficiently.
+/// values, or that the filter accepts. Returns the predicted decrease of the whole step, or `None` if there is no such
+/// fraction.
 ///
 /// The change of a row along the step is that to the end of the tried fraction, relative to the fraction, so that
 /// slacks follow the rows to second order. Multipliers take the Newton step of the linearised rows.
@@ -24,10 +25,11 @@ pub(super) fn line_search<P: Nlp>(
 ) -> Result<Option<f64>> {
     let mut trial = std::mem::take(&mut state.trial);
     trial.iterate.clone_from(&state.iterate);
-    trial.set_tangent(problem, state, step, options)?;
+    let allowed = problem.max_step_fraction(&state.x, &step.x);
+    trial.set_tangent(problem, state, step, (options.tangent / state.progress.step).min(allowed))?;
     let start = Start::new(problem, state, step, options);
     let whole = options.longest_step / state.progress.step;
-    let allowed = problem.max_step_fraction(&state.x, &step.x).min(state.to_boundary(&trial.tangent, options));
+    let allowed = allowed.min(state.to_boundary(&trial.tangent, options));
     let first = allowed.min(whole);
     // Without a longest step only bounds limit a step, which say nothing about the quadratic model.
     let model = if whole.is_finite() { 1.0 } else { allowed };
@@ -42,16 +44,10 @@ pub(super) fn line_search<P: Nlp>(
             let mut accepted = start.accepts(state, &end, options);
             if P::HAS_ROW_GRADIENTS && accepted.is_none() && alpha == first {
                 // The Maratos effect (NW 15.6, WB 2.4).
-                let mut corrected = std::mem::take(&mut end.trial);
-                if corrected.correct(problem, state, alpha) {
-                    let f = problem.value(&corrected.x, &mut corrected.h)?;
-                    if f.is_finite() && corrected.keeps_slacks(state, alpha, options) {
-                        end = start.end(problem, state, step, (alpha, f), corrected, options);
-                        accepted = start.accepts(state, &end, options);
-                        corrected = std::mem::take(&mut end.trial);
-                    }
+                if let Some(f) = end.trial.correct(problem, state, alpha, options)? {
+                    end = start.end(problem, state, step, (alpha, f), end.trial, options);
+                    accepted = start.accepts(state, &end, options);
                 }
-                end.trial = corrected;
             }
             if let Some(accepted) = accepted {
                 if accepted == Accepted::Progress {
@@ -92,12 +88,12 @@ struct Start {
 impl Start {
     fn new<P: Nlp>(problem: &P, state: &mut State, step: &Step, options: &Options) -> Self {
         let merit = state.merit(problem);
-        let [of_equalities, gap] = state.terms_of_equalities(problem);
+        let [equalities, gap] = state.terms_of_equalities(problem);
         Self {
             merit,
             highest: state.remember(merit, options.memory),
             violation: state.iterate.violation(&state.h),
-            slope: step.slope + of_equalities,
+            slope: step.slope + equalities,
             gap: state.progress.stationarity.powi(2) * state.scale() + gap,
         }
     }
@@ -203,8 +199,14 @@ impl Trial {
     }
 
     /// Moves the end of a fraction of a step by a second-order correction for the change of the rows beyond the linear
-    /// one; returns false if the problem does not allow that end.
-    fn correct<P: Nlp>(&mut self, problem: &P, state: &State, alpha: f64) -> bool {
+    /// one; returns the objective there, or `None` if the problem or the slacks of hard rows do not allow that end.
+    fn correct<P: Nlp>(
+        &mut self,
+        problem: &mut P,
+        state: &State,
+        alpha: f64,
+        options: &Options,
+    ) -> Result<Option<f64>> {
         let from = &state.iterate;
         let rows = from.working.iter().zip(&self.tangent);
         let weights: Vec<_> = rows
@@ -223,7 +225,13 @@ impl Trial {
         let mut beyond = DVector::from_iterator(state.kkt.equalities.values.len(), beyond);
         state.kkt.solve(&mut correction, &mut beyond);
         self.x -= correction;
-        self.x.iter().all(|x| x.is_finite()) && problem.max_step_fraction(&state.x, &(&self.x - &state.x)) >= 1.0
+        let is_allowed =
+            self.x.iter().all(|x| x.is_finite()) && problem.max_step_fraction(&state.x, &(&self.x - &state.x)) >= 1.0;
+        if !is_allowed {
+            return Ok(None);
+        }
+        let f = problem.value(&self.x, &mut self.h)?;
+        Ok((f.is_finite() && self.keeps_slacks(state, alpha, options)).then_some(f))
     }
 
     /// Returns true if the slacks of hard rows can follow the rows.
@@ -236,13 +244,11 @@ impl Trial {
     }
 
     /// Sets the changes of the linearised rows along a step: those over a short part of it, relative to that.
-    fn set_tangent<P: Nlp>(&mut self, problem: &mut P, state: &State, step: &Step, options: &Options) -> Result<()> {
+    fn set_tangent<P: Nlp>(&mut self, problem: &mut P, state: &State, step: &Step, part: f64) -> Result<()> {
         let (working, held) = (&state.iterate.working, &state.iterate.equalities);
         if working.is_empty() && held.is_empty() {
             return Ok(());
         }
-        let allowed = problem.max_step_fraction(&state.x, &step.x);
-        let part = (options.tangent / state.progress.step).min(allowed);
         assign(&mut self.x, &state.x);
         self.x.axpy(part, &step.x, 1.0);
         problem.value(&self.x, &mut self.h)?;

@@ -112,8 +112,8 @@ impl<'p, P: SmoothProgram> Scaled<'p, P> {
         let mut all = [DVector::zeros(self.g.len()), DVector::zeros(self.bounds.len())];
         for (at, multiplier) in one_sided {
             let (row, m) = (&self.rows[at], self.g.len());
-            let of_row = if row.source < m { &mut all[0][row.source] } else { &mut all[1][row.source - m] };
-            *of_row += self.factor(row) * multiplier / self.scales.objective;
+            let to = if row.source < m { &mut all[0][row.source] } else { &mut all[1][row.source - m] };
+            *to += self.factor(row) * multiplier / self.scales.objective;
         }
         all
     }
@@ -138,17 +138,17 @@ impl<P: SmoothProgram> Nlp for Scaled<'_, P> {
         let mut h = Vec::new();
         self.put_rows(x, &mut h);
         let terms = iterate.working.iter().map(|state| (state.row.at, iterate.term(state, h[state.row.at])));
-        let held = iterate.equalities.iter();
-        let held = held.map(|held| (held.row.at, iterate.equality_term(held, h[held.row.at])));
-        let terms: Vec<_> = terms.chain(held).collect();
-        let [y, _] = self.multipliers(terms.iter().map(|(at, term)| (*at, term.multiplier)));
+        let terms: Vec<_> = terms.collect();
+        let held = iterate.equalities.iter().map(|held| (held.row.at, held.multiplier));
+        let [y, _] = self.multipliers(terms.iter().map(|(at, term)| (*at, term.multiplier)).chain(held.clone()));
         self.program.derivatives(x, &y, &mut self.derivatives)?;
         out.gradient.copy_from(&self.derivatives.gradient);
         out.gradient *= self.scales.objective;
         let hessian = &mut out.hessian.matrix.diagonal[0];
         out.equalities.slopes = DMatrix::zeros(x.len(), iterate.equalities.len());
-        for (mut slope, held) in out.equalities.slopes.column_iter_mut().zip(&iterate.equalities) {
-            slope.copy_from(&self.slope(held.row.at));
+        for (mut slope, (at, multiplier)) in out.equalities.slopes.column_iter_mut().zip(held) {
+            slope.copy_from(&self.slope(at));
+            out.gradient.axpy(multiplier, &slope, 1.0);
         }
         hessian.copy_from(&self.derivatives.hessian);
         *hessian *= self.scales.objective;

@@ -155,45 +155,40 @@ impl<P: SmoothProgram> Scaled<'_, P> {
         found.map_or(0.0, |y| y.amax())
     }
 
-    /// The multipliers of the working set after a step of the equations of the first order,
-    /// $\min_d (r + A^T d)^T (r + A^T d) + \sum_j \delta_j d_j^2$: the condensed equations give them with the relative
-    /// accuracy of rounding over the slacks.
+    /// The multipliers of all one-sided rows, with those of the working set after a step of the equations of the first
+    /// order, $\min_d (r + A^T d)^T (r + A^T d) + \sum_j \delta_j d_j^2$: the condensed equations give them with the
+    /// relative accuracy of rounding over the slacks.
     fn refined_multipliers(&mut self, x: &DVector<f64>, iterate: &Iterate) -> Result<Vec<f64>> {
         let (n, working) = (x.len(), &iterate.working);
-        let known: Vec<_> = working.iter().map(|state| state.multiplier).collect();
-        let all = working.iter().map(|state| (state.row.at, state.multiplier));
-        let held = iterate.equalities.iter().map(|held| (held.row.at, held.multiplier));
-        let [y, _] = self.multipliers(all.chain(held.clone()));
+        let mut all = iterate.multipliers(self.rows.len());
+        let [y, _] = self.multipliers(all.iter().copied().enumerate());
         self.program.derivatives(x, &y, &mut self.derivatives)?;
         let slopes: Vec<_> = working.iter().map(|state| self.slope(state.row.at)).collect();
         let mut residual = &self.derivatives.gradient * self.scales.objective;
         let mut product = DMatrix::identity(n, n);
         let weight = |state: &RowState| state.distances()[0] / state.slack.max(f64::MIN_POSITIVE);
-        for (at, multiplier) in held {
-            residual.axpy(multiplier, &self.slope(at), 1.0);
+        for (at, multiplier) in all.iter().enumerate() {
+            residual.axpy(*multiplier, &self.slope(at), 1.0);
         }
         for (slope, state) in slopes.iter().zip(working) {
-            residual.axpy(state.multiplier, slope, 1.0);
             product.ger(weight(state), slope, slope, 1.0);
         }
         // Positive definite but for numbers that are not finite.
         let Some(factor) = product.cholesky() else {
-            return Ok(known);
+            return Ok(all);
         };
         let scaled = factor.solve(&residual);
-        let changed = slopes.iter().zip(working).map(|(slope, state)| {
+        for (slope, state) in slopes.iter().zip(working) {
             let multiplier = state.multiplier - weight(state) * slope.dot(&scaled);
-            if state.row.is_equality { multiplier } else { multiplier.max(0.0) }
-        });
-        Ok(changed.collect())
+            all[state.row.at] = if state.row.is_equality { multiplier } else { multiplier.max(0.0) };
+        }
+        Ok(all)
     }
 
     /// The solution at the last evaluated point.
     fn solution(&mut self, x: &DVector<f64>, iterate: &Iterate, iterations: usize) -> Result<SmoothSolution> {
         let refined = self.refined_multipliers(x, iterate)?;
-        let known = iterate.working.iter().zip(&refined).map(|(state, multiplier)| (state.row.at, *multiplier));
-        let held = iterate.equalities.iter().map(|held| (held.row.at, held.multiplier));
-        let [multipliers, bound_multipliers] = self.multipliers(known.chain(held));
+        let [multipliers, bound_multipliers] = self.multipliers(refined.into_iter().enumerate());
         Ok(SmoothSolution {
             x: x.clone(),
             objective: self.program.value(x, &mut self.g)?,

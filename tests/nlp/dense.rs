@@ -44,6 +44,36 @@ pub fn accurate() -> Options {
     }
 }
 
+/// The unit matrix of `n` unknowns as the norm of steps.
+pub fn unit_norm(n: usize) -> Kkt {
+    let mut matrix = BlockTridiagonal::new(&[n], 0);
+    matrix.diagonal[0].fill_with_identity();
+    Kkt::new(Bordered::with_border(matrix, 0)).expect("the unit matrix is positive definite")
+}
+
+/// Gradient and Hessian of each function.
+pub fn derivatives(
+    x: &DVector<f64>,
+    functions: impl Fn(&[HyperDual64]) -> Vec<HyperDual64>,
+) -> Vec<(DVector<f64>, DMatrix<f64>)> {
+    let n = x.len();
+    let mut found = Vec::new();
+    for i in 0..n {
+        for j in 0..n {
+            let mut dual: Vec<_> = x.iter().map(|x| HyperDual64::from(*x)).collect();
+            dual[i].eps1 = 1.0;
+            dual[j].eps2 = 1.0;
+            let all = functions(&dual);
+            found.resize(all.len(), (DVector::zeros(n), DMatrix::zeros(n, n)));
+            for ((gradient, hessian), f) in found.iter_mut().zip(all) {
+                gradient[i] = f.eps1;
+                hessian[(i, j)] = f.eps1eps2;
+            }
+        }
+    }
+    found
+}
+
 impl Dense {
     /// A program with `equalities` first, then `inequalities`, all of weight 1.
     pub fn new(functions: Functions, start: &[f64], equalities: usize, all: usize) -> Self {
@@ -72,21 +102,7 @@ impl Dense {
 
     /// Gradient and Hessian of the objective, then of the rows.
     fn twice(&self, x: &DVector<f64>) -> Vec<(DVector<f64>, DMatrix<f64>)> {
-        let n = x.len();
-        let zero = (DVector::zeros(n), DMatrix::zeros(n, n));
-        let mut found = vec![zero; 1 + self.rows.len()];
-        for i in 0..n {
-            for j in 0..n {
-                let mut dual: Vec<_> = x.iter().map(|x| HyperDual64::from(*x)).collect();
-                dual[i].eps1 = 1.0;
-                dual[j].eps2 = 1.0;
-                for ((gradient, hessian), f) in found.iter_mut().zip(self.all(&dual)) {
-                    gradient[i] = f.eps1;
-                    hessian[(i, j)] = f.eps1eps2;
-                }
-            }
-        }
-        found
+        derivatives(x, |x| self.all(x))
     }
 
     /// The gradient of the Lagrangian with the multipliers of an iterate.
@@ -102,10 +118,7 @@ impl Dense {
 
     /// The unit matrix as the norm of steps.
     pub fn kkt(&self) -> Kkt {
-        let n = self.start.len();
-        let mut matrix = BlockTridiagonal::new(&[n], 0);
-        matrix.diagonal[0].fill_with_identity();
-        Kkt::new(Bordered::with_border(matrix, 0)).expect("the unit matrix is positive definite")
+        unit_norm(self.start.len())
     }
 
     /// The equalities or the inequalities.

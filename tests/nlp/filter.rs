@@ -1,37 +1,22 @@
 //! Line searches with equalities, where a penalty of the violation fails or makes steps short.
 
 use crate::common::config;
+use crate::dense::{Functions, derivatives};
+use crate::smooth::solved;
 use aghf::Result;
 use aghf::cost::HyperDual64;
-use aghf::nlp::{Options, SmoothDerivatives, SmoothProgram, SmoothSolution, Status, solve_smooth};
+use aghf::nlp::{SmoothDerivatives, SmoothProgram, Status};
 use nalgebra::{DVector, dvector};
 use num_dual::DualNum;
 use proptest::prelude::*;
 
 const INFINITE: f64 = f64::INFINITY;
 
-/// Objective and rows of unknowns.
-type Functions = fn(&[HyperDual64]) -> (HyperDual64, Vec<HyperDual64>);
-
-/// A program with its derivatives by hyper-dual numbers.
+/// A program with its derivatives by duals.
 struct Program {
     functions: Functions,
     bounds: Vec<[f64; 2]>,
     row_bounds: Vec<[f64; 2]>,
-}
-
-impl Program {
-    /// Objective and rows with the derivatives along two unknowns.
-    fn along(&self, x: &DVector<f64>, i: usize, j: usize) -> (HyperDual64, Vec<HyperDual64>) {
-        let one = |is: bool| if is { 1.0 } else { 0.0 };
-        let x = x.iter().enumerate().map(|(k, x)| HyperDual64::new(*x, one(k == i), one(k == j), 0.0));
-        (self.functions)(&x.collect::<Vec<_>>())
-    }
-
-    fn solve(mut self, x: &DVector<f64>) -> SmoothSolution {
-        let options = Options { tolerance: 1e-8, ..Options::default() };
-        solve_smooth(&mut self, x, &options).expect("the functions do not fail")
-    }
 }
 
 impl SmoothProgram for Program {
@@ -44,21 +29,21 @@ impl SmoothProgram for Program {
     }
 
     fn value(&mut self, x: &DVector<f64>, g: &mut DVector<f64>) -> Result<f64> {
-        let (f, rows) = self.along(x, 0, 0);
+        let x: Vec<_> = x.iter().map(|x| HyperDual64::from(*x)).collect();
+        let (f, rows) = (self.functions)(&x);
         g.iter_mut().zip(rows).for_each(|(g, row)| *g = row.re);
         Ok(f.re)
     }
 
     fn derivatives(&mut self, x: &DVector<f64>, y: &DVector<f64>, out: &mut SmoothDerivatives) -> Result<()> {
-        for i in 0..x.len() {
-            for j in 0..x.len() {
-                let (f, rows) = self.along(x, i, j);
-                out.gradient[i] = f.eps1;
-                out.hessian[(i, j)] = f.eps1eps2 + rows.iter().zip(y).map(|(row, y)| row.eps1eps2 * y).sum::<f64>();
-                for (k, row) in rows.iter().enumerate() {
-                    out.jacobian[(k, i)] = row.eps1;
-                }
-            }
+        let all = derivatives(x, |x| {
+            let (f, rows) = (self.functions)(x);
+            std::iter::once(f).chain(rows).collect()
+        });
+        (out.gradient, out.hessian) = all[0].clone();
+        for (k, (gradient, hessian)) in all[1..].iter().enumerate() {
+            out.jacobian.row_mut(k).copy_from(&gradient.transpose());
+            out.hessian += hessian * y[k];
         }
         Ok(())
     }
@@ -70,8 +55,8 @@ impl SmoothProgram for Program {
 fn the_example_of_waechter_and_biegler() {
     let functions: Functions = |x| (x[0], vec![x[0] * x[0] - x[1] - 1.0, x[0] - x[2] - 0.5]);
     let bounds = vec![[-INFINITE, INFINITE], [0.0, INFINITE], [0.0, INFINITE]];
-    let program = Program { functions, bounds, row_bounds: vec![[0.0; 2]; 2] };
-    let found = program.solve(&dvector![-2.0, 3.0, 1.0]);
+    let mut program = Program { functions, bounds, row_bounds: vec![[0.0; 2]; 2] };
+    let found = solved(&mut program, &dvector![-2.0, 3.0, 1.0]);
     assert_eq!(found.status, Status::Converged);
     assert_close!(&found.x, &[1.0, 0.0, 0.5], 1e-6);
 }
@@ -87,8 +72,8 @@ proptest! {
             let circle = x[0] * x[0] + x[1] * x[1] - 1.0;
             (circle * 2.0 - x[0], vec![circle])
         };
-        let program = Program { functions, bounds: vec![[-INFINITE, INFINITE]; 2], row_bounds: vec![[0.0; 2]] };
-        let found = program.solve(&dvector![angle.cos(), angle.sin()]);
+        let mut program = Program { functions, bounds: vec![[-INFINITE, INFINITE]; 2], row_bounds: vec![[0.0; 2]] };
+        let found = solved(&mut program, &dvector![angle.cos(), angle.sin()]);
         prop_assert_eq!(found.status, Status::Converged);
         assert_close!(&found.x, &[1.0, 0.0], 1e-7);
         prop_assert!((found.multipliers[0] + 1.5).abs() < 1e-6, "{}", found.multipliers);
@@ -101,19 +86,19 @@ proptest! {
     fn an_objective_that_falls_beyond_a_row(duration in 0.1..20.0_f64, speed in 0.01..5.0_f64) {
         let functions: Functions = |x| (x[0] * (x[1] * x[1] + 1.0), vec![x[0] * x[1] - 1.0, x[0]]);
         let row_bounds = vec![[0.0; 2], [0.05, INFINITE]];
-        let program = Program { functions, bounds: vec![[-INFINITE, INFINITE]; 2], row_bounds };
-        let found = program.solve(&dvector![duration, speed]);
+        let mut program = Program { functions, bounds: vec![[-INFINITE, INFINITE]; 2], row_bounds };
+        let found = solved(&mut program, &dvector![duration, speed]);
         prop_assert_eq!(found.status, Status::Converged);
         assert_close!(&found.x, &[1.0, 1.0], 1e-6);
         prop_assert!(found.iterations <= 40, "{}", found.iterations);
     }
 
-    /// A bead on a circle in the coordinates of the plane, with the force of the circle as an unknown: as many
-    /// equalities as a step has positions. The energy of the way is that of a constant speed, either way around.
+    /// A bead on a circle in the coordinates of the plane, an equality for each position between the fixed ends. The
+    /// energy of the way is that of a constant speed, either way around.
     #[test]
     fn a_bead_on_a_circle(turn in 0.5..2.5_f64, bend in -0.3..0.3_f64) {
         const STEPS: usize = 8;
-        // Positions between the fixed ends in units of the radius; speeds and forces follow from differences.
+        // Positions between the ends in units of the radius, and the turn of the last one.
         let functions: Functions = |x| {
             let turn = x[2 * STEPS - 2];
             let ends = [[HyperDual64::from(1.0), HyperDual64::from(0.0)], [turn.cos(), turn.sin()]];
@@ -132,8 +117,8 @@ proptest! {
             [1.0 + share * (turn.cos() - 1.0) + off, share * turn.sin() + off]
         });
         let start = DVector::from_iterator(2 * STEPS - 1, straight.chain([turn]));
-        let program = Program { functions, bounds, row_bounds: vec![[0.0; 2]; STEPS - 1] };
-        let found = program.solve(&start);
+        let mut program = Program { functions, bounds, row_bounds: vec![[0.0; 2]; STEPS - 1] };
+        let found = solved(&mut program, &start);
         prop_assert_eq!(found.status, Status::Converged);
         let energy = |turn: f64| 2.0 * (STEPS as f64 * (0.5 * turn / STEPS as f64).sin()).powi(2);
         let ways = [turn, std::f64::consts::TAU - turn].map(energy);

@@ -1,17 +1,14 @@
 //! Steps of the saddle-point equations against those of the dense matrix.
 
 use crate::common::{config, numbers};
-use aghf::linalg::BlockTridiagonal;
-use aghf::nlp::{Bordered, Kkt, Options, Progress};
+use crate::dense::unit_norm;
+use aghf::nlp::{Kkt, Options, Progress};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 
-/// The equations of `n` unknowns with the unit matrix as norm.
+/// The equations with the unit matrix as norm.
 fn system(hessian: &DMatrix<f64>, slopes: &DMatrix<f64>, gradient: &[f64], values: &[f64]) -> Kkt {
-    let n = hessian.nrows();
-    let mut norm = BlockTridiagonal::new(&[n], 0);
-    norm.diagonal[0].fill_with_identity();
-    let mut kkt = Kkt::new(Bordered::with_border(norm, 0)).expect("the norm is positive definite");
+    let mut kkt = unit_norm(hessian.nrows());
     kkt.hessian.matrix.diagonal[0].copy_from(hessian);
     kkt.gradient.copy_from_slice(gradient);
     kkt.equalities.slopes = slopes.clone();

@@ -23,6 +23,12 @@ struct Quadratic {
     left: bool,
 }
 
+/// The accurate end of a search from a start.
+pub fn solved<P: SmoothProgram>(program: &mut P, x: &DVector<f64>) -> SmoothSolution {
+    let options = Options { tolerance: 1e-8, ..Options::default() };
+    solve_smooth(program, x, &options).expect("the functions do not fail")
+}
+
 impl Quadratic {
     fn new(hessian: DMatrix<f64>, slope: DVector<f64>) -> Self {
         let n = slope.len();
@@ -32,8 +38,7 @@ impl Quadratic {
     }
 
     fn solve(&mut self, x: &DVector<f64>) -> SmoothSolution {
-        let options = Options { tolerance: 1e-8, ..Options::default() };
-        solve_smooth(self, x, &options).expect("the functions do not fail")
+        solved(self, x)
     }
 }
 
