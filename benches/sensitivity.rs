@@ -92,9 +92,9 @@ fn options() -> Vec<(&'static str, Change)> {
     let mut all = options! {
         scaled: search.points, search.points_of_segments, search.quadrature_on_the_way, search.scan_depth,
             search.reserve, search.near, search.share_of_cutoff, search.moved, search.last_barrier_of_bounds,
-            search.motor_penalty, search.equality_penalty, search.passive_share, search.deviation,
+            search.passive_share, search.deviation,
             search.lower_tolerance, search.lower_quadrature_tolerance, search.lower_last_barrier, search.lower_feasible,
-            search.planned_penalty, search.largest_planned_penalty, search.point_penalty, search.same_minimum;
+            search.planned_penalty, search.largest_planned_penalty, search.same_minimum;
         count: search.most_points, search.scan, search.last_scan, search.exact_margins, search.largest_passive_size,
             search.batch, search.lower_iterations, search.segment_iterations, search.more_starts, search.most_starts,
             search.planned_segments, search.planned_degree, search.margin_checks, search.kept_ends;
@@ -110,14 +110,14 @@ fn options() -> Vec<(&'static str, Change)> {
         fraction: nlp.fraction_to_boundary, nlp.infeasible_progress, nlp.backtracking, nlp.short_fraction,
             nlp.long_fraction, nlp.min_curvature_weight;
         shares: nlp.curvature_factors;
-        factor: nlp.row_penalty_factor, nlp.penalty_factor, nlp.equality_factor;
+        factor: nlp.row_penalty_factor, nlp.penalty_factor;
         regularisation: nlp.regularisation_factors;
     }
     .to_vec();
     let rules: [(_, Change); 4] = [
         ("barrier.factor", |settings, by| monotone(settings, |rule| fraction(&mut rule.factor, by))),
         ("barrier.power", |settings, by| monotone(settings, |rule| factor(&mut rule.power, by))),
-        ("barrier.done", |settings, by| monotone(settings, |rule| both(&mut rule.done, by))),
+        ("barrier.done", |settings, by| monotone(settings, |rule| scaled(&mut rule.done, by))),
         ("barrier.stalled", |settings, by| monotone(settings, |rule| count(&mut rule.stalled, by))),
     ];
     all.extend(rules);

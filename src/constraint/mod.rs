@@ -7,7 +7,7 @@
 //!    c_j \frac{\partial g_j}{\partial x} \frac{\partial g_j}{\partial x}^T \right) , $$
 //!
 //! with $w = b^{\prime}(g)$ and $c = b^{\prime\prime}(g)$ for penalties, or with multipliers and the weights of the
-//! active rows for an augmented Lagrangian. By default they come from dual numbers; all built-in constraints have
+//! rows in the condensed equations. By default they come from dual numbers; all built-in constraints have
 //! analytic ones. An [`Evaluator`] computes the placements of the bodies once per state for all constraints.
 
 mod active_pair;

@@ -126,11 +126,6 @@ impl<K: Constraint<C>, C: Scalar> Constraints<K, C> {
         scales
     }
 
-    /// Returns true if a row is the torque of a passive joint.
-    pub(crate) fn is_passive(&self, row: usize) -> bool {
-        row >= self.state.dim() && self.is_equality(row)
-    }
-
     /// Returns true if a row is an equality; see [`RowSet::is_equality`](super::RowSet::is_equality).
     #[must_use]
     pub fn is_equality(&self, row: usize) -> bool {
@@ -196,6 +191,9 @@ impl<K: Constraint> Constraints<K> {
         self.check_scales(model)?;
         let StageConstraints { foot, phases, .. } = &self.stage;
         let refuse = |condition: &str| Err(Error::input("constraints", "phases", condition));
+        if !phases.is_empty() && self.torque.has_passive() {
+            return refuse("a joint is passive, whose torque differs from phase to phase");
+        }
         for phase in phases {
             let Some(foot) = foot else {
                 return refuse("no foot stands");

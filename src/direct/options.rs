@@ -41,16 +41,6 @@ pub struct SearchOptions {
     pub moved: f64,
     /// The last barrier parameter, relative to the cost, if only the horizon has bounds, which are easy to approach.
     pub last_barrier_of_bounds: f64,
-    /// The first penalty of the torque of a passive joint: that of a motor, whose torque costs its square, as no other
-    /// start is as easy.
-    pub motor_penalty: f64,
-    /// The first penalty of other equalities, relative to the cost per second.
-    pub equality_penalty: f64,
-    /// The first penalty of an equality of a waypoint or a goal, relative to the mean running cost. With 10 a search on
-    /// a free horizon may leave the goal, or stay at its start for no time at all; a larger one forces it along the
-    /// curved set of motions that satisfy the equality exactly (tuned: 14 balanced motions of a Panda to poses among
-    /// obstacles take 21 573, 7107 and 7359 iterations with 10, 100 and 1000).
-    pub point_penalty: f64,
     /// The accepted torque of a passive joint between the collocated points, relative to the largest torque.
     pub passive_share: f64,
     /// The accepted deviation of an equality of the state between its collocated points, in its unit.
@@ -121,9 +111,6 @@ impl Default for SearchOptions {
             share_of_cutoff: 0.5,
             moved: 0.035,
             last_barrier_of_bounds: 1e-12,
-            motor_penalty: 2.0,
-            equality_penalty: 1e3,
-            point_penalty: 100.0,
             passive_share: 5e-4,
             deviation: 1e-6,
             largest_passive_size: 512,
@@ -184,9 +171,6 @@ impl SearchOptions {
             ("moved", self.moved),
             ("share_of_cutoff", self.share_of_cutoff),
             ("last_barrier_of_bounds", self.last_barrier_of_bounds),
-            ("motor_penalty", self.motor_penalty),
-            ("equality_penalty", self.equality_penalty),
-            ("point_penalty", self.point_penalty),
             ("passive_share", self.passive_share),
             ("deviation", self.deviation),
             ("share_of_starts", self.share_of_starts),
@@ -262,9 +246,6 @@ pub struct SequenceOptions {
     pub balanced: f64,
     /// The least duration from which its search starts, as such a multiple.
     pub slowed: f64,
-    /// The first penalty of the equalities of goals and waypoints in a solve from a motion that meets them: ten times
-    /// that of others, with which 28 motions of a Panda to poses take 8 % more iterations, and one ends at no minimum.
-    pub point_penalty: f64,
     /// The factor of the first penalty with which a solve that leads to no better minimum is done again: with a larger
     /// penalty a search from a motion that keeps its rows violates them less.
     pub penalty_factor: f64,
@@ -286,7 +267,6 @@ impl Default for SequenceOptions {
             same_horizon: 1.001,
             balanced: 1.25,
             slowed: 1.2,
-            point_penalty: 1000.0,
             penalty_factor: 10.0,
             max_repeats: 2,
             part_of_starts: 0.5,

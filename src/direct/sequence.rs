@@ -307,7 +307,6 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> DirectSequence<'_, K, P> {
             time_limit: limit.map(|limit| limit.saturating_sub(self.started.elapsed())),
             ..self.settings.clone()
         };
-        settings.search.point_penalty = self.options.point_penalty;
         settings.search.planned_penalty *= self.options.penalty_factor.powi(again);
         let problem = self.problem.with_horizon(horizon)?;
         let found = self.solve(&problem, settings)?;

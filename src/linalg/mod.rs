@@ -2,6 +2,8 @@
 //! systems and tensors of third and fourth order.
 
 #[cfg(feature = "solvers")]
+mod block_indefinite;
+#[cfg(feature = "solvers")]
 mod block_tridiagonal;
 #[cfg(feature = "solvers")]
 mod gram;
@@ -15,6 +17,8 @@ mod positive_part;
 mod tensor;
 mod tiled;
 
+#[cfg(feature = "solvers")]
+pub use block_indefinite::BlockIndefinite;
 #[cfg(feature = "solvers")]
 pub use block_tridiagonal::{BlockTridiagonal, Scratch};
 #[cfg(feature = "solvers")]

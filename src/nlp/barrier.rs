@@ -29,8 +29,6 @@ pub struct BarrierState {
     pub decrease: f64,
     /// The fraction of that step that was taken: more than 1 along negative curvature.
     pub alpha: f64,
-    /// True if there are equalities, whose multipliers are updated with the barrier parameter.
-    pub has_equalities: bool,
     /// The number of iterations since the barrier function last decreased by more than `mu`.
     pub stalled: usize,
 }
@@ -49,7 +47,6 @@ impl BarrierState {
             complementarity: state.measure * state.iterate.gap() / scale,
             decrease: decrease / scale,
             alpha: state.progress.alpha,
-            has_equalities: !state.iterate.equalities.is_empty() && !state.iterate.is_saddle,
             stalled: state.stalled,
         }
     }
@@ -75,11 +72,10 @@ pub struct Monotone {
     /// The exponent $\theta$ of a superlinear reduction: 1.5 as in WB.
     pub power: f64,
     /// The predicted decrease, relative to the barrier parameter summed over all rows, below which that parameter is
-    /// reduced, without and with equalities: updates of their multipliers need a more accurate minimum (NW, framework
-    /// 17.3).
-    pub done: [f64; 2],
-    /// The number of iterations without a decrease by more than that parameter after which it is also reduced, if there
-    /// are no equalities. Rows with kinks, such as the distance of two covers, keep the predicted decrease large where
+    /// reduced.
+    pub done: f64,
+    /// The number of iterations without a decrease by more than that parameter after which it is also reduced. Rows
+    /// with kinks, such as the distance of two covers, keep the predicted decrease large where
     /// steps across them are short (tuned on 53 problems of Fetch, UR5, Baxter and Panda: 5 or 15 gain half as much or
     /// less; 18 of a UR5 with its meshes take a fifth fewer iterations).
     pub stalled: usize,
@@ -87,15 +83,13 @@ pub struct Monotone {
 
 impl Default for Monotone {
     fn default() -> Self {
-        Self { factor: 0.2, power: 1.5, done: [1.0, 0.1], stalled: 8 }
+        Self { factor: 0.2, power: 1.5, done: 1.0, stalled: 8 }
     }
 }
 
 impl BarrierUpdate for Monotone {
     fn is_solved(&self, state: &BarrierState) -> bool {
-        let done = self.done[usize::from(state.has_equalities)];
-        let stalled = !state.has_equalities && state.stalled >= self.stalled;
-        state.decrease <= done * state.mu || stalled
+        state.decrease <= self.done * state.mu || state.stalled >= self.stalled
     }
 
     fn next(&self, state: &BarrierState) -> f64 {

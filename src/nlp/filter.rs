@@ -75,10 +75,14 @@ impl Filter {
 }
 
 impl Iterate {
-    /// The violation of the equalities and of the equations of hard rows.
+    /// The violations of the equalities, then of the equations of hard rows.
+    pub(super) fn violations(&self, h: &[f64]) -> impl Iterator<Item = f64> {
+        let held = self.equalities.iter().map(|held| h[held.row.at].abs());
+        held.chain(self.working.iter().filter(|of| of.row.is_hard).map(|of| of.elastic))
+    }
+
+    /// The sum of these violations.
     pub fn violation(&self, h: &[f64]) -> f64 {
-        let hard = self.working.iter().filter(|of| of.row.is_hard).map(|of| of.elastic);
-        let held = self.equalities.iter().filter(|_| self.is_saddle).map(|held| h[held.row.at].abs());
-        hard.chain(held).sum()
+        self.violations(h).sum()
     }
 }

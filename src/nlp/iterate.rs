@@ -2,18 +2,10 @@
 
 use super::{Barrier, Equality, Options, Row, RowState, RowStep, Term};
 
-/// The fraction of its violation that an equality may keep from one update to the next before its penalty grows: 1/4 as
-/// in NW, framework 17.3.
-const PROGRESS: f64 = 0.25;
-
 /// The part of a violation that is left after a step that hardly decreases it.
 const HARDLY: f64 = 0.9;
 
-/// The rows of the working set and other equalities, with their multipliers. These equalities have the terms
-/// $\lambda h + \tfrac12 \rho h^2$ of an augmented Lagrangian (NW 17.3), and steps are those of the primal-dual
-/// equations $\nabla f + y \nabla h = 0$, $y = \lambda + \rho h$ (Gill and Robinson, *A primal-dual augmented
-/// Lagrangian*, 2012): second derivatives have the weight $y$. With the weight $\lambda + \rho h$ a curved row would
-/// make the Hessian indefinite, and $\lambda$ is out of date until the barrier parameter changes.
+/// The rows of the working set and the equalities of the saddle-point equations, with their multipliers.
 #[derive(Debug)]
 pub struct Iterate {
     /// The rows of the working set, by their indices.
@@ -21,11 +13,9 @@ pub struct Iterate {
     /// Memory for the next working set.
     spare: Vec<RowState>,
     pub equalities: Vec<Equality>,
-    /// The largest equality at the last update of their multipliers.
-    before: f64,
     pub barrier: Barrier,
-    /// True if equalities are those of the saddle-point equations, which the barrier function does not have.
-    pub is_saddle: bool,
+    /// True if a [filter](super::Nlp::has_filter) accepts steps.
+    pub has_filter: bool,
     /// The least change of a row per change of its multiplier in the condensed equations.
     pub compliance: f64,
     /// The factor, from 0 to 1, of the second derivatives of [curved](Row::is_curved) inequalities in the Hessian.
@@ -53,8 +43,8 @@ impl Clone for Iterate {
     fn clone_from(&mut self, from: &Self) {
         self.working.clone_from(&from.working);
         self.equalities.clone_from(&from.equalities);
-        (self.before, self.barrier, self.compliance) = (from.before, from.barrier, from.compliance);
-        self.is_saddle = from.is_saddle;
+        (self.barrier, self.compliance) = (from.barrier, from.compliance);
+        self.has_filter = from.has_filter;
         (self.curvature_weight, self.without_curvature) = (from.curvature_weight, from.without_curvature);
         self.is_lagrangian = from.is_lagrangian;
     }
@@ -66,9 +56,8 @@ impl Iterate {
             working: Vec::new(),
             spare: Vec::new(),
             equalities,
-            before: f64::INFINITY,
             barrier,
-            is_saddle: false,
+            has_filter: false,
             compliance: 0.0,
             curvature_weight: 1.0,
             without_curvature: 0,
@@ -156,7 +145,7 @@ impl Iterate {
     /// Begins without rows but for these equalities.
     pub(crate) fn restart(&mut self, barrier: Barrier, equalities: Vec<Equality>) {
         self.working.clear();
-        (self.equalities, self.before, self.barrier) = (equalities, f64::INFINITY, barrier);
+        (self.equalities, self.barrier) = (equalities, barrier);
         self.curvature_weight = 1.0;
     }
 
@@ -186,29 +175,7 @@ impl Iterate {
         }
         for equality in &mut self.equalities {
             equality.multiplier = known.get(equality.row.at).copied().unwrap_or(0.0);
-            equality.estimate = equality.multiplier;
         }
-    }
-
-    /// Updates the multipliers of equalities, $\lambda \leftarrow \lambda + \rho h$, and multiplies their penalties by
-    /// `factor`, at most to `largest`, if the largest equality exceeds its tolerance and is more than a quarter of the
-    /// one before (NW, framework 17.3).
-    pub fn update_equalities(&mut self, h: &[f64], factor: f64, largest: f64, feasible: f64) {
-        let mut most = 0.0_f64;
-        for equality in &mut self.equalities {
-            let value = h[equality.row.at];
-            equality.multiplier += equality.penalty * value;
-            equality.estimate = equality.multiplier;
-            most = most.max(value.abs());
-        }
-        if most > feasible && most > PROGRESS * self.before {
-            for equality in &mut self.equalities {
-                let now = equality.penalty;
-                // The objective may have been far smaller when the penalties were first set.
-                equality.penalty = (factor * now).min(largest.max(now));
-            }
-        }
-        self.before = most;
     }
 
     /// Replaces slacks and elastic variables by the best ones for these values of the rows.
@@ -297,18 +264,6 @@ impl Iterate {
         }
     }
 
-    /// The terms of an equality of this value.
-    #[inline]
-    pub fn equality_term(&self, equality: &Equality, h: f64) -> Term {
-        let (lambda, rho) = (equality.multiplier, equality.penalty);
-        Term {
-            slope: lambda + rho * h,
-            curvature: rho,
-            multiplier: equality.estimate,
-            cost: (lambda + 0.5 * rho * h) * h,
-        }
-    }
-
     /// The weight of the product of the gradient of a row with itself,
     /// $1 / (s / (\lambda - \underline\lambda) + t / (\nu - \lambda))$.
     #[inline]
@@ -351,16 +306,17 @@ impl Iterate {
         }
     }
 
+    /// The terms of the equalities in the Lagrangian, for one measure of all rows.
+    pub fn lagrangian_terms(&self, h: &[f64], measure: f64) -> f64 {
+        let terms = self.equalities.iter().map(|held| held.row.weight * held.term(h[held.row.at]).cost);
+        measure * terms.sum::<f64>()
+    }
+
     /// The terms of all rows in the barrier function for these measures of rows.
-    pub fn barrier_terms(&self, h: &[f64], measure: impl Fn(usize) -> f64) -> f64 {
+    pub fn barrier_terms(&self, measure: impl Fn(usize) -> f64) -> f64 {
         let (mut sum, mu) = (MeasuredSum::default(), self.barrier.mu);
         for of in &self.working {
             sum.add(measure(of.row.at), of.row.weight * of.barrier_term(mu));
-        }
-        for equality in self.equalities.iter().filter(|_| !self.is_saddle) {
-            let row = equality.row;
-            let term = self.equality_term(equality, h[row.at]).cost;
-            sum.add(measure(row.at), row.weight * term);
         }
         sum.total()
     }

@@ -7,6 +7,13 @@ use nalgebra::{DMatrix, DVector};
 /// The number of inverse iterations, after which the direction mixes few eigenvectors.
 const INVERSE_ITERATIONS: usize = 30;
 
+/// The rounding of the terms of multipliers, relative to the gradient, above which equalities count as dependent: their
+/// multipliers are then large numbers that cancel. It is 1e-5 as for the error of the equations in WB (3.10).
+const INACCURATE: f64 = 1e-5;
+
+/// The largest multiple of the first shift.
+const LARGEST_SHIFT: f64 = 1e13;
+
 /// A symmetric matrix of a block-tridiagonal part with a border of a few rows and columns.
 #[derive(Clone, Debug)]
 pub struct Bordered {
@@ -21,9 +28,9 @@ pub struct Bordered {
 pub struct Kkt {
     pub gradient: DVector<f64>,
     pub hessian: Bordered,
-    /// The equalities, if they are those of the [saddle-point equations](super::Nlp::is_saddle).
+    /// The equalities, if they are those of the [saddle-point equations](super::Nlp::has_filter).
     pub equalities: Saddle,
-    norm: Bordered,
+    pub(super) norm: Bordered,
     factor: Bordered,
     memory: Memory,
     /// The last multiple of the norm that was added to an indefinite matrix.
@@ -34,7 +41,7 @@ pub struct Kkt {
 
 /// Memory of factorisations and products.
 #[derive(Default)]
-pub(crate) struct Memory {
+struct Memory {
     scratch: Scratch,
     /// The border before a factorisation, and one of its columns.
     border: DMatrix<f64>,
@@ -75,14 +82,6 @@ impl Bordered {
         self.border.nrows() + self.border.ncols()
     }
 
-    /// Puts all entries at the beginning of a dense matrix.
-    pub(crate) fn put_dense(&self, out: &mut DMatrix<f64>) {
-        let (n, columns) = self.border.shape();
-        out.view_mut((0, 0), (n, n)).copy_from(&self.matrix.to_dense());
-        out.view_mut((n, 0), (columns, n)).copy_from(&self.border.transpose());
-        out.view_mut((n, n), (columns, columns)).copy_from(&self.corner);
-    }
-
     /// Sets the matrix to `a + factor b`.
     pub(crate) fn set_sum(&mut self, a: &Self, factor: f64, b: &Self) {
         self.matrix.set_sum(&a.matrix, factor, &b.matrix);
@@ -93,7 +92,7 @@ impl Bordered {
 
     /// Replaces the matrix by its factor; the border becomes the solution for it, and the corner the Cholesky factor of
     /// the Schur complement. Returns false if the matrix is not positive definite.
-    pub(crate) fn factorise(&mut self, memory: &mut Memory) -> bool {
+    fn factorise(&mut self, memory: &mut Memory) -> bool {
         if !self.matrix.factorise_in(&mut memory.scratch) {
             return false;
         }
@@ -152,21 +151,22 @@ impl Bordered {
 impl Kkt {
     /// Zeros, with the norm of steps. `None` if the norm is not positive definite.
     pub fn new(norm: Bordered) -> Option<Self> {
-        let (mut factor, order) = (norm.clone(), norm.order());
-        let mut memory = Memory::new(&norm);
-        if !factor.factorise(&mut memory) {
-            return None;
-        }
-        Some(Self {
-            gradient: DVector::zeros(order),
+        let mut kkt = Self::with_norm(norm);
+        kkt.factor.factorise(&mut kkt.memory).then_some(kkt)
+    }
+
+    /// Zeros, with a norm that need not be positive definite.
+    pub(crate) fn with_norm(norm: Bordered) -> Self {
+        Self {
+            gradient: DVector::zeros(norm.order()),
             hessian: norm.clone(),
             equalities: Saddle::default(),
-            factor,
+            factor: norm.clone(),
+            memory: Memory::new(&norm),
             norm,
-            memory,
             regularisation: 0.0,
             floor: 0.0,
-        })
+        }
     }
 
     /// Begins anew after `change` of the corner of the norm, which remains positive definite.
@@ -191,32 +191,49 @@ impl Kkt {
         }
     }
 
-    /// A direction of length 1 along which the condensed matrix has negative curvature, by inverse iteration, shifted
-    /// beyond the smallest eigenvalue; `None` at a minimum.
+    /// Factorises the matrix with a multiple of the norm; returns false if it has not the inertia of a minimum.
+    fn factorise(&mut self, multiple: f64, scale: f64) -> bool {
+        self.factor.set_sum(&self.hessian, multiple, &self.norm);
+        if self.equalities.is_empty() {
+            self.factor.factorise(&mut self.memory)
+        } else {
+            self.equalities.factorise(&self.factor, scale)
+        }
+    }
+
+    /// A direction of length 1 along the equalities with negative curvature of the condensed matrix; `None` at a
+    /// minimum.
     pub fn negative_curvature(&mut self, scale: f64) -> Option<DVector<f64>> {
-        self.factor.set_sum(&self.hessian, 0.0, &self.norm);
-        if self.factor.factorise(&mut self.memory) {
+        if self.factorise(0.0, scale) {
             return None;
         }
-        let mut shift = scale;
-        loop {
-            self.factor.set_sum(&self.hessian, shift, &self.norm);
-            if self.factor.factorise(&mut self.memory) {
-                break;
-            }
-            shift *= 4.0;
-            if !shift.is_finite() {
-                return None;
-            }
+        let (curvature, direction) = self.smallest_curvature(scale, 0.0);
+        (curvature < 0.0).then_some(direction)
+    }
+
+    /// The smallest curvature of the condensed matrix along the equalities relative to the norm, with its direction, by
+    /// inverse iteration, shifted beyond it by a multiple of the norm: `first` or more. It ends when the distance from
+    /// the shift changes by less than this part.
+    pub(crate) fn smallest_curvature(&mut self, first: f64, settled: f64) -> (f64, DVector<f64>) {
+        let mut shift = 0.0;
+        while !self.factorise(shift, first) && shift < LARGEST_SHIFT * first {
+            shift = (4.0 * shift).max(first);
         }
         let mut x = DVector::from_fn(self.gradient.len(), |i, _| (1.0 + i as f64).sin());
+        let (mut curvature, mut none) = (f64::INFINITY, DVector::zeros(self.equalities.values.len()));
         for _ in 0..INVERSE_ITERATIONS {
             self.norm.product_into(&x, &mut self.memory.product);
             x.copy_from(&self.memory.product);
-            self.factor.solve(&mut x);
+            none.fill(0.0);
+            self.solve(&mut x, &mut none);
             x /= self.length(&x);
+            let now = x.dot(&self.hessian.product(&x));
+            let before = std::mem::replace(&mut curvature, now);
+            if (before - now).abs() < settled * (now + shift).abs() {
+                break;
+            }
         }
-        (x.dot(&self.hessian.product(&x)) < 0.0).then_some(x)
+        (curvature, x)
     }
 
     /// The length of the gradient in the dual norm.
@@ -245,16 +262,13 @@ impl Kkt {
         let known = self.regularisation;
         let mut multiple = self.floor;
         progress.factorisations = 0;
-        loop {
+        let mut x = std::mem::take(&mut self.memory.step);
+        let multipliers = loop {
             progress.factorisations += 1;
-            self.factor.set_sum(&self.hessian, multiple * scale, &self.norm);
-            let factorised = if self.equalities.is_empty() {
-                self.factor.factorise(&mut self.memory)
-            } else {
-                self.equalities.factorise(&self.factor, scale)
-            };
-            if factorised {
-                break;
+            if self.factorise(multiple * scale, scale)
+                && let Some(multipliers) = self.newton(scale, &mut x)
+            {
+                break multipliers;
             }
             multiple = if multiple > 0.0 && multiple == self.floor {
                 (later * multiple).max(less * known)
@@ -270,19 +284,11 @@ impl Kkt {
             if multiple.is_nan() || multiple > options.largest_regularisation {
                 return None;
             }
-        }
+        };
         if multiple > 0.0 {
             self.regularisation = multiple;
         }
         progress.regularisation = multiple;
-        let mut x = std::mem::take(&mut self.memory.step);
-        assign(&mut x, &self.gradient);
-        x.neg_mut();
-        let mut multipliers = -&self.equalities.values;
-        self.solve(&mut x, &mut multipliers);
-        if !self.equalities.is_empty() {
-            self.refine(&mut x, &mut multipliers);
-        }
         let slope = self.gradient.dot(&x);
         progress.step = self.length(&x);
         // The energy of the step, which may be negative across equalities.
@@ -290,6 +296,29 @@ impl Kkt {
         let energy = if self.equalities.is_empty() { energy } else { energy.abs() };
         progress.stationarity = (energy / scale).sqrt();
         Some(Step { x, slope, multipliers })
+    }
+
+    /// Computes the Newton step by the last factor into `x`, and the changes of the multipliers; `None` if the inertia
+    /// is not that of a minimum after all, as rounding hid that equalities are dependent.
+    fn newton(&mut self, scale: f64, x: &mut DVector<f64>) -> Option<DVector<f64>> {
+        loop {
+            assign(x, &self.gradient);
+            x.neg_mut();
+            let mut multipliers = -&self.equalities.values;
+            self.solve(x, &mut multipliers);
+            if self.equalities.is_empty() {
+                return Some(multipliers);
+            }
+            self.refine(x, &mut multipliers);
+            let size = self.gradient.amax().max(self.factor.product(x).amax());
+            let is_accurate = self.equalities.rounding(&multipliers) <= INACCURATE * size;
+            if is_accurate || self.equalities.is_relaxed() {
+                return Some(multipliers);
+            }
+            if !self.equalities.relax(&self.factor, scale) {
+                return None;
+            }
+        }
     }
 
     /// One step of iterative refinement of the solution with equalities, whose factor leaves the matrix as it is.

@@ -11,6 +11,11 @@ use nalgebra::DVector;
 /// The relative part of the barrier function that rounding can hide.
 const ROUNDING: f64 = 1e-13;
 
+/// The largest increase of the barrier function that a decrease of the violation is worth, in multiples of the
+/// multipliers: those of a step are an estimate. Without a bound a motion on a free horizon may shrink to no time, as
+/// each step decreases a small violation of its goal.
+const MAX_PRICE: f64 = 10.0;
+
 /// Takes a fraction of a step that decreases the barrier function sufficiently (NW 3.4) below the largest of its last
 /// values, or that the filter accepts. Returns the predicted decrease of the whole step, or `None` if there is no such
 /// fraction.
@@ -27,7 +32,7 @@ pub(super) fn line_search<P: Nlp>(
     trial.iterate.clone_from(&state.iterate);
     let allowed = problem.max_step_fraction(&state.x, &step.x);
     trial.set_tangent(problem, state, step, (options.tangent / state.progress.step).min(allowed))?;
-    let start = Start::new(problem, state, step, options);
+    let start = Start::new(problem, state, (step, &trial.tangent), options);
     let whole = options.longest_step / state.progress.step;
     let allowed = allowed.min(state.to_boundary(&trial.tangent, options));
     let first = allowed.min(whole);
@@ -39,10 +44,10 @@ pub(super) fn line_search<P: Nlp>(
         if f.is_finite() {
             let mut end = start.end(problem, state, step, (alpha, f), trial, options);
             if predicted.is_nan() {
-                predicted = if state.iterate.is_saddle { start.gap } else { -end.slope };
+                predicted = if state.iterate.has_filter { start.gap } else { -end.slope };
             }
             let mut accepted = start.accepts(state, &end, options);
-            if P::HAS_ROW_GRADIENTS && accepted.is_none() && alpha == first {
+            if (P::HAS_ROW_GRADIENTS || state.iterate.has_filter) && accepted.is_none() && alpha == first {
                 // The Maratos effect (NW 15.6, WB 2.4).
                 if let Some(f) = end.trial.correct(problem, state, alpha, options)? {
                     end = start.end(problem, state, step, (alpha, f), end.trial, options);
@@ -81,16 +86,32 @@ struct Start {
     violation: f64,
     /// The slope of the barrier function without the terms of the rows.
     slope: f64,
+    /// The larger ones of the multipliers before and after the step, with their weights: those of the equalities, then
+    /// of hard rows.
+    prices: Vec<f64>,
     /// The error of the equations at the start, in the unit of the objective.
     gap: f64,
 }
 
 impl Start {
-    fn new<P: Nlp>(problem: &P, state: &mut State, step: &Step, options: &Options) -> Self {
+    fn new<P: Nlp>(problem: &P, state: &mut State, (step, tangent): (&Step, &[f64]), options: &Options) -> Self {
         let merit = state.merit(problem);
         let [equalities, gap] = state.terms_of_equalities(problem);
+        let measure = |row: &Row| problem.row_measure(&state.x, row.at) * row.weight;
+        let held = state.iterate.equalities.iter().zip(&step.multipliers);
+        let held = held.map(|(of, change)| {
+            let before = measure(&of.row) * of.multiplier;
+            before.abs().max((before + change).abs())
+        });
+        let hard = state.iterate.working.iter().zip(tangent).filter(|(of, _)| of.row.is_hard);
+        let hard = hard.map(|(of, change)| {
+            let step = state.iterate.step(of, state.h[of.row.at], *change);
+            measure(&of.row) * (of.multiplier + step.multiplier.max(0.0))
+        });
+        let prices = held.chain(hard).collect();
         Self {
             merit,
+            prices,
             highest: state.remember(merit, options.memory),
             violation: state.iterate.violation(&state.h),
             slope: step.slope + equalities,
@@ -117,10 +138,16 @@ impl Start {
     fn accepts(&self, state: &mut State, end: &End, options: &Options) -> Option<Accepted> {
         let rounding = ROUNDING * self.merit.abs().max(end.f.abs());
         let expected = end.alpha * end.slope;
-        if state.iterate.is_saddle {
+        if state.iterate.has_filter {
+            let [before, after] = [(&state.iterate, &state.h), (&end.trial.iterate, &end.trial.h)];
+            let gained = before.0.violations(before.1).zip(after.0.violations(after.1)).zip(&self.prices);
+            let gained: f64 = gained.map(|((before, after), price)| price * (before - after)).sum();
+            if end.merit > self.highest + MAX_PRICE * gained.max(0.0) + rounding {
+                return None;
+            }
             let after = [end.trial.iterate.violation(&end.trial.h), end.merit];
             let rule = (options.sufficient_decrease, rounding);
-            return state.filter.test([self.violation, self.merit], after, (end.alpha, end.slope), rule);
+            return state.filter.test([self.violation, self.highest], after, (end.alpha, end.slope), rule);
         }
         let gained = self.highest - end.merit;
         let hidden = gained.abs() <= rounding && expected.abs() <= rounding;
@@ -184,15 +211,21 @@ impl End {
 #[derive(Default)]
 pub(super) struct Trial {
     x: DVector<f64>,
-    h: Vec<f64>,
-    /// The changes of the linearised rows of the working set, then of the equalities, along the whole step.
+    pub h: Vec<f64>,
+    /// The changes of the linearised rows of the working set along the whole step.
     tangent: Vec<f64>,
     pub iterate: Iterate,
 }
 
 impl Trial {
     /// Evaluates the objective and the rows at the end of a fraction of a step; returns the objective.
-    fn evaluate<P: Nlp>(&mut self, problem: &mut P, state: &State, step: &DVector<f64>, alpha: f64) -> Result<f64> {
+    pub(super) fn evaluate<P: Nlp>(
+        &mut self,
+        problem: &mut P,
+        state: &State,
+        step: &DVector<f64>,
+        alpha: f64,
+    ) -> Result<f64> {
         assign(&mut self.x, &state.x);
         self.x.axpy(alpha, step, 1.0);
         problem.value(&self.x, &mut self.h)
@@ -245,8 +278,8 @@ impl Trial {
 
     /// Sets the changes of the linearised rows along a step: those over a short part of it, relative to that.
     fn set_tangent<P: Nlp>(&mut self, problem: &mut P, state: &State, step: &Step, part: f64) -> Result<()> {
-        let (working, held) = (&state.iterate.working, &state.iterate.equalities);
-        if working.is_empty() && held.is_empty() {
+        let working = &state.iterate.working;
+        if working.is_empty() {
             return Ok(());
         }
         assign(&mut self.x, &state.x);
@@ -254,15 +287,14 @@ impl Trial {
         problem.value(&self.x, &mut self.h)?;
         self.tangent.clear();
         let rows = working.iter().map(|of| of.row.at);
-        let rows = rows.chain(held.iter().map(|of| of.row.at));
         self.tangent.extend(rows.map(|at| (self.h[at] - state.h[at]) / part));
         Ok(())
     }
 
     /// The barrier function for an objective.
-    fn merit<P: Nlp>(&self, problem: &P, f: f64) -> f64 {
+    pub(super) fn merit<P: Nlp>(&self, problem: &P, f: f64) -> f64 {
         let measure = |row| problem.row_measure(&self.x, row);
-        f + self.iterate.barrier_terms(&self.h, measure)
+        f + self.iterate.barrier_terms(measure)
     }
 
     /// Takes this fraction of the steps of the rows, whose values at its end are known. Returns the difference between
@@ -290,17 +322,9 @@ impl Trial {
             after.meet(self.h[at]);
         }
         let held = from.equalities.iter().zip(&mut self.iterate.equalities);
-        if !of.multipliers.is_empty() {
-            for ((before, after), change) in held.zip(&of.multipliers) {
-                let weight = measure(before.row.at) * before.row.weight;
-                after.multiplier = before.multiplier + alpha.min(1.0) * change / weight;
-                after.estimate = after.multiplier;
-            }
-            return slope.total();
-        }
-        for ((before, after), tangent) in held.zip(&self.tangent[from.working.len()..]) {
-            let end = from.equality_term(before, state.h[before.row.at] + tangent).slope;
-            after.estimate = before.estimate + alpha.min(1.0) * (end - before.estimate);
+        for ((before, after), change) in held.zip(&of.multipliers) {
+            let weight = measure(before.row.at) * before.row.weight;
+            after.multiplier = before.multiplier + alpha.min(1.0) * change / weight;
         }
         slope.total()
     }
@@ -313,7 +337,7 @@ impl State {
         let measure = |row: &Row| problem.row_measure(&self.x, row.at) * row.weight;
         let [mut sum, mut sizes] = [0.0; 2];
         for (held, value) in self.iterate.equalities.iter().zip(&self.kkt.equalities.values) {
-            let term = measure(&held.row) * self.iterate.equality_term(held, *value).slope * value;
+            let term = measure(&held.row) * held.term(*value).cost;
             sum += term;
             sizes += term.abs();
         }
@@ -356,7 +380,7 @@ impl State {
     }
 
     /// Moves to a trial, and adapts the working set.
-    fn move_to<P: Nlp>(&mut self, problem: &mut P, f: f64, mut trial: Trial, options: &Options) {
+    pub(super) fn move_to<P: Nlp>(&mut self, problem: &mut P, f: f64, mut trial: Trial, options: &Options) {
         std::mem::swap(&mut self.x, &mut trial.x);
         std::mem::swap(&mut self.h, &mut trial.h);
         std::mem::swap(&mut self.iterate, &mut trial.iterate);
@@ -368,32 +392,4 @@ impl State {
         self.iterate.safeguard_all(options.multiplier_range);
         self.list_rows(problem);
     }
-}
-
-/// Moves along a direction of negative curvature, either way, to a smaller barrier function; returns false if there is
-/// none.
-pub(super) fn leave_saddle<P: Nlp>(
-    problem: &mut P,
-    state: &mut State,
-    direction: &DVector<f64>,
-    options: &Options,
-) -> Result<bool> {
-    let before = state.merit(problem);
-    let mut length = options.saddle_step;
-    for _ in 0..options.max_backtracks {
-        for sign in [1.0, -1.0] {
-            let mut trial = Trial::default();
-            trial.iterate.clone_from(&state.iterate);
-            let f = trial.evaluate(problem, state, direction, sign * length)?;
-            for row in &mut trial.iterate.working {
-                row.meet(trial.h[row.row.at]);
-            }
-            if trial.merit(problem, f) < before {
-                state.move_to(problem, f, trial, options);
-                return Ok(true);
-            }
-        }
-        length *= options.backtracking;
-    }
-    Ok(false)
 }

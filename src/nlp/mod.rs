@@ -15,12 +15,10 @@
 //! vanish are those that cannot be kept. The condensed matrix is positive definite if and only if the saddle-point
 //! matrix of `x` and all multipliers has the inertia of a minimum (NW 16.3), dependent rows or not.
 //!
-//! Where equalities are many, they are no rows with elastic variables but [equations](Saddle) of the step, as those of
-//! [hard](Row::is_hard) rows are, $h_j + s_j = 0$, if the program [asks for it](Nlp::is_saddle); a filter of their
-//! violation and the barrier function accepts steps (WB 2.3). Motions still have the terms of an augmented Lagrangian
-//! in place of these equations. The loop of [`solve`] is that of Nocedal and Wright, *Numerical Optimization*,
-//! algorithm 19.2, and of Wächter and Biegler, *On the implementation of an interior-point filter line-search
-//! algorithm*, 2006 (WB):
+//! [Other equalities](Nlp::equalities) are no rows with elastic variables but [equations](Saddle) of the step, as those
+//! of [hard](Row::is_hard) rows are, $h_j + s_j = 0$; a filter of their violation and the barrier function accepts
+//! steps (WB 2.3). The loop of [`solve`] is that of Nocedal and Wright, *Numerical Optimization*, algorithm 19.2, and
+//! of Wächter and Biegler, *On the implementation of an interior-point filter line-search algorithm*, 2006 (WB):
 //!
 //! 1. `kkt`: the Newton step of the primal-dual equations, condensed to `x`; multiples of a norm are added to the
 //!    Hessian until the condensed matrix is positive definite (WB 3.1).
@@ -40,6 +38,7 @@ mod filter;
 mod iterate;
 mod kkt;
 mod kkt_error;
+mod leave_saddle;
 mod line_search;
 mod options;
 mod row;
@@ -52,7 +51,6 @@ mod warm_start;
 
 pub use barrier::{Barrier, BarrierState, BarrierUpdate, Monotone};
 pub use iterate::Iterate;
-pub(crate) use kkt::Memory;
 pub use kkt::{Bordered, Kkt};
 pub use kkt_error::{KktError, Scales};
 pub use options::Options;
@@ -91,9 +89,9 @@ pub trait Nlp {
         self.measure(x)
     }
 
-    /// Equalities with the terms of an augmented Lagrangian, with their first penalties for an objective of this
-    /// density, or those of the [saddle-point equations](Self::is_saddle), without penalties.
-    fn equalities(&self, _density: f64) -> Vec<Equality> {
+    /// The equalities of the saddle-point equations, whose gradients are put into [`Kkt::equalities`] with the
+    /// [derivatives](Self::derivatives).
+    fn equalities(&self) -> Vec<Equality> {
         Vec::new()
     }
 
@@ -101,10 +99,10 @@ pub trait Nlp {
     /// second-order correction.
     const HAS_ROW_GRADIENTS: bool = false;
 
-    /// True if equalities are those of the saddle-point equations, whose gradients are put into [`Kkt::equalities`]
-    /// with the [derivatives](Self::derivatives), and if inequalities without elastic variables may be violated.
-    fn is_saddle(&self) -> bool {
-        false
+    /// True if a filter accepts steps: where there are equalities, or inequalities without elastic variables that may
+    /// be violated.
+    fn has_filter(&self) -> bool {
+        !self.equalities().is_empty()
     }
 
     /// Adds the gradients of rows at the point at which derivatives were last computed, each times its weight, to
@@ -266,8 +264,8 @@ pub(crate) fn iterate<P: Nlp>(
     };
     observe(&state.progress);
     let used = state.progress.regularisation;
-    // The length of a step to the linearised equalities does not depend on that multiple.
-    if !state.iterate.is_saddle {
+    // Without a longest step hard rows alone may have made this one short.
+    if !state.iterate.has_filter || options.longest_step.is_finite() {
         state.kkt.adapt(state.taken, used, options);
     }
     state.iterate.adapt_curvature_weight(used > 0.0, options);

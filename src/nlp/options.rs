@@ -62,8 +62,6 @@ pub struct Options {
     /// Fetch: with 1 or 10 for all penalties fewer searches end at minima).
     pub row_penalty_factor: f64,
     pub penalty_factor: f64,
-    /// The factor of the penalties of equalities that decrease too little: 10 as in NW (17.4).
-    pub equality_factor: f64,
     /// The largest penalty: with it a violation of 1e-9 of the scale of its row costs as much as the whole motion.
     pub largest_penalty: f64,
     /// The cost of all violations with the penalty, relative to the objective, and the fraction of them that is left
@@ -140,7 +138,6 @@ impl Default for Options {
             steers: false,
             row_penalty_factor: 10.0,
             penalty_factor: 4.0,
-            equality_factor: 10.0,
             largest_penalty: 1e9,
             infeasible_cost: 0.3,
             infeasible_progress: 0.5,
@@ -218,7 +215,6 @@ impl Options {
         for (what, value, which) in [
             ("penalty_factor", self.penalty_factor, ""),
             ("row_penalty_factor", self.row_penalty_factor, ""),
-            ("equality_factor", self.equality_factor, ""),
             ("multiplier_range", self.multiplier_range, ""),
             ("regularisation_factors", first, for_first),
             ("regularisation_factors", later, for_second),

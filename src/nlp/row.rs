@@ -15,7 +15,7 @@ pub struct Row {
     pub is_curved: bool,
     pub is_equality: bool,
     /// True for an inequality without an elastic variable, $h + s = 0$: the violation of that equation is one of the
-    /// [filter](super::Nlp::is_saddle).
+    /// [filter](super::Nlp::has_filter).
     pub is_hard: bool,
 }
 
@@ -39,25 +39,26 @@ impl Row {
     }
 }
 
-/// An equality with the terms of an augmented Lagrangian, those of problems with many equalities along a motion.
+/// An equality of the saddle-point equations, with its multiplier $\lambda$.
 #[derive(Clone, Copy, Debug)]
 pub struct Equality {
     pub row: Row,
-    /// The penalty of its square without a search before.
-    pub first: f64,
-    /// The penalty $\rho$ of its square.
-    pub penalty: f64,
-    /// $\lambda$.
     pub multiplier: f64,
-    /// The estimate $y$ of the multiplier that takes the Newton steps of the primal-dual equations.
-    pub estimate: f64,
 }
 
 impl Equality {
-    /// An equality with its first penalty, and `factor` times that to begin with.
+    /// An equality without a multiplier.
     #[must_use]
-    pub fn new(row: Row, first: f64, factor: f64) -> Self {
-        Self { row, first, penalty: factor * first, multiplier: 0.0, estimate: 0.0 }
+    pub const fn new(row: Row) -> Self {
+        Self { row, multiplier: 0.0 }
+    }
+
+    /// The terms of the Lagrangian for this value of the row.
+    #[inline]
+    #[must_use]
+    pub fn term(&self, h: f64) -> Term {
+        let multiplier = self.multiplier;
+        Term { slope: multiplier, curvature: 0.0, multiplier, cost: multiplier * h }
     }
 }
 

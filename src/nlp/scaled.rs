@@ -2,7 +2,7 @@
 
 use super::{Equality, Iterate, Kkt, Nlp, Row, Scales, SmoothDerivatives, SmoothProgram, Tightened};
 use crate::error::{Error, Result};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// The part of its range, or of its size, by which an unknown is inside its bounds at the start: 1e-2 as in WB (3.6).
 const INSIDE: f64 = 1e-2;
@@ -144,12 +144,13 @@ impl<P: SmoothProgram> Nlp for Scaled<'_, P> {
         self.program.derivatives(x, &y, &mut self.derivatives)?;
         out.gradient.copy_from(&self.derivatives.gradient);
         out.gradient *= self.scales.objective;
-        let hessian = &mut out.hessian.matrix.diagonal[0];
-        out.equalities.slopes = DMatrix::zeros(x.len(), iterate.equalities.len());
-        for (mut slope, (at, multiplier)) in out.equalities.slopes.column_iter_mut().zip(held) {
-            slope.copy_from(&self.slope(at));
+        out.equalities.clear();
+        for (at, multiplier) in held {
+            let slope = self.slope(at);
             out.gradient.axpy(multiplier, &slope, 1.0);
+            out.equalities.push(&out.hessian, 0, &slope);
         }
+        let hessian = &mut out.hessian.matrix.diagonal[0];
         hessian.copy_from(&self.derivatives.hessian);
         *hessian *= self.scales.objective;
         for (at, term) in terms {
@@ -174,13 +175,13 @@ impl<P: SmoothProgram> Nlp for Scaled<'_, P> {
         rows.extend((0..self.rows.len()).map(|at| self.row(at)).filter(|row| self.is_elastic || !row.is_equality));
     }
 
-    fn is_saddle(&self) -> bool {
+    fn has_filter(&self) -> bool {
         !self.is_elastic && (!self.g.is_empty() || self.rows.iter().any(|row| row.is_equality))
     }
 
-    fn equalities(&self, _: f64) -> Vec<Equality> {
+    fn equalities(&self) -> Vec<Equality> {
         let rows = (0..self.rows.len()).map(|at| self.row(at)).filter(|row| !self.is_elastic && row.is_equality);
-        rows.map(|row| Equality::new(row, 0.0, 0.0)).collect()
+        rows.map(Equality::new).collect()
     }
 
     const HAS_ROW_GRADIENTS: bool = true;

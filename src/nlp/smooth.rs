@@ -67,7 +67,7 @@ pub fn solve_smooth<P: SmoothProgram>(program: &mut P, x: &DVector<f64>, options
     let options = scaled.options(options);
     let found = scaled.solve(x.clone(), &options)?;
     let left = options.iterations.saturating_sub(found.iterations);
-    if found.status == Status::Converged || left == 0 || !scaled.is_saddle() {
+    if found.status == Status::Converged || left == 0 || !scaled.has_filter() {
         return Ok(found);
     }
     // With elastic variables there is always a step, and rows that cannot be kept show.
@@ -135,7 +135,7 @@ impl<P: SmoothProgram> Scaled<'_, P> {
             infeasible_cost: INFEASIBLE_COST,
             fraction_to_boundary: TO_BOUND,
             steers: true,
-            barrier: Arc::new(Monotone { done: [SOLVED; 2], ..Monotone::default() }),
+            barrier: Arc::new(Monotone { done: SOLVED, ..Monotone::default() }),
             ..given.clone()
         }
     }

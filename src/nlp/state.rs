@@ -1,7 +1,8 @@
 //! A search in progress.
 
 use super::filter::Filter;
-use super::line_search::{Trial, leave_saddle};
+use super::leave_saddle::leave_saddle;
+use super::line_search::Trial;
 use super::{Barrier, Iterate, Kkt, Nlp, Options, Progress, Row, RowState, Solution, Status, Tightened};
 use crate::error::Result;
 use nalgebra::DVector;
@@ -104,9 +105,9 @@ impl State {
         let largest = known.fold(0.0_f64, |most, z| most.max(z.abs()));
         let penalty = options.penalty * scale / measure;
         let nu = penalty.max(options.penalty_of_multipliers * largest);
-        let equalities = problem.equalities(scale / measure);
+        let equalities = problem.equalities();
         self.iterate.restart(Barrier { mu: 0.0, nu }, equalities);
-        self.iterate.is_saddle = problem.is_saddle();
+        self.iterate.has_filter = problem.has_filter();
         self.iterate.compliance = options.compliance * measure / scale;
         // In the memory of the search before.
         match (multipliers, &mut self.known) {
@@ -159,10 +160,8 @@ impl State {
     pub(super) fn derive<P: Nlp>(&mut self, problem: &mut P) -> Result<()> {
         self.measure = problem.measure(&self.x);
         problem.derivatives(&self.x, &self.iterate, &mut self.kkt)?;
-        if self.iterate.is_saddle {
-            let values = self.iterate.equalities.iter().map(|held| self.h[held.row.at]);
-            self.kkt.equalities.values = DVector::from_iterator(self.iterate.equalities.len(), values);
-        }
+        let values = self.iterate.equalities.iter().map(|held| self.h[held.row.at]);
+        self.kkt.equalities.values = DVector::from_iterator(self.iterate.equalities.len(), values);
         self.iterations += 1;
         let working = self.iterate.working.iter();
         self.progress = Progress {
@@ -205,8 +204,10 @@ impl State {
     /// Returns true if the Newton decrement is within the tolerance at the last barrier parameter, and the equalities
     /// and hard rows are kept.
     pub(super) fn is_within_tolerance(&self, options: &Options) -> bool {
-        let is_kept = !self.iterate.is_saddle || self.progress.infeasibility <= options.feasible;
-        self.is_last_barrier(options) && self.progress.stationarity <= options.tolerance && is_kept
+        let hard = self.iterate.working.iter().filter(|of| of.row.is_hard).map(|of| self.h[of.row.at]);
+        let held = self.kkt.equalities.values.iter().map(|value| value.abs());
+        let are_kept = hard.chain(held).all(|value| value <= options.feasible);
+        self.is_last_barrier(options) && self.progress.stationarity <= options.tolerance && are_kept
     }
 
     /// Returns true if the search may continue after no fraction of a step decreased the barrier function: to the end,
@@ -233,14 +234,8 @@ impl State {
         {
             self.raise_penalties(options);
         }
-        self.update_equalities(options);
         self.follow(problem, most, options)?;
         Ok(found)
-    }
-
-    fn update_equalities(&mut self, options: &Options) {
-        let most = options.largest_penalty * self.scale() / self.measure;
-        self.iterate.update_equalities(&self.h, options.equality_factor, most, options.feasible);
     }
 
     /// Raises the penalties of violated rows whose multipliers have reached them, and those of all rows if the
@@ -287,7 +282,6 @@ impl State {
             Tightened::Violation(violation) => violation,
         };
         if violation > options.feasible {
-            self.update_equalities(options);
             // Between the points margins help, at them only the penalty.
             let elastic = self.progress.infeasibility > options.feasible;
             let raised = self.raise_penalties(options);
@@ -309,7 +303,6 @@ impl State {
         }
         if self.rounds <= options.rounds
             && self.progress.regularisation > 0.0
-            && !self.iterate.is_saddle
             && let Some(direction) = self.kkt.negative_curvature(self.scale())
             && leave_saddle(problem, self, &direction, options)?
         {
@@ -386,6 +379,6 @@ impl State {
     /// The barrier function.
     pub(super) fn merit<P: Nlp>(&self, problem: &P) -> f64 {
         let measure = |row| problem.row_measure(&self.x, row);
-        self.f + self.iterate.barrier_terms(&self.h, measure)
+        self.f + self.iterate.barrier_terms(measure)
     }
 }

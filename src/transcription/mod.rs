@@ -1,6 +1,7 @@
 //! The transcription of a motion: quadrature, and the integrals of costs and the rows of constraints along a curve in a
 //! basis, with their derivatives in the coefficients.
 
+mod equality_gradients;
 mod grid;
 mod horizon;
 mod horizons;

@@ -29,11 +29,11 @@ pub struct Objective<'g, S: Scalar, P> {
     dof: usize,
     /// The factors from the time of the grid to time, and if they are unknown the first two derivatives of the
     /// coefficients in them.
-    horizons: Horizons<S>,
-    rates: Option<[DMatrix<S>; 2]>,
+    pub(super) horizons: Horizons<S>,
+    pub(super) rates: Option<[DMatrix<S>; 2]>,
     times: Vec<S>,
     /// $q, v, a$ at the points of a segment, one column each.
-    states: DMatrix<S>,
+    pub(super) states: DMatrix<S>,
     /// The derivatives of the higher orders of the cost at the points of a segment.
     higher: Vec<DMatrix<S>>,
     costs: Vec<S>,
@@ -285,7 +285,7 @@ impl<'g, S: Scalar, P: PointCost<S>> Objective<'g, S, P> {
     }
 
     /// Computes the curve at the points of segment `e`.
-    fn place(&mut self, coefficients: &DMatrix<S>, e: usize) {
+    pub(super) fn place(&mut self, coefficients: &DMatrix<S>, e: usize) {
         let (grid, first) = (&self.grid, self.grid.first(e));
         let part = self.horizons.part(e, grid.segments);
         let horizon = self.horizons.parts()[part];

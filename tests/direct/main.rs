@@ -37,6 +37,7 @@ mod linalg {
 
 #[path = "../transcription"]
 mod transcription {
+    mod equality_gradients;
     mod horizons;
     mod objective;
     mod proximity_cache;

@@ -19,6 +19,7 @@ mod certify {
 
 #[path = "../linalg"]
 mod linalg {
+    mod block_indefinite;
     mod indefinite;
     mod ldlt;
     mod matmul;

@@ -20,11 +20,11 @@ proptest! {
         }
         let eigenvalues = matrix.clone().symmetric_eigenvalues();
         prop_assume!(eigenvalues.iter().all(|value| value.abs() > 1e-6));
-        let factor = Indefinite::new(&matrix.lower_triangle());
+        let factor = Indefinite::new(matrix.lower_triangle());
         let negative = eigenvalues.iter().filter(|value| **value < 0.0).count();
         prop_assert_eq!(factor.inertia(), [n - negative, negative, 0]);
         let mut solution = DVector::from_column_slice(&b[..n]);
-        factor.solve(&mut solution);
+        factor.solve(solution.as_mut_slice());
         assert_close!(&(matrix * solution), &b[..n], 1e-7);
     }
 }
@@ -32,7 +32,7 @@ proptest! {
 /// Zeros and numbers that are not finite are neither positive nor negative.
 #[test]
 fn neither_positive_nor_negative() {
-    assert_eq!(Indefinite::new(&DMatrix::zeros(3, 3)).inertia(), [0, 0, 3]);
-    let [positive, negative, other] = Indefinite::new(&DMatrix::from_element(2, 2, f64::NAN)).inertia();
+    assert_eq!(Indefinite::new(DMatrix::zeros(3, 3)).inertia(), [0, 0, 3]);
+    let [positive, negative, other] = Indefinite::new(DMatrix::from_element(2, 2, f64::NAN)).inertia();
     assert_eq!([positive, negative, other], [0, 0, 2]);
 }

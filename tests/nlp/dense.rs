@@ -180,7 +180,12 @@ impl Nlp for Dense {
         }
         for equality in &iterate.equalities {
             let row = &equality.row;
-            add(row, iterate.equality_term(equality, h[row.at]));
+            add(row, equality.term(h[row.at]));
+        }
+        let Kkt { hessian: blocks, equalities, .. } = out;
+        equalities.clear();
+        for equality in &iterate.equalities {
+            equalities.push(blocks, 0, &all[1 + equality.row.at].0);
         }
         out.gradient = gradient;
         out.hessian.matrix.diagonal[0] = hessian;
@@ -191,9 +196,8 @@ impl Nlp for Dense {
         self.measure
     }
 
-    fn equalities(&self, density: f64) -> Vec<Equality> {
-        let of = |row| Equality { row, first: density, penalty: density, multiplier: 0.0, estimate: 0.0 };
-        self.all_rows(true).map(of).collect()
+    fn equalities(&self) -> Vec<Equality> {
+        self.all_rows(true).map(Equality::new).collect()
     }
 
     fn working_set(&mut self, _: &[f64], rows: &mut Vec<Row>) {

@@ -93,7 +93,7 @@ proptest! {
         let [own, condensed] = iterate.bend(&iterate.working[0], &step, change);
         let term = iterate.term(&iterate.working[0], h);
         let value = nu * t + of_slack * s - mu * (s.ln() + t.ln());
-        assert_close!(&[term.cost, iterate.barrier_terms(&[0.0], |_| 1.0)], &[value; 2], 1e-12);
+        assert_close!(&[term.cost, iterate.barrier_terms(|_| 1.0)], &[value; 2], 1e-12);
         let found = term.slope * change + condensed - own;
         let size = 1.0 + own + nu * (step.slack.abs() + step.elastic.abs());
         prop_assert!((found - exact).abs() <= 1e-9 * size, "{found} {exact}");
@@ -309,7 +309,7 @@ fn a_hard_row_is_not_elastic() {
     let mut after = state.take(&step, 1.0, 0.9);
     after.meet(-0.1);
     assert_close!(&[after.slack, after.elastic, after.multiplier], &[0.1, 0.0, 7.5e-3], 1e-15);
-    assert_close!(&[iterate.barrier_terms(&[0.0], |_| 1.0)], &[-1e-3 * f64::ln(0.2)], 1e-15);
+    assert_close!(&[iterate.barrier_terms(|_| 1.0)], &[-1e-3 * f64::ln(0.2)], 1e-15);
     let state = barrier.central(Row { is_hard: true, ..ROW }, 0.5, 1.0);
     assert_close!(&[state.slack, state.elastic, state.multiplier], &[0.01, 0.51, 0.1], 1e-15);
     let step = iterate.step(&state, 0.5, -0.8);
@@ -329,27 +329,17 @@ fn penalties_steer() {
     }
 }
 
-/// The terms of an equality are those of $\lambda h + \rho h^2 / 2$, with its estimate as weight of second derivatives,
-/// and an update moves multiplier and estimate to the slope. The penalty grows unless the equality has shrunk to a
-/// quarter or is accepted; another working set of inequalities changes neither.
+/// The terms of an equality are those of the Lagrangian, which the barrier function does not have; another working set
+/// of inequalities does not change its multiplier.
 #[test]
-fn equalities_have_the_terms_of_an_augmented_lagrangian() {
-    let (row, penalty, h) = (Row::new(1, 0.5), 8.0, 0.25);
-    let equality = Equality { row, first: penalty, penalty, multiplier: 0.0, estimate: 0.0 };
-    let mut iterate = Iterate::new(Barrier { mu: 1e-3, nu: 1.0 }, vec![equality]);
+fn equalities_have_the_terms_of_the_lagrangian() {
+    let h = 0.25;
+    let mut iterate = Iterate::new(Barrier { mu: 1e-3, nu: 1.0 }, vec![Equality::new(Row::new(1, 0.5))]);
     iterate.set_multipliers(&[0.0, -3.0], &[0.0, h], &Options::default());
-    let term = iterate.equality_term(&iterate.equalities[0], h);
-    assert_eq!([term.cost, term.slope, term.multiplier, term.curvature], [-0.5, -1.0, -3.0, 8.0]);
-    assert_eq!(iterate.barrier_terms(&[0.0, h], |_| 1.0), -0.25);
-    let measure = |row| if row == 1 { 3.0 } else { 1.0 };
-    assert_eq!(iterate.barrier_terms(&[0.0, h], measure), -0.75);
-    // The first update has nothing to compare with.
-    iterate.update_equalities(&[0.0, h], 10.0, 100.0, 1e-6);
-    assert_eq!((iterate.equalities[0].multiplier, iterate.equalities[0].penalty), (-1.0, 8.0));
+    let term = iterate.equalities[0].term(h);
+    assert_eq!([term.cost, term.slope, term.multiplier, term.curvature], [-0.75, -3.0, -3.0, 0.0]);
+    assert_eq!(iterate.lagrangian_terms(&[0.0, h], 2.0), -0.75);
+    assert_eq!(iterate.barrier_terms(|_| 1.0), 0.0);
     iterate.set_working(&[ROW], &[-0.3, h]);
-    assert_eq!((iterate.equalities[0].multiplier, iterate.equalities[0].penalty), (-1.0, 8.0));
-    for (h, expected) in [(0.05, 8.0), (0.04, 80.0), (1e-6, 80.0), (1e-6, 80.0), (0.04, 100.0)] {
-        iterate.update_equalities(&[0.0, h], 10.0, 100.0, 1e-6);
-        assert_eq!(iterate.equalities[0].penalty, expected, "{h}");
-    }
+    assert_eq!(iterate.equalities[0].multiplier, -3.0);
 }

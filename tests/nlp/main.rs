@@ -9,6 +9,7 @@ mod dense;
 mod filter;
 mod iterate;
 mod kkt;
+mod leave_saddle;
 mod line_search;
 mod options;
 mod problems;

@@ -258,20 +258,6 @@ fn margins_that_swing() {
     assert!(rounds.last().is_some_and(|last| *last <= 8), "{rounds:?}");
 }
 
-/// $(x^2 - 1)^2 + y^2 + 1$, which has a saddle at 0.
-pub fn two_wells(x: &[HyperDual64]) -> Functions {
-    let well = x[0] * x[0] - 1.0;
-    (well * well + x[1] * x[1] + 1.0, Vec::new())
-}
-
-/// A search that starts at a saddle ends at a minimum.
-#[test]
-fn a_saddle_is_no_minimum() {
-    let end = Dense::new(two_wells, &[0.0, 0.0], 0, 0).solve(&accurate());
-    assert_eq!(end.status, Status::Converged);
-    assert_near("two wells", &[end.x[0].abs(), end.x[1]], &[1.0, 0.0], 1e-6);
-}
-
 /// Without rows the method is Newton's: one step and a test for a quadratic function.
 #[test]
 fn a_quadratic_function_takes_one_step() {

@@ -83,21 +83,13 @@ fn unstretch(path: &mut Path, horizons: &Horizons<f64>) {
 }
 
 /// Multipliers of all rows at given normalised times, with which a search can begin.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Multipliers {
     pub(crate) times: Vec<f64>,
     /// The multipliers, row by row for each time.
     pub(crate) values: Vec<f64>,
     /// The multipliers of the rows of waypoints and of a goal.
     pub(crate) of_points: Vec<f64>,
-    /// The penalties of the squares of equalities at the end of the search, relative to the first ones.
-    pub equality_penalty: f64,
-}
-
-impl Default for Multipliers {
-    fn default() -> Self {
-        Self { times: Vec::new(), values: Vec::new(), of_points: Vec::new(), equality_penalty: 1.0 }
-    }
 }
 
 impl Candidate {
@@ -193,7 +185,7 @@ impl Multipliers {
             }
             values[at * rows + row] = *value;
         }
-        Ok(Self { times, values, of_points, ..Self::default() })
+        Ok(Self { times, values, of_points })
     }
 
     /// The normalised times.
@@ -274,7 +266,6 @@ impl Multipliers {
         self.times.clone_from(&from.times);
         self.values.clone_from(&from.values);
         self.of_points.clone_from(&from.of_points);
-        self.equality_penalty = from.equality_penalty;
     }
 
     /// Changes the times to those of the rest of a motion after this share of it, from 0 to less than 1.

@@ -5,9 +5,12 @@ use crate::constraint::Constraint;
 use crate::cost::CostWithControl;
 use crate::error::Result;
 use crate::linalg::BlockTridiagonal;
-use crate::nlp::{Bordered, Iterate, Memory, Nlp};
-use crate::transcription::Derivatives;
+use crate::nlp::{Bordered, Iterate, Kkt, Nlp};
 use nalgebra::DVector;
+
+/// The first shift of the curvature, and the change of its distance from the shift that counts as none.
+const FIRST_SHIFT: f64 = 0.1;
+const SETTLED: f64 = 1e-3;
 
 impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
     /// The norm of the gradient of the Lagrangian relative to the cost, dual to the norm of steps: the residual of the
@@ -36,35 +39,15 @@ impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
                 Some(period) => period.reduced(&full),
             }
         };
-        let Derivatives { hessian, metric, .. } = &*derivatives;
-        Ok(smallest(&of_unknowns(hessian), &of_unknowns(metric)))
+        let mut kkt = Kkt::with_norm(of_unknowns(&derivatives.metric));
+        kkt.hessian = of_unknowns(&derivatives.hessian);
+        let (own, border) = (unknowns.own(), unknowns.border());
+        let Kkt { hessian, equalities, .. } = &mut kkt;
+        self.equality_gradients(&mut |segment, gradient| {
+            // The curvature is that with this horizon and these times.
+            equalities.push(hessian, segment, &gradient.clone().remove_rows(own, border));
+        })?;
+        kkt.equalities.values = DVector::zeros(iterate.equalities.len());
+        Ok(kkt.smallest_curvature(FIRST_SHIFT, SETTLED).0)
     }
-}
-
-/// The smallest eigenvalue of the Hessian relative to the Gauss-Newton metric, by inverse iteration.
-fn smallest(hessian: &Bordered, metric: &Bordered) -> f64 {
-    let (mut factor, mut memory) = (hessian.clone(), Memory::new(hessian));
-    let mut shift: f64 = 0.0;
-    loop {
-        factor.set_sum(hessian, shift, metric);
-        if factor.factorise(&mut memory) || shift > 1e12 {
-            break;
-        }
-        shift = (4.0 * shift).max(0.1);
-    }
-    let mut x = DVector::from_fn(hessian.order(), |i, _| (1.0 + i as f64).sin());
-    let mut curvature = f64::INFINITY;
-    for _ in 0..100 {
-        let mut y = metric.product(&x);
-        factor.solve(&mut y);
-        let norm = y.dot(&metric.product(&y)).sqrt();
-        x = y / norm;
-        let now = x.dot(&hessian.product(&x));
-        let settled = (curvature - now).abs() <= 1e-3 * (now + shift).abs();
-        curvature = now;
-        if settled {
-            break;
-        }
-    }
-    curvature
 }

@@ -45,15 +45,20 @@ impl PeriodicEnds {
 
     /// Computes gradient and matrix in the unknowns.
     pub fn reduce(&self, out: &mut Kkt) {
+        out.gradient.copy_from(&self.reduced_gradient(&self.gradient));
+        self.reduce_matrix(&self.hessian, &mut out.hessian);
+    }
+
+    /// A gradient in the unknowns.
+    pub fn reduced_gradient(&self, full: &DVector<f64>) -> DVector<f64> {
         let (ends, border) = (self.count(), self.hessian.border.ncols());
         let own = self.hessian.matrix.order() - 2 * ends;
-        let (from, to) = (&self.gradient, &mut out.gradient);
-        let kept = from.rows(ends, own);
-        to.rows_mut(0, own).copy_from(&kept);
-        to.rows_mut(own, border).copy_from(&from.rows(own + 2 * ends, border));
-        let of_ends = self.collect(&from.as_slice()[..own + 2 * ends]);
+        let mut to = DVector::zeros(own + border + ends);
+        to.rows_mut(0, own).copy_from(&full.rows(ends, own));
+        to.rows_mut(own, border).copy_from(&full.rows(own + 2 * ends, border));
+        let of_ends = self.collect(&full.as_slice()[..own + 2 * ends]);
         to.rows_mut(own + border, ends).copy_from(&of_ends);
-        self.reduce_matrix(&self.hessian, &mut out.hessian);
+        to
     }
 
     /// A matrix in the unknowns.

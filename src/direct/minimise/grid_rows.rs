@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::motion::Problem;
 use crate::nlp::{Equality, Iterate, Row};
 use crate::transcription::{Grid, Horizons, Objective, Scan, ScanWorkspace};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
 /// The running cost and the rows at the points of the quadrature, with margins by which rows are larger near a point
@@ -119,8 +119,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> GridRows<'g, 'a, K, P> {
         for equality in held.filter(|held| held.row.at < all) {
             let at = equality.row.at;
             // Their rule has a small share of the quadrature.
-            let term = iterate.equality_term(equality, integrand.h[at]);
-            let term = term.times(1.0 / Grid::COLLOCATED);
+            let term = equality.term(integrand.h[at]).times(1.0 / Grid::COLLOCATED);
             integrand.terms[at / count].push((at % count, term));
         }
     }
@@ -141,9 +140,20 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> GridRows<'g, 'a, K, P> {
         self.working.list(&unknowns.grid, rows, unknowns.fixed_ends(), h, all);
     }
 
-    /// The equalities, with their first penalties for an objective of this density, `factor` times to begin with.
-    pub fn equalities(&self, grid: &Grid<f64>, search: &SearchOptions, factors: [f64; 2]) -> Vec<Equality> {
-        equalities(grid, &self.objective.cost().rows, search, factors)
+    /// The equalities.
+    pub fn equalities(&self, grid: &Grid<f64>) -> Vec<Equality> {
+        equalities(grid, &self.objective.cost().rows)
+    }
+
+    /// Calls a function for each equality, in the order of their rows, with its segment, its gradient in the unknown
+    /// coefficients, and its derivative in the horizon of the part of the segment.
+    pub fn equality_gradients(
+        &mut self,
+        unknowns: &Unknowns,
+        each: &mut dyn FnMut(usize, &DVector<f64>, f64),
+    ) -> Result<()> {
+        let at_points = |integrand: &mut Integrand<'a, K, P>, states: &_| integrand.rows.equality_gradients(states);
+        self.objective.equality_gradients(&unknowns.coefficients, at_points, each)
     }
 
     /// Finds the local maxima of the rows between the points above `floor`; returns the largest violation between and

@@ -41,7 +41,7 @@ use crate::cost::check_integral;
 use crate::curve::Basis;
 use crate::error::{Error, Result};
 use crate::motion::{Problem, Watch, passive_share};
-use crate::nlp::{Equality, Options, Progress, Solution, Status, solve};
+use crate::nlp::{Options, Progress, Solution, Status, solve};
 use crate::transcription::{Grid, Grids, Rows};
 use program::Program;
 use std::sync::Arc;
@@ -166,9 +166,6 @@ fn take_end<K: Constraint, P: CostWithControl>(
     let (rows, settings) = (context.rows, context.settings);
     let mut violation = program.violation(&end.x)?;
     program.put_all_multipliers(&end.iterate, candidate);
-    if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
-        candidate.multipliers.equality_penalty = penalty / first;
-    }
     candidate.converged = end.status == Status::Converged && program.finer.cost[1] <= stage.quadrature_tolerance;
     let mut x = end.x.clone();
     while stage.last && violation > stage.feasible {

@@ -10,9 +10,6 @@ use crate::nlp::Term;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// The least norm of the rows of a goal or of a waypoint at the start by which their penalty is scaled, in m and rad.
-const MIN_OFF: f64 = 0.01;
-
 /// The rows of constraints on the configuration at one time, equalities on single entries of it or of the slope, and
 /// rates of equalities, divided by their scales. They follow those of the points of the quadrature.
 pub(super) struct PointRows<'g> {
@@ -35,8 +32,6 @@ pub(super) struct PointRows<'g> {
     is_idle: bool,
     /// True for each equality.
     pub equalities: Vec<bool>,
-    /// The factor of the first penalty of equalities.
-    pub stiffness: f64,
     /// The values at the last evaluation.
     pub h: Vec<f64>,
     /// The state of the last evaluation, at rest.
@@ -53,6 +48,17 @@ pub(super) struct PointDerivatives {
     pub of_multipliers: DVector<f64>,
     /// The Hessian, `2 N` by `2 N`.
     pub hessian: DMatrix<f64>,
+}
+
+impl PointDerivatives {
+    /// Zeros for `n` joints.
+    fn new(n: usize) -> Self {
+        Self {
+            gradient: DVector::zeros(2 * n),
+            of_multipliers: DVector::zeros(2 * n),
+            hessian: DMatrix::zeros(2 * n, 2 * n),
+        }
+    }
 }
 
 impl<'g> PointRows<'g> {
@@ -85,7 +91,6 @@ impl<'g> PointRows<'g> {
             time_s: None,
             rate: 0.0,
             is_idle: false,
-            stiffness: 1.0,
             first,
         }
     }
@@ -122,24 +127,6 @@ impl<'g> PointRows<'g> {
     /// The indices of the rows among all.
     pub fn range(&self) -> Range<usize> {
         self.first..self.first + self.h.len()
-    }
-
-    /// The first penalties of equalities by the indices of their rows; `first` is that of rows which are one at the
-    /// start.
-    pub fn penalties(&self, first: f64) -> impl Iterator<Item = (usize, f64)> {
-        let rows = self.range().zip(&self.equalities);
-        let held = rows.filter(|(_, held)| **held);
-        held.map(move |(at, _)| (at, self.stiffness * first))
-    }
-
-    /// Makes the penalty of equalities stiffer if the start of the motion nearly keeps them: on a free horizon a motion
-    /// that stays there in no time costs nothing but this penalty, which is the square of little.
-    pub fn stiffen(&mut self, start: &Place) -> Result<()> {
-        self.evaluate(start)?;
-        let held = self.h.iter().zip(&self.equalities).filter(|(_, held)| **held);
-        let off: f64 = held.map(|(h, _)| h * h).sum();
-        self.stiffness = off.clamp(MIN_OFF.powi(2), 1.0).recip();
-        Ok(())
     }
 
     /// Computes the rows at a place of a curve.
@@ -189,11 +176,7 @@ impl<'g> PointRows<'g> {
     pub fn derivatives(&mut self, terms: impl Iterator<Item = (usize, Term)>) -> Result<PointDerivatives> {
         let (rows, n) = (self.scales.len(), self.state.len() / 2);
         let [mut slopes, mut multipliers, mut curvatures] = [(); 3].map(|()| vec![0.0; rows]);
-        let mut out = PointDerivatives {
-            gradient: DVector::zeros(2 * n),
-            of_multipliers: DVector::zeros(2 * n),
-            hessian: DMatrix::zeros(2 * n, 2 * n),
-        };
+        let mut out = PointDerivatives::new(n);
         let mut of_rates = Vec::new();
         let first_linear = self.h.len() - self.linear.len();
         for (at, term) in terms {
@@ -229,6 +212,29 @@ impl<'g> PointRows<'g> {
         }
         self.rates.add(&of_rates, &mut out)?;
         Ok(out)
+    }
+
+    /// The gradient of a row in configuration and slope at the last evaluation, given its index among all rows.
+    pub fn gradient(&mut self, at: usize) -> Result<DVector<f64>> {
+        let (row, n) = (at - self.first, self.state.len() / 2);
+        let mut out = PointDerivatives::new(n);
+        if let Some(row) = row.checked_sub(self.scales.len()) {
+            match self.given.get(row) {
+                Some((entry, _)) => out.gradient[*entry] = 1.0,
+                None => {
+                    let term = Term { slope: 1.0, curvature: 0.0, multiplier: 0.0, cost: 0.0 };
+                    self.rates.add(&[(row - self.given.len(), term)], &mut out)?;
+                }
+            }
+            return Ok(out.gradient);
+        }
+        let mut slopes = vec![0.0; self.scales.len()];
+        slopes[row] = self.scales[row];
+        let weights = Weights { first_order: &slopes, gauss_newton: None };
+        let found = self.evaluator.weighted_derivatives_at(&self.state, (self.constraints, None), weights)?;
+        out.gradient.copy_from(&found.gradient().rows(0, 2 * n));
+        out.gradient.rows_mut(n, n).scale_mut(self.rate);
+        Ok(out.gradient)
     }
 
     /// Adds the derivatives of the rows of the constraints with these slopes, multipliers and curvatures.

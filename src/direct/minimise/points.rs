@@ -5,13 +5,16 @@ use super::point_rows::{PointDerivatives, PointRows};
 use super::unknowns::Unknowns;
 use super::windows::Window;
 use crate::constraint::AnyConstraint;
-use crate::direct::{SearchOptions, Waypoint};
+use crate::direct::Waypoint;
 use crate::error::Result;
 use crate::linalg::BlockTridiagonal;
 use crate::model::Model;
 use crate::nlp::{Equality, Iterate, Kkt, Row};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
+
+/// An unknown of the border, with derivatives in it.
+type Moving = (usize, DVector<f64>);
 
 /// The rows of waypoints, of a goal, of windows and beside ends at a bound, with their margins. They follow those of
 /// the points of the quadrature.
@@ -56,17 +59,6 @@ impl<'g> PointBlock<'g> {
         }
     }
 
-    /// Scales the penalties of a goal and of waypoints on a free horizon by their distance from the start.
-    pub fn stiffen(&mut self, unknowns: &Unknowns) -> Result<()> {
-        if unknowns.free.is_whole(&unknowns.horizons) {
-            let start = Place::new(&unknowns.basis, &unknowns.coefficients, 0.0, &unknowns.horizons);
-            for rows in &mut self.rows {
-                rows.stiffen(&start)?;
-            }
-        }
-        Ok(())
-    }
-
     /// The indices of the rows among all.
     pub fn range(&self) -> Range<usize> {
         self.first..self.first + self.margins.len()
@@ -79,11 +71,15 @@ impl<'g> PointBlock<'g> {
         rows.filter_map(|(at, held)| (!held).then_some(at))
     }
 
-    /// The equalities, with their first penalties for an objective of this density, `factor` times to begin with.
-    pub fn equalities(&self, search: &SearchOptions, [density, factor]: [f64; 2]) -> impl Iterator<Item = Equality> {
-        let first = search.point_penalty * density;
-        let all = self.rows.iter().flat_map(move |rows| rows.penalties(first));
-        all.map(move |(at, first)| Equality::new(Row::new(at, 1.0), first, factor))
+    /// The indices of the equalities among all rows.
+    fn held(&self) -> impl Iterator<Item = usize> {
+        let held = self.rows.iter().flat_map(|rows| &rows.equalities);
+        self.range().zip(held).filter_map(|(at, held)| held.then_some(at))
+    }
+
+    /// The equalities.
+    pub fn equalities(&self) -> impl Iterator<Item = Equality> {
+        self.held().map(|at| Equality::new(Row::new(at, 1.0)))
     }
 
     /// The values of the rows with their margins.
@@ -143,7 +139,7 @@ impl<'g> PointBlock<'g> {
             let own = self.rows[point].range();
             let value = |at: usize| self.rows[point].h[at - own.start] + self.margins[at - self.first];
             let held = iterate.equalities.iter().filter(|of| own.contains(&of.row.at));
-            let held = held.map(|of| (of.row, iterate.equality_term(of, value(of.row.at))));
+            let held = held.map(|of| (of.row, of.term(value(of.row.at))));
             let near = iterate.working.iter().filter(|of| own.contains(&of.row.at));
             let near = near.map(|of| (of.row, iterate.term(of, value(of.row.at))));
             let terms = held.chain(near);
@@ -191,6 +187,51 @@ impl<'g> PointBlock<'g> {
         }
     }
 
+    /// The unknowns of the border on which the rows of a point depend, the horizon and the time of a waypoint, with the
+    /// derivatives of configuration and slope in them.
+    fn moving(&self, point: usize, unknowns: &Unknowns, place: &Place, rates: &DMatrix<f64>) -> [Option<Moving>; 2] {
+        let part = unknowns.horizons.part(place.segment, unknowns.grid.segments);
+        let mut parts = unknowns.free.parts.iter();
+        let horizon = parts.position(|(of, _)| *of == part);
+        let by_horizon = || match self.rows[point].time_s {
+            Some(time) => InHorizon::new(place, rates, time).first,
+            None => pair(rates, 0),
+        };
+        let in_time = unknowns.unknown_time(point).map(|k| (k, pair(&place.q, 1)));
+        [horizon.map(|k| (k, by_horizon())), in_time]
+    }
+
+    /// Calls a function for each equality, in the order of their rows, with its segment and its gradient in all unknown
+    /// coefficients and the border.
+    pub fn equality_gradients(
+        &mut self,
+        unknowns: &Unknowns,
+        each: &mut dyn FnMut(usize, &DVector<f64>),
+    ) -> Result<()> {
+        if self.held().next().is_none() {
+            return Ok(());
+        }
+        let grid = &unknowns.grid;
+        let own = grid.free.len() * unknowns.coefficients.nrows();
+        let mut gradient = DVector::zeros(own + unknowns.border());
+        for point in 0..self.rows.len() {
+            let place = self.place(point, unknowns, &unknowns.coefficients);
+            let rates = self.rates(point, unknowns, &place);
+            let own_rows = self.rows[point].range();
+            let held: Vec<_> = self.held().filter(|row| own_rows.contains(row)).collect();
+            for row in held {
+                let of = self.rows[point].gradient(row)?;
+                gradient.fill(0.0);
+                place.scatter(grid, &of, 0, 1.0, gradient.as_mut_slice());
+                for (k, by) in self.moving(point, unknowns, &place, &rates).iter().flatten() {
+                    gradient[own + k] = of.dot(by);
+                }
+                each(place.segment, &gradient);
+            }
+        }
+        Ok(())
+    }
+
     /// Adds the derivatives of the rows of a point in the unknowns of the border.
     ///
     /// The configuration $q = \sum_m \phi_m(\tau) c_m$ and its slope are bilinear in functions and coefficients: their
@@ -199,19 +240,9 @@ impl<'g> PointBlock<'g> {
     fn add_border(&self, point: usize, unknowns: &Unknowns, (place, of): (&Place, &PointDerivatives), out: &mut Kkt) {
         let (grid, measure) = (&unknowns.grid, self.measure);
         let own = out.gradient.len() - unknowns.border();
-        let part = unknowns.horizons.part(place.segment, grid.segments);
-        let mut parts = unknowns.free.parts.iter();
-        let horizon = parts.position(|(of, _)| *of == part);
         let rates = self.rates(point, unknowns, place);
-        // The unknown, with the derivatives of configuration and slope in it.
-        let time_s = self.rows[point].time_s;
-        let at_time = time_s.map(|time| InHorizon::new(place, &rates, time));
-        let in_horizon = horizon.map(|k| match &at_time {
-            Some(at) => (k, at.first.clone()),
-            None => (k, pair(&rates, 0)),
-        });
-        let in_time = unknowns.unknown_time(point);
-        let in_time = in_time.map(|k| (k, pair(&place.q, 1)));
+        let at_time = self.rows[point].time_s.map(|time| InHorizon::new(place, &rates, time));
+        let [in_horizon, in_time] = self.moving(point, unknowns, place, &rates);
         let Kkt { gradient, hessian, .. } = out;
         for (k, by) in in_horizon.iter().chain(&in_time) {
             gradient[own + k] += measure * of.gradient.dot(by);

@@ -31,8 +31,6 @@ pub(in crate::direct) struct Program<'g, 'a: 'g, K, P> {
     multipliers: Vec<f64>,
     pub(super) stage: Stage,
     pub(super) search: SearchOptions,
-    /// The penalties of equalities to begin with, relative to those without a search before.
-    equality_penalty: f64,
     /// Unknowns that appeared to satisfy the constraints, the last one last.
     pub feasible_iterates: Vec<DVector<f64>>,
     watch: Watch,
@@ -59,7 +57,6 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             multipliers: Vec::new(),
             stage,
             search: context.settings.search.clone(),
-            equality_penalty: 1.0,
             feasible_iterates: Vec::new(),
             watch: context.watch.clone(),
             unknowns,
@@ -83,12 +80,10 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         let unknown = unknown.enumerate().filter(|(_, unknown)| *unknown);
         unknowns.moving = unknown.map(|(k, _)| k).collect();
         points.add_windows(rows.model, &rows.constraints, unknowns);
-        points.stiffen(unknowns)?;
         unknowns.period = settings.period.as_ref().map(|period| {
             let matrix = derivatives.hessian.clone();
             PeriodicEnds::new(period.clone(), Bordered::with_border(matrix, unknowns.border()))
         });
-        program.equality_penalty = candidate.multipliers.equality_penalty;
         let x = program.unknowns.vector(candidate);
         program.set_first_margins(&x)?;
         if settings.start_is_minimum && stage.0.last {
@@ -214,6 +209,28 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     }
 }
 
+impl<K: Constraint, P: CostWithControl> Program<'_, '_, K, P> {
+    /// Calls a function for each equality, in the order of their rows, with its segment and its gradient in all
+    /// unknowns.
+    pub(super) fn equality_gradients(&mut self, each: &mut dyn FnMut(usize, &DVector<f64>)) -> Result<()> {
+        let Self { unknowns, grid_rows, points, .. } = self;
+        let (unknowns, own) = (&*unknowns, unknowns.grid.free.len() * unknowns.coefficients.nrows());
+        let mut reduced = |segment, gradient: &DVector<f64>| match &unknowns.period {
+            None => each(segment, gradient),
+            Some(period) => each(segment, &period.reduced_gradient(gradient)),
+        };
+        grid_rows.equality_gradients(unknowns, &mut |segment, by_coefficients, by_horizon| {
+            let part = unknowns.horizons.part(segment, unknowns.grid.segments);
+            let mut gradient = by_coefficients.clone().resize_vertically(own + unknowns.border(), 0.0);
+            if let Some(k) = unknowns.free.parts.iter().position(|(of, _)| *of == part) {
+                gradient[own + k] = by_horizon;
+            }
+            reduced(segment, &gradient);
+        })?;
+        points.equality_gradients(unknowns, &mut reduced)
+    }
+}
+
 impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
     fn value(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
         self.place(x);
@@ -232,15 +249,20 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
 
     fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
         self.place(x);
-        let Some(mut period) = self.unknowns.period.take() else {
-            return self.derivatives_here(iterate, out);
-        };
-        period.exchange(out);
-        let found = self.derivatives_here(iterate, out);
-        period.exchange(out);
-        period.reduce(out);
-        self.unknowns.period = Some(period);
-        found
+        match self.unknowns.period.take() {
+            None => self.derivatives_here(iterate, out)?,
+            Some(mut period) => {
+                period.exchange(out);
+                let found = self.derivatives_here(iterate, out);
+                period.exchange(out);
+                period.reduce(out);
+                self.unknowns.period = Some(period);
+                found?;
+            }
+        }
+        let Kkt { hessian, equalities, .. } = out;
+        equalities.clear();
+        self.equality_gradients(&mut |segment, gradient| equalities.push(hessian, segment, gradient))
     }
 
     fn measure(&self, x: &DVector<f64>) -> f64 {
@@ -264,10 +286,9 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
         self.unknowns.max_step_fraction(x, step)
     }
 
-    fn equalities(&self, density: f64) -> Vec<Equality> {
-        let factors = [density, self.equality_penalty];
-        let mut all = self.grid_rows.equalities(&self.unknowns.grid, &self.search, factors);
-        all.extend(self.points.equalities(&self.search, factors));
+    fn equalities(&self) -> Vec<Equality> {
+        let mut all = self.grid_rows.equalities(&self.unknowns.grid);
+        all.extend(self.points.equalities());
         all
     }
 

@@ -145,7 +145,7 @@ impl<'a, K: Constraint, P: CostWithControl> RealTime<'a, K, P> {
             // With the barrier of the search and the best slacks.
             other.iterate.restart(barrier, Vec::new());
             other.iterate.set_working(rows, h);
-            *f += other.iterate.barrier_terms(h, |row| program.row_measure(x, row));
+            *f += other.iterate.barrier_terms(|row| program.row_measure(x, row));
         }
         program.put(&state.x, candidate);
         Ok(Iterations { count, converged, gain: (before - after) / state.scale() })

@@ -166,28 +166,14 @@ impl WorkingSet {
     }
 }
 
-/// The equalities at the collocated points, with their first penalties for an objective of this density; `factor`
-/// times these to begin with.
-pub(crate) fn equalities<K: Constraint, P: CostWithControl>(
-    grid: &Grid<f64>,
-    rows: &Rows<'_, K, P>,
-    search: &SearchOptions,
-    [density, factor]: [f64; 2],
-) -> Vec<Equality> {
+/// The equalities at the collocated points.
+pub(crate) fn equalities<K: Constraint, P: CostWithControl>(grid: &Grid<f64>, rows: &Rows<'_, K, P>) -> Vec<Equality> {
     let (count, mut all) = (rows.count(), Vec::new());
     let held = rows.attributes().equalities.iter().enumerate();
     let held: Vec<usize> = held.filter_map(|(row, held)| held.then_some(row)).collect();
     for g in (0..grid.times.len()).filter(|g| grid.collocated[g % grid.points()]) {
         let weight = grid.weights[g % grid.points()] / Grid::COLLOCATED;
-        all.extend(held.iter().map(|row| {
-            let first = if rows.constraints.is_passive(*row) {
-                search.motor_penalty
-            } else {
-                search.equality_penalty * density
-            };
-            let at = g * count + row;
-            Equality::new(Row::new(at, weight), first, factor)
-        }));
+        all.extend(held.iter().map(|row| Equality::new(Row::new(g * count + row, weight))));
     }
     all
 }

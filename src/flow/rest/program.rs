@@ -39,8 +39,6 @@ pub(super) struct Program<'g, 'a, K, P> {
     stage: Stage,
     /// True if the number of points may increase.
     refinable: bool,
-    /// The penalties of equalities to begin with, relative to those without a search before.
-    pub equality_penalty: f64,
 }
 
 impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
@@ -73,7 +71,6 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
             search,
             stage,
             refinable,
-            equality_penalty: 1.0,
         };
         program.finer.set_horizon(problem.horizon());
         program
@@ -86,7 +83,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         let held = iterate.equalities.iter();
         let terms = held.map(|held| {
             let Row { at, weight, .. } = held.row;
-            weight * iterate.equality_term(held, h[at]).cost
+            weight * held.term(h[at]).cost
         });
         Ok(action + self.problem.horizon() * terms.sum::<f64>())
     }
@@ -106,8 +103,7 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
         for equality in &iterate.equalities {
             let at = equality.row.at;
             // Their rule has a small share of the quadrature.
-            let term = iterate.equality_term(equality, integrand.h[at]);
-            let term = term.times(1.0 / Grid::COLLOCATED);
+            let term = equality.term(integrand.h[at]).times(1.0 / Grid::COLLOCATED);
             integrand.terms[at / count].push((at % count, term));
         }
     }
@@ -219,6 +215,31 @@ impl<'g, 'a, K: Constraint, P: CostWithControl> Program<'g, 'a, K, P> {
     }
 }
 
+/// The gradients of the equalities in the state and its rates at points; see [`Rows::equality_gradients`].
+fn equality_gradients<K: Constraint, P: CostWithControl>(
+    lagrangian: &mut WithSlip<Integrand<'_, K, P>>,
+    states: &DMatrix<f64>,
+) -> Result<Vec<DMatrix<f64>>> {
+    let (n, columns) = (states.nrows() / 2, states.ncols());
+    // The places of q, v and a in the state and its rates.
+    let place = |i: usize, column: usize| match column % 3 {
+        0 => (i, column),
+        _ => (n + i, column - 1),
+    };
+    let own = DMatrix::from_fn(n, columns, |i, column| states[place(i, column)]);
+    let all = lagrangian.cost.rows.equality_gradients(&own)?;
+    let in_states = all.into_iter().map(|of| {
+        let mut gradients = DMatrix::zeros(2 * n, columns);
+        for column in 0..columns {
+            for i in 0..n {
+                gradients[place(i, column)] = of[(i, column)];
+            }
+        }
+        gradients
+    });
+    Ok(in_states.collect())
+}
+
 impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
     fn value(&mut self, x: &DVector<f64>, h: &mut Vec<f64>) -> Result<f64> {
         self.free.place(x);
@@ -233,17 +254,21 @@ impl<K: Constraint, P: CostWithControl> Nlp for Program<'_, '_, K, P> {
     fn derivatives(&mut self, x: &DVector<f64>, iterate: &Iterate, out: &mut Kkt) -> Result<()> {
         self.free.place(x);
         self.set_terms(iterate);
-        self.free.derive(out)
+        self.free.derive(out)?;
+        let Kkt { hessian, equalities, .. } = out;
+        equalities.clear();
+        let Free { objective, path, .. } = &mut self.free;
+        objective.equality_gradients(&path.coefficients, equality_gradients, &mut |segment, gradient, _| {
+            equalities.push(hessian, segment, gradient);
+        })
     }
 
     fn measure(&self, _: &DVector<f64>) -> f64 {
         self.problem.horizon()
     }
 
-    fn equalities(&self, density: f64) -> Vec<Equality> {
-        let rows = &self.free.objective.cost().cost.rows;
-        let factors = [density, self.equality_penalty];
-        equalities(self.free.grid, rows, self.search, factors)
+    fn equalities(&self) -> Vec<Equality> {
+        equalities(self.free.grid, &self.free.objective.cost().cost.rows)
     }
 
     fn working_set(&mut self, h: &[f64], all: &mut Vec<Row>) {

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::flow::weak::{Norm, RestMetric};
 use crate::flow::{ActuationMetric, Metric};
 use crate::motion::{Path, Problem, Watch, passive_share};
-use crate::nlp::{Bordered, Equality, Kkt, Options, Progress, Solution, Status, solve};
+use crate::nlp::{Bordered, Kkt, Options, Progress, Solution, Status, solve};
 use crate::transcription::{Derivatives, Grid, Grids, Objective, Rows};
 use nalgebra::DMatrix;
 use std::collections::VecDeque;
@@ -150,7 +150,6 @@ impl<K: Constraint, P: CostWithControl> Shared<'_, '_, K, P> {
         {
             *program.slip_multipliers() = DMatrix::from_vec(n, grid.times.len(), known);
         }
-        program.equality_penalty = of_rows.equality_penalty;
         let norm = Norm {
             model: problem.model(),
             kind: settings.metric,
@@ -209,9 +208,6 @@ impl Walk {
         let of_rows = end.iterate.multipliers(grid.times.len() * rows.count());
         let mut multipliers = Multipliers::default();
         multipliers.put(grid, rows, &of_rows);
-        if let Some(Equality { penalty, first, .. }) = end.iterate.equalities.first() {
-            multipliers.equality_penalty = penalty / first;
-        }
         self.multipliers = [multipliers, Multipliers { times, values: of_slips, ..Multipliers::default() }];
         self.exact = program.exact;
         let found = &mut self.found;

@@ -4,7 +4,7 @@ use crate::results::summary::{DirectDetails, LastSearch, Verdict};
 use crate::solve::search::Search;
 use crate::{Details, DirectOptions, Preset, Solved};
 use aghf::direct::{DirectSettings, FreeHorizon, Multipliers, SequenceOptions};
-use aghf::error::{Error, Result, check_positive};
+use aghf::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
 /// The share of the largest multiplier below which others are not written: those of rows far from their bounds, which
@@ -23,14 +23,6 @@ pub struct MultipliersFile {
     entries: Vec<(usize, usize, f64)>,
     /// Those of the rows of a goal.
     of_points: Vec<f64>,
-    /// The penalties of the squares of equalities, relative to the first ones.
-    #[serde(default = "first_penalty")]
-    equality_penalty: f64,
-}
-
-/// The first penalties of equalities, relative to themselves.
-fn first_penalty() -> f64 {
-    1.0
 }
 
 impl MultipliersFile {
@@ -42,7 +34,6 @@ impl MultipliersFile {
             rows: multipliers.rows(),
             entries,
             of_points: multipliers.of_points().to_vec(),
-            equality_penalty: multipliers.equality_penalty,
         })
     }
 }
@@ -71,9 +62,7 @@ pub(crate) fn start_from(start: &Solved, options: &DirectOptions, search: &mut S
     let kept = match details.and_then(|details| details.multipliers.as_ref()) {
         Some(of) if of.rows == rows => {
             let known = Multipliers::of_entries(of.times.clone(), rows, &of.entries, of.of_points.clone());
-            let mut known = known.map_err(|e| Error::input("start", "multipliers", e.to_string()))?;
-            check_positive("start", "multipliers.equality_penalty", of.equality_penalty)?;
-            known.equality_penalty = of.equality_penalty;
+            let known = known.map_err(|e| Error::input("start", "multipliers", e.to_string()))?;
             search.settings.multipliers = Some(known);
             search.settings.start_is_minimum = true;
             "with its multipliers"
