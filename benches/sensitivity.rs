@@ -117,7 +117,7 @@ fn options() -> Vec<(&'static str, Change)> {
     let rules: [(_, Change); 4] = [
         ("barrier.factor", |settings, by| monotone(settings, |rule| fraction(&mut rule.factor, by))),
         ("barrier.power", |settings, by| monotone(settings, |rule| factor(&mut rule.power, by))),
-        ("barrier.done", |settings, by| monotone(settings, |rule| scaled(&mut rule.done, by))),
+        ("barrier.done", |settings, by| monotone(settings, |rule| both(&mut rule.done, by))),
         ("barrier.stalled", |settings, by| monotone(settings, |rule| count(&mut rule.stalled, by))),
     ];
     all.extend(rules);

@@ -29,6 +29,8 @@ pub struct BarrierState {
     pub decrease: f64,
     /// The fraction of that step that was taken: more than 1 along negative curvature.
     pub alpha: f64,
+    /// True if there are equalities.
+    pub has_equalities: bool,
     /// The number of iterations since the barrier function last decreased by more than `mu`.
     pub stalled: usize,
 }
@@ -47,6 +49,7 @@ impl BarrierState {
             complementarity: state.measure * state.iterate.gap() / scale,
             decrease: decrease / scale,
             alpha: state.progress.alpha,
+            has_equalities: !state.iterate.equalities.is_empty(),
             stalled: state.stalled,
         }
     }
@@ -72,24 +75,27 @@ pub struct Monotone {
     /// The exponent $\theta$ of a superlinear reduction: 1.5 as in WB.
     pub power: f64,
     /// The predicted decrease, relative to the barrier parameter summed over all rows, below which that parameter is
-    /// reduced.
-    pub done: f64,
-    /// The number of iterations without a decrease by more than that parameter after which it is also reduced. Rows
-    /// with kinks, such as the distance of two covers, keep the predicted decrease large where
-    /// steps across them are short (tuned on 53 problems of Fetch, UR5, Baxter and Panda: 5 or 15 gain half as much or
-    /// less; 18 of a UR5 with its meshes take a fifth fewer iterations).
+    /// reduced, without and with equalities: along these less accurate minima lead to others, and walks on a free
+    /// horizon to none.
+    pub done: [f64; 2],
+    /// The number of iterations without a decrease by more than that parameter after which it is also reduced, if there
+    /// are no equalities: a step may decrease their violation alone. Rows with kinks, such as the distance of two
+    /// covers, keep the predicted decrease large where steps across them are short (tuned on 53 problems of Fetch, UR5,
+    /// Baxter and Panda: 5 or 15 gain half as much or less; 18 of a UR5 with its meshes take a fifth fewer iterations).
     pub stalled: usize,
 }
 
 impl Default for Monotone {
     fn default() -> Self {
-        Self { factor: 0.2, power: 1.5, done: 1.0, stalled: 8 }
+        Self { factor: 0.2, power: 1.5, done: [1.0, 0.1], stalled: 8 }
     }
 }
 
 impl BarrierUpdate for Monotone {
     fn is_solved(&self, state: &BarrierState) -> bool {
-        state.decrease <= self.done * state.mu || state.stalled >= self.stalled
+        let done = self.done[usize::from(state.has_equalities)];
+        let stalled = !state.has_equalities && state.stalled >= self.stalled;
+        state.decrease <= done * state.mu || stalled
     }
 
     fn next(&self, state: &BarrierState) -> f64 {

@@ -14,7 +14,7 @@ const ROUNDING: f64 = 1e-13;
 /// The largest increase of the barrier function that a decrease of the violation is worth, in multiples of the
 /// multipliers: those of a step are an estimate. Without a bound a motion on a free horizon may shrink to no time, as
 /// each step decreases a small violation of its goal.
-const MAX_PRICE: f64 = 10.0;
+const MAX_PRICE: f64 = 3.0;
 
 /// Takes a fraction of a step that decreases the barrier function sufficiently (NW 3.4) below the largest of its last
 /// values, or that the filter accepts. Returns the predicted decrease of the whole step, or `None` if there is no such

@@ -135,7 +135,7 @@ impl<P: SmoothProgram> Scaled<'_, P> {
             infeasible_cost: INFEASIBLE_COST,
             fraction_to_boundary: TO_BOUND,
             steers: true,
-            barrier: Arc::new(Monotone { done: SOLVED, ..Monotone::default() }),
+            barrier: Arc::new(Monotone { done: [SOLVED; 2], ..Monotone::default() }),
             ..given.clone()
         }
     }

@@ -101,13 +101,23 @@ fn iterations_without_a_decrease_are_counted() {
     assert_eq!(last, Vec::from_iter(0..10), "{stalled:?}");
 }
 
-/// A problem whose predicted decrease remains large counts as solved after some iterations without one.
+/// A problem whose predicted decrease remains large counts as solved after some iterations without one, unless there
+/// are equalities.
 #[test]
 fn a_stalled_barrier_problem_is_solved() {
-    let at = |stalled| BarrierState { mu: 0.1, complementarity: 0.1, decrease: 10.0, alpha: 1e-3, stalled };
+    let at = |stalled, has_equalities| BarrierState {
+        mu: 0.1,
+        complementarity: 0.1,
+        decrease: 10.0,
+        alpha: 1e-3,
+        has_equalities,
+        stalled,
+    };
     let rule = Monotone::default();
     let counts = [0, rule.stalled - 1, rule.stalled];
-    assert_eq!(counts.map(|stalled| rule.is_solved(&at(stalled))), [false, false, true]);
+    let [without, with] = [false, true].map(|has| counts.map(|stalled| rule.is_solved(&at(stalled, has))));
+    assert_eq!(without, [false, false, true]);
+    assert_eq!(with, [false; 3]);
 }
 
 /// $(x^2 - 1)^2 + 1$, and a row far away.

@@ -311,13 +311,17 @@ impl<K: Constraint + Send + Sync, P: CostWithControl> Multistart<'_, '_, '_, K, 
     }
 }
 
+/// The violation at a low degree up to which starts are compared by their costs, relative to the accepted one: a higher
+/// degree removes so much of it.
+const SMALL: f64 = 10.0;
+
 /// Drops all but the best `kept` of the runs at this level, for a goal that is a set: they differ in their ends, which
 /// the costs at a low degree rank well, and each run takes a whole search at the next degree.
 fn keep_best(runs: &mut Vec<Run>, index: usize, feasible: f64, kept: usize) {
     let (mut here, waiting): (Vec<_>, Vec<_>) = runs.drain(..).partition(|run| run.first <= index);
     let order = |run: &Run| {
         let Candidate { violation, objective, .. } = run.candidate;
-        (violation.max(feasible), objective)
+        (violation.max(SMALL * feasible), objective)
     };
     here.sort_by(|a, b| {
         let [(off, cost), (beside, other)] = [a, b].map(order);
